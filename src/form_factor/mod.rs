@@ -1,0 +1,41 @@
+//! The unoccluded kernel and its integrals, in f64.
+//!
+//! `F_rs` is the fraction of the power leaving receiver r that would arrive at source s with nothing in between. Both are
+//! one-sided: what lies behind either plane counts nothing.
+
+mod exact;
+mod lambert;
+mod quadrature;
+
+use crate::geometry::Polygon;
+
+pub(crate) use exact::exact_exchange;
+pub(crate) use lambert::{kernel, point_to_polygon};
+pub(crate) use quadrature::estimate_exchange;
+
+/// An integral with the error that its quadrature claims.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// The claimed absolute error; an estimate, no bound.
+    pub error: f64,
+}
+
+/// The form factor from the point `receiver` with unit normal `normal` to `source`: exact, by Lambert's sum over the edges of the
+/// polygon clipped to the horizon.
+///
+/// Relative error about 1e-14 of the largest edge term; 0 where `source` is behind the horizon or seen from its back.
+pub fn point_form_factor(receiver: [f64; 3], normal: [f64; 3], source: &Polygon) -> f64 {
+    point_to_polygon(receiver.into(), normal.into(), &source.facet())
+}
+
+/// `A_r F_rs` in m^2 between two polygons: exact, symmetric in its arguments.
+pub fn exact_area_form_factor(receiver: &Polygon, source: &Polygon) -> f64 {
+    exact_exchange(&receiver.facet(), &source.facet())
+}
+
+/// `A_r F_rs` in m^2 by quadrature chosen by distance, with relative error about `accuracy`; symmetric in its arguments.
+pub fn estimate_area_form_factor(receiver: &Polygon, source: &Polygon, accuracy: f64) -> Estimate {
+    estimate_exchange(&receiver.facet(), &source.facet(), accuracy)
+}

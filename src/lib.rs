@@ -1,0 +1,24 @@
+//! Hierarchical radiosity for polygonal scenes: view-independent diffuse global illumination, with an error figure.
+//!
+//! Patchlight solves the radiosity equation
+//!
+//! ```text
+//! B(x) = E(x) + rho(x) * Integral k(x, y) V(x, y) B(y) dy,      k = cos_x cos_y / (pi |x - y|^2)
+//! ```
+//!
+//! over planar polygons. ARCHITECTURE.md draws the layers; each module imports only from modules above it in the list below.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
+pub mod form_factor;
+pub mod geometry;
+pub mod hierarchy;
+pub mod links;
+pub mod output;
+pub mod pipeline;
+pub mod progress;
+pub mod reconstruct;
+pub mod scene;
+pub mod solve;
+pub mod sweep;
+pub mod transmittance;
+pub mod visibility;

@@ -1,0 +1,1 @@
+//! Files: reads results, computes nothing.

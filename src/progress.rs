@@ -1,0 +1,55 @@
+//! How long work tells its progress and is cancelled. The library itself prints nothing and installs no signal handler.
+
+use serde::Serialize;
+
+/// What is being worked on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// Building the visibility backend and the hierarchy.
+    Build,
+    /// Deciding pairs of nodes and making links.
+    Refine,
+    /// Gathering over links and push-pull.
+    Gather,
+    /// Estimating the error of what has been found.
+    Error,
+    /// Evaluating values at points.
+    Sample,
+    /// Rendering a picture.
+    Render,
+}
+
+/// A report from inside a stage.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Progress {
+    /// The stage that reports.
+    pub stage: Stage,
+    /// The round of refinement, counted from 1; 0 outside of rounds.
+    pub round: u32,
+    /// The part of the stage that is done, 0 to 1, where it is known.
+    pub fraction: Option<f64>,
+    /// Links so far.
+    pub links: u64,
+    /// Elements so far.
+    pub elements: u64,
+    /// The last error estimate in the norm of `--error`, where there is one.
+    pub error: Option<f64>,
+}
+
+/// Receives progress and says when to stop. Called from worker threads, often: return quickly.
+pub trait Observer: Sync {
+    /// Called every now and then while work goes on.
+    fn progress(&self, _progress: &Progress) {}
+
+    /// Asked every now and then; once it says `true` the work ends soon and says so in its result.
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Observes nothing and never cancels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Observer for Silent {}

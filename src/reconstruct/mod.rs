@@ -1,0 +1,27 @@
+//! Values at points, from a solution: the gather at the point.
+
+mod camera;
+mod image;
+
+pub use camera::Camera;
+pub use image::Image;
+
+/// A point that lies on a surface, with the normal of the side that is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// In metres.
+    pub position: [f64; 3],
+    /// Unit normal of the side that is looked at.
+    pub normal: [f64; 3],
+}
+
+/// Radiosities at points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Values {
+    /// Channels per value.
+    pub channels: usize,
+    /// `channels` radiosities per point in W/m^2, point after point; NaN at points that lie on no surface.
+    pub radiosity: Vec<f32>,
+    /// How many points lie on no surface.
+    pub missed: usize,
+}

@@ -1,0 +1,164 @@
+//! What is lit: surfaces with materials, validated and immutable from here on.
+
+pub mod import;
+mod material;
+mod planes;
+
+pub use material::Material;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::geometry::{Aabb, Polygon};
+
+/// Which sides of a face emit and receive. Every face occludes from both.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sides {
+    /// The front, where the vertices run counter-clockwise.
+    #[default]
+    Front,
+    /// Both: each face becomes two surfaces back to back, each with the exitance of the face.
+    Both,
+}
+
+/// The number of a surface in its scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct SurfaceId(pub u32);
+
+impl SurfaceId {
+    /// The id as an index.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A planar convex one-sided polygon of one material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Surface {
+    /// Its shape; the front emits and receives.
+    pub polygon: Polygon,
+    /// Index into [`Scene::materials`].
+    pub material: u32,
+    /// The 0-based number of the face in the input file that it comes from.
+    pub face: u32,
+    /// Its group of coplanar surfaces: a surface never hides anything from a point in its own plane.
+    pub(crate) plane: u32,
+    /// The surface on the back of the same sheet, if there is one.
+    pub(crate) twin: Option<SurfaceId>,
+}
+
+/// Why a scene cannot be made.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SceneError {
+    /// There is nothing to light.
+    #[error("the scene has no surface")]
+    Empty,
+    /// A surface names a material that is not there.
+    #[error("surface {surface} has material {material}, but there are only {count}")]
+    NoSuchMaterial {
+        /// Index of the surface.
+        surface: usize,
+        /// The material it names.
+        material: u32,
+        /// How many there are.
+        count: usize,
+    },
+    /// A material has a wrong number of channels, a reflectance outside [0, 1) or an exitance that is negative or not finite.
+    #[error("material '{name}': {reason}")]
+    BadMaterial {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// More than 2^31 surfaces.
+    #[error("too many surfaces")]
+    TooLarge,
+}
+
+/// Surfaces and materials. Immutable: every later stage relies on what [`Scene::new`] checked.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    channels: usize,
+    materials: Vec<Material>,
+    surfaces: Vec<Surface>,
+    sides: Sides,
+}
+
+impl Scene {
+    /// A scene of `faces` (polygon, material index, number of the face in the input), in the order given.
+    ///
+    /// With [`Sides::Both`] each face is followed by its twin, except where the input has the twin itself.
+    ///
+    /// # Errors
+    /// See [`SceneError`].
+    pub fn new(
+        channels: usize,
+        materials: Vec<Material>,
+        faces: Vec<(Polygon, u32, u32)>,
+        sides: Sides,
+    ) -> Result<Self, SceneError> {
+        // Every material must have as many channels as the scene, with values in range.
+        for material in &materials {
+            material.validate(channels)?;
+        }
+        if faces.is_empty() {
+            return Err(SceneError::Empty);
+        }
+        if faces.len() > (1 << 30) {
+            return Err(SceneError::TooLarge);
+        }
+        let count = materials.len();
+        if let Some((surface, &(_, material, _))) = faces.iter().enumerate().find(|(_, face)| face.1 as usize >= count) {
+            return Err(SceneError::NoSuchMaterial { surface, material, count });
+        }
+
+        let surfaces =
+            faces.into_iter().map(|(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None }).collect();
+        let mut scene = Self { channels, materials, surfaces, sides };
+        scene.add_twins();
+        scene.group_planes();
+        Ok(scene)
+    }
+
+    /// Adds the back sides where both sides emit and receive.
+    fn add_twins(&mut self) {
+        // Filled in by the scene layer's owner.
+    }
+
+    /// How many spectral channels there are: 1 for grey, 3 for linear Rec.709 RGB, N for bands.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// The materials.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// The surfaces.
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.surfaces
+    }
+
+    /// One surface.
+    pub fn surface(&self, id: SurfaceId) -> &Surface {
+        &self.surfaces[id.index()]
+    }
+
+    /// The material of a surface.
+    pub fn material_of(&self, id: SurfaceId) -> &Material {
+        &self.materials[self.surface(id).material as usize]
+    }
+
+    /// Which sides of the input faces emit and receive.
+    pub fn sides(&self) -> Sides {
+        self.sides
+    }
+
+    /// The box around all surfaces.
+    pub fn bounds(&self) -> Aabb {
+        self.surfaces.iter().map(|surface| surface.polygon.bounds()).fold(Aabb::EMPTY, Aabb::union)
+    }
+}

@@ -1,0 +1,113 @@
+//! What a solve tells about itself.
+
+use serde::Serialize;
+
+/// Why refinement ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StoppedBy {
+    /// The claimed error is at most the requested one.
+    #[default]
+    Error,
+    /// `max_links` was reached.
+    MaxLinks,
+    /// The memory budget was reached.
+    Memory,
+    /// The time limit was reached.
+    Time,
+    /// The observer cancelled.
+    Cancelled,
+    /// Refinement ends here: nothing more can be gained.
+    Exhausted,
+}
+
+/// How much of everything there is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// Surfaces of the scene.
+    pub surfaces: u64,
+    /// Occluding triangles.
+    pub triangles: u64,
+    /// Clusters of surfaces.
+    pub clusters: u64,
+    /// Elements, surfaces that were not split included.
+    pub elements: u64,
+    /// Links.
+    pub links: u64,
+    /// Dormant pairs.
+    pub dormant: u64,
+    /// Visibility rays of every kind.
+    pub rays: u64,
+    /// Sweeps of gather and push-pull.
+    pub iterations: u64,
+    /// Rounds of refinement.
+    pub rounds: u64,
+}
+
+/// The error that is claimed, in the norm of [`SolveOptions::error`](super::SolveOptions::error).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ErrorReport {
+    /// What was asked for.
+    pub requested: f64,
+    /// The claim: an upper confidence limit of the measured error.
+    pub estimate: f64,
+    /// The probability with which the claim holds, as far as the estimate's own statistics tell.
+    pub confidence: f64,
+    /// The measured error itself, without the allowance for its noise.
+    pub measured: f64,
+}
+
+/// Where the power goes, in W, all channels added.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Energy {
+    /// Emitted by all surfaces.
+    pub emitted: f64,
+    /// Absorbed by all surfaces.
+    pub absorbed: f64,
+    /// Left through openings: what no form factor accounts for.
+    pub escaped: f64,
+    /// What the last iteration still changed.
+    pub residual: f64,
+}
+
+/// Seconds of wall time by stage, as far as the library spends them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct StageTimes {
+    /// Visibility structure and hierarchy.
+    pub build: f64,
+    /// Deciding pairs.
+    pub refine: f64,
+    /// Answering visibility, added over threads.
+    pub visibility: f64,
+    /// Form factors, added over threads.
+    pub form_factor: f64,
+    /// Gathering over links.
+    pub gather: f64,
+    /// Push-pull.
+    pub push_pull: f64,
+    /// Estimating the error.
+    pub error: f64,
+}
+
+/// What a solve tells about itself: everything that is not the answer.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SolveReport {
+    /// Name and version of the backend that answered.
+    pub backend: String,
+    /// Seconds by stage.
+    pub time_s: StageTimes,
+    /// How much of everything there is.
+    pub counts: Counts,
+    /// The claimed error.
+    pub error: ErrorReport,
+    /// Where the power goes.
+    pub energy: Energy,
+    /// Bytes of the solution: hierarchy, links, radiosities.
+    pub memory_bytes: u64,
+    /// Work that was not done, with its count, in words.
+    pub skipped: Vec<(String, u64)>,
+    /// Whether the requested error is reached.
+    pub converged: bool,
+    /// Why refinement ended.
+    pub stopped_by: StoppedBy,
+}
