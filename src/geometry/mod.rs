@@ -1,13 +1,17 @@
-//! Planar polygons, boxes, frames and sample points in f64. Knows no scene.
+//! Planar polygons, clipping, boxes, frames, sample and quadrature points in f64. Knows no scene.
 //!
 //! Points and directions cross the public API as `[f64; 3]`; inside the crate they are `glam::DVec3`.
 
 mod aabb;
+mod clip;
 mod facet;
 mod frame;
+mod gauss;
 mod polygon;
 
 pub use aabb::Aabb;
+pub(crate) use clip::{Clip, ClippedFacet, clip_to_front, plane_noise};
 pub(crate) use facet::Facet;
 pub(crate) use frame::Frame;
+pub(crate) use gauss::{MAX_GAUSS_POINTS, for_each_gauss_point, gauss_rule};
 pub use polygon::{Polygon, PolygonError};
