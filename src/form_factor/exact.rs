@@ -1,8 +1,101 @@
-//! Between two polygons, exactly.
+//! Between two polygons, exactly: `A_r F_rs`, the integral of the kernel over both.
+//!
+//! The polygons are first clipped to what is in front of the other's plane. From there the integrand has no kinks and each of three
+//! ways reaches 1e-11 in its place; distance and sizes choose:
+//!
+//! - near or touching, sizes alike: the double contour integral, see `contour`;
+//! - one polygon small beside the distance: Lambert's sum at Gauss points of the small one;
+//! - both small beside the distance: the kernel at Gauss points of both, where contour and Lambert cancel.
+//!
+//! Everything is computed in an order that geometry alone decides, so exchanging the arguments changes no bit. Cost: 1 to 100 us.
 
-use crate::geometry::Facet;
+use std::cmp::Ordering;
 
-/// `A_r F_rs`, exact.
+use super::contour::{PanelRule, contour_exchange};
+use super::lambert::{kernel, point_to_polygon};
+use crate::geometry::{Clip, Facet, clip_to_front, for_each_gauss_point};
+
+/// `A_r F_rs` in m^2: relative error about 1e-11, 0 between polygons that face away from each other or lie in one plane.
+///
+/// Bit for bit symmetric in its arguments.
 pub(crate) fn exact_exchange(receiver: &Facet<'_>, source: &Facet<'_>) -> f64 {
-    super::estimate_exchange(receiver, source, 1e-3).value
+    with_visible_parts(receiver, source, 0.0, exchange_of_facing)
+}
+
+/// Calls `body(small, large)` with the parts of two polygons that are in front of each other, in an order that does not depend on
+/// which is the receiver; `otherwise` if there are none.
+pub(super) fn with_visible_parts<T>(
+    receiver: &Facet<'_>,
+    source: &Facet<'_>,
+    otherwise: T,
+    body: impl FnOnce(&Facet<'_>, &Facet<'_>) -> T,
+) -> T {
+    let receiver_part = clip_to_front(receiver, source.vertices[0], source.normal);
+    let source_part = clip_to_front(source, receiver.vertices[0], receiver.normal);
+    let (a, b) = match (&receiver_part, &source_part) {
+        (Clip::Nothing, _) | (_, Clip::Nothing) => return otherwise,
+        (Clip::Whole, Clip::Whole) => (*receiver, *source),
+        (Clip::Whole, Clip::Part(source)) => (*receiver, source.facet()),
+        (Clip::Part(receiver), Clip::Whole) => (receiver.facet(), *source),
+        (Clip::Part(receiver), Clip::Part(source)) => (receiver.facet(), source.facet()),
+    };
+    match compare(&a, &b) {
+        Ordering::Greater => body(&b, &a),
+        _ => body(&a, &b),
+    }
+}
+
+/// Smaller first; among equals the order of the coordinates decides. Polygons that compare equal lie in one plane.
+fn compare(a: &Facet<'_>, b: &Facet<'_>) -> Ordering {
+    let key = |f: &Facet<'_>| [f.radius, f.area, f.centroid.x, f.centroid.y, f.centroid.z, f.normal.x, f.normal.y, f.normal.z];
+    let unequal = key(a).into_iter().zip(key(b)).map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
+    unequal.unwrap_or(Ordering::Equal)
+}
+
+/// Two polygons entirely in front of each other, the smaller first.
+fn exchange_of_facing(small: &Facet<'_>, large: &Facet<'_>) -> f64 {
+    // From the centre of one to the nearest point of the other, in radii.
+    let small_clearance = large.distance_to(small.centroid) / small.radius;
+    let large_clearance = small.distance_to(large.centroid) / large.radius;
+
+    let value = if large_clearance > PRODUCT_CLEARANCE {
+        product_exchange(small, large, gauss_points(small_clearance), gauss_points(large_clearance))
+    } else if small_clearance > LAMBERT_CLEARANCE {
+        lambert_exchange(small, large, gauss_points(small_clearance))
+    } else {
+        contour_exchange(small, large, PanelRule::EXACT).value
+    };
+    value.max(0.0)
+}
+
+const PRODUCT_CLEARANCE: f64 = 8.0;
+const LAMBERT_CLEARANCE: f64 = 8.0;
+
+/// How many Gauss points per direction integrate a function to 1e-13 whose singularities are `clearance` half lengths away or more.
+///
+/// The rule converges as `rho^(-2n)` with `rho = clearance + sqrt(clearance^2 - 1)`; two points more pay for the fourth power.
+fn gauss_points(clearance: f64) -> usize {
+    let rho = clearance + (clearance * clearance - 1.0).max(0.0).sqrt();
+    (30.0 / (2.0 * rho.ln())).ceil() as usize + 2
+}
+
+/// Lambert's sum at the Gauss points of `from`.
+pub(super) fn lambert_exchange(from: &Facet<'_>, to: &Facet<'_>, points: usize) -> f64 {
+    let mut sum = 0.0;
+    for_each_gauss_point(from.vertices, from.normal, points, |x, weight| {
+        sum += weight * point_to_polygon(x, from.normal, to);
+    });
+    sum
+}
+
+/// The kernel at the Gauss points of both.
+fn product_exchange(a: &Facet<'_>, b: &Facet<'_>, points_a: usize, points_b: usize) -> f64 {
+    let mut nodes_b = Vec::with_capacity(points_b * points_b * b.vertices.len() / 2);
+    for_each_gauss_point(b.vertices, b.normal, points_b, |y, weight| nodes_b.push((y, weight)));
+    let mut sum = 0.0;
+    for_each_gauss_point(a.vertices, a.normal, points_a, |x, weight| {
+        let row: f64 = nodes_b.iter().map(|&(y, weight)| weight * kernel(x, a.normal, y, b.normal)).sum();
+        sum += weight * row;
+    });
+    sum
 }

@@ -3,6 +3,7 @@
 //! `F_rs` is the fraction of the power leaving receiver r that would arrive at source s with nothing in between. Both are
 //! one-sided: what lies behind either plane counts nothing.
 
+mod contour;
 mod exact;
 mod lambert;
 mod quadrature;
