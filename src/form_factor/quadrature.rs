@@ -1,18 +1,123 @@
-//! Between two polygons, by quadrature chosen by distance.
+//! Between two polygons, as exactly as asked: quadrature chosen by distance.
+//!
+//! With radii R, distance d of the centroids and heights h of each centroid above the other's plane, the relative error of the
+//! kernel between the centroids is of second order,
+//!
+//! ```text
+//! e = sum over both of  R^2/d^2 + 0.3 R^2/(d h),
+//! ```
+//!
+//! the first term from 1/r^4, the second from its product with the heights, which are linear. Lambert's sum at the centroid of
+//! the smaller polygon has no error from the larger one; there d is the distance to the larger polygon and only the smaller one
+//! counts. Rules with more points have powers of e. The factors and powers of all claims are empirical: over 50,000 random
+//! pairs of all kinds (bench `form_factor` has the generator's successor) each claim held for at least 99.8%.
+//!
+//! The rules, cheapest first: kernel between centroids, Lambert at the centroid, kernel at 2x2 points of each, Lambert at 2x2 and 3x3
+//! points, the contour integral to few digits, `exact_exchange`. The first whose claim is within the accuracy is used. The
+//! clipped polygons and the order in which they are used depend on geometry alone, so the arguments can be exchanged.
 
-use super::{Estimate, point_to_polygon};
-use crate::geometry::Facet;
+use super::Estimate;
+use super::contour::{PanelRule, contour_exchange};
+use super::exact::{exact_exchange_of_facing, lambert_exchange, product_exchange, with_visible_parts};
+use super::{kernel, point_to_polygon};
+use crate::geometry::{Clip, Facet, clip_to_front, for_each_gauss_point};
 
-/// `A_r F_rs` with relative error about `accuracy`.
-pub(crate) fn estimate_exchange(receiver: &Facet<'_>, source: &Facet<'_>, _accuracy: f64) -> Estimate {
-    let n = 3;
-    let mut sum = 0.0;
-    for i in 0..n {
-        for j in 0..n {
-            let x = receiver.point_at((i as f64 + 0.5) / n as f64, (j as f64 + 0.5) / n as f64);
-            sum += point_to_polygon(x, receiver.normal, source);
+/// What `exact_exchange` claims, relative.
+const EXACT_ACCURACY: f64 = 1e-10;
+
+/// `A_r F_rs` in m^2 with relative error about `accuracy`, and the error that the chosen rule claims: an estimate, no bound.
+///
+/// Bit for bit symmetric in its arguments. An `accuracy` of 0, below 0 or NaN asks for the exact value.
+pub(crate) fn estimate_exchange(receiver: &Facet<'_>, source: &Facet<'_>, accuracy: f64) -> Estimate {
+    with_visible_parts(receiver, source, Estimate { value: 0.0, error: 0.0 }, |small, large| {
+        estimate_of_facing(small, large, accuracy)
+    })
+}
+
+/// Two polygons entirely in front of each other, the smaller first.
+fn estimate_of_facing(small: &Facet<'_>, large: &Facet<'_>, accuracy: f64) -> Estimate {
+    let claim = |value: f64, relative: f64| Estimate { value, error: relative * value };
+
+    // Both far from each other: the kernel between the centroids.
+    let distance = small.centroid.distance(large.centroid);
+    let height_of_small = large.normal.dot(small.centroid - large.centroid);
+    let height_of_large = small.normal.dot(large.centroid - small.centroid);
+    let order = second_order(small.radius, distance, height_of_small) + second_order(large.radius, distance, height_of_large);
+    if order <= accuracy {
+        let mean = kernel(small.centroid, small.normal, large.centroid, large.normal);
+        return claim(small.area * large.area * mean, order);
+    }
+
+    // The smaller one far from the other, seen in its own measure: Lambert's sum, at one point if that will do.
+    let gap = large.distance_to(small.centroid);
+    let order_of_small = second_order(small.radius, gap, height_of_small);
+    if order_of_small <= accuracy {
+        return claim(small.area * point_to_polygon(small.centroid, small.normal, large), order_of_small);
+    }
+    if error_2x2(order) <= accuracy {
+        return claim(product_exchange(small, large, 2, 2), error_2x2(order));
+    }
+    if error_2x2(order_of_small) <= accuracy {
+        return claim(lambert_exchange(small, large, 2), error_2x2(order_of_small));
+    }
+    if error_3x3(order_of_small) <= accuracy {
+        return claim(lambert_exchange(small, large, 3), error_3x3(order_of_small));
+    }
+
+    // Near or touching: the contour, whose terms tell how much will cancel and so which precision it takes.
+    let mut cancellation = 0.0;
+    for (rule, share) in CONTOUR_RULES {
+        if share * cancellation > accuracy {
+            continue;
+        }
+        let integral = contour_exchange(small, large, rule);
+        cancellation = integral.magnitude / integral.value;
+        if cancellation > 0.0 && share * cancellation <= accuracy {
+            return claim(integral.value, share * cancellation);
         }
     }
-    let value = receiver.area * sum / (n * n) as f64;
-    Estimate { value, error: 1e-2 * value }
+    claim(exact_exchange_of_facing(small, large), EXACT_ACCURACY)
+}
+
+/// The relative error of the mid-point rule on one polygon, to second order.
+#[inline]
+fn second_order(radius: f64, distance: f64, height: f64) -> f64 {
+    radius * radius / distance * (1.0 / distance + 0.3 / height)
+}
+
+/// The relative error of 2x2 points where the mid-point rule has `order`.
+#[inline]
+fn error_2x2(order: f64) -> f64 {
+    if order < 1.0 { 0.2 * order * order.sqrt() } else { f64::INFINITY }
+}
+
+/// The relative error of 3x3 points where the mid-point rule has `order`.
+#[inline]
+fn error_3x3(order: f64) -> f64 {
+    if order < 1.0 { 0.05 * order * order * order.sqrt() } else { f64::INFINITY }
+}
+
+/// Contour integrals of rising precision, each with its error as a share of the magnitudes that cancel in it.
+const CONTOUR_RULES: [(PanelRule, f64); 3] = [
+    (PanelRule { digits: 4.0, max_points: 4, max_halvings: 1 }, 1e-3),
+    (PanelRule { digits: 6.0, max_points: 4, max_halvings: 3 }, 5e-5),
+    (PanelRule { digits: 10.0, max_points: 6, max_halvings: 6 }, 5e-7),
+];
+
+/// `A_r F_rs` in m^2 by Lambert's sum at `points` by `points` Gauss points of the receiver, which are not those of the source: not
+/// symmetric, and so a check on what is.
+///
+/// The claimed error is empirical like the others. `points` is at least 2.
+pub(crate) fn sided_exchange(receiver: &Facet<'_>, source: &Facet<'_>, points: usize) -> Estimate {
+    let clipped = clip_to_front(receiver, source.vertices[0], source.normal);
+    let receiver = match &clipped {
+        Clip::Whole => *receiver,
+        Clip::Part(part) => part.facet(),
+        Clip::Nothing => return Estimate { value: 0.0, error: 0.0 },
+    };
+    let points = points.max(2);
+    let coarse = lambert_exchange(&receiver, source, points - 1);
+    let value = lambert_exchange(&receiver, source, points);
+
+    Estimate { value, error: (value - coarse).abs() }
 }

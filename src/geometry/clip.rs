@@ -1,4 +1,4 @@
-//! Cutting a convex polygon to what is in front of a plane.
+//! Cutting a convex polygon: to what is in front of a plane, or into pieces.
 
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ pub(crate) fn plane_noise(a: DVec3, b: DVec3) -> f64 {
     ULPS * f64::EPSILON * (a.abs() + b.abs()).max_element()
 }
 
-/// A planar convex polygon of its own: what a plane leaves of a [`Facet`].
+/// A planar convex polygon that owns its vertices: a part of a [`Facet`].
 #[derive(Clone, Debug)]
 pub(crate) struct ClippedFacet {
     vertices: Vec<DVec3>,
@@ -49,6 +49,19 @@ impl ClippedFacet {
     }
 }
 
+/// `facet` cut into quadrilaterals, one per vertex, by lines from its centroid to the middles of its edges.
+pub(crate) fn pieces_around_centroid(facet: &Facet<'_>) -> Vec<ClippedFacet> {
+    let count = facet.vertices.len();
+    let vertex = |k: usize| facet.vertices[k % count];
+    (0..count)
+        .filter_map(|k| {
+            let (before, here, after) = (vertex(k + count - 1), vertex(k), vertex(k + 1));
+            let corners = vec![0.5 * (before + here), here, 0.5 * (here + after), facet.centroid];
+            ClippedFacet::measured(corners, facet.normal)
+        })
+        .collect()
+}
+
 /// What a plane leaves of a polygon.
 #[derive(Clone, Debug)]
 pub(crate) enum Clip {
@@ -69,7 +82,15 @@ pub(crate) fn clip_to_front(facet: &Facet<'_>, origin: DVec3, normal: DVec3) -> 
         if height.abs() <= plane_noise(v, origin) { 0.0 } else { height }
     };
 
-    // Most polygons are on one side.
+    // Most polygons are on one side, and most of those by far.
+    let centre = normal.dot(facet.centroid - origin);
+    let reach = facet.radius + plane_noise(facet.centroid, origin);
+    if centre >= reach {
+        return Clip::Whole;
+    }
+    if centre <= -reach {
+        return Clip::Nothing;
+    }
     let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
     for &v in facet.vertices {
         let height = height(v);
