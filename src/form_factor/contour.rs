@@ -149,7 +149,18 @@ fn find_singularities(outer: &Edge, inner: &[Edge], found: &mut Vec<Singularity>
 /// A rule of n points converges as `rho^(-2n)`, rho the sum of the half axes of the largest ellipse around the panel, with foci at
 /// its ends and half length 1, that has no singularity inside (Trefethen 2013, theorem 19.3).
 fn integrate_panels(length: f64, singularities: &[Singularity], rule: PanelRule, visit: &mut impl FnMut(f64, f64)) {
-    let mut panels = vec![(0.0, length, 0)];
+    // Start with panels that end where a singularity is on the edge or close to it.
+    const CLOSE: f64 = 0.05;
+    let mut breaks: Vec<f64> = singularities
+        .iter()
+        .filter(|singularity| singularity.off < CLOSE * length && singularity.along > 0.0 && singularity.along < length)
+        .map(|singularity| singularity.along)
+        .chain([0.0, length])
+        .collect();
+    breaks.sort_by(f64::total_cmp);
+    breaks.dedup_by(|b, a| *b - *a < 1e-9 * length);
+    let mut panels: Vec<(f64, f64, u32)> = breaks.windows(2).map(|ends| (ends[0], ends[1], 0)).collect();
+
     while let Some((from, to, halvings)) = panels.pop() {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let axis = singularities

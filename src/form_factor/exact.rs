@@ -32,6 +32,12 @@ pub(super) fn with_visible_parts<T>(
     otherwise: T,
     body: impl FnOnce(&Facet<'_>, &Facet<'_>) -> T,
 ) -> T {
+    // Most pairs are in front of each other by far.
+    let between = source.centroid - receiver.centroid;
+    if receiver.normal.dot(between) > CERTAINLY * source.radius && -source.normal.dot(between) > CERTAINLY * receiver.radius {
+        return in_order(receiver, source, body);
+    }
+
     let receiver_part = clip_to_front(receiver, source.vertices[0], source.normal);
     let source_part = clip_to_front(source, receiver.vertices[0], receiver.normal);
     let (a, b) = match (&receiver_part, &source_part) {
@@ -41,9 +47,18 @@ pub(super) fn with_visible_parts<T>(
         (Clip::Part(receiver), Clip::Whole) => (receiver.facet(), *source),
         (Clip::Part(receiver), Clip::Part(source)) => (receiver.facet(), source.facet()),
     };
-    match compare(&a, &b) {
-        Ordering::Greater => body(&b, &a),
-        _ => body(&a, &b),
+    in_order(&a, &b, body)
+}
+
+/// Wide enough for what rounding and the tolerance of planarity do to a height.
+const CERTAINLY: f64 = 1.001;
+
+/// Calls `body` with the smaller first.
+#[inline]
+fn in_order<T>(a: &Facet<'_>, b: &Facet<'_>, body: impl FnOnce(&Facet<'_>, &Facet<'_>) -> T) -> T {
+    match compare(a, b) {
+        Ordering::Greater => body(b, a),
+        _ => body(a, b),
     }
 }
 
