@@ -15,7 +15,7 @@ use glam::DVec3;
 
 use super::contour::{PanelRule, contour_exchange};
 use super::lambert::{kernel, point_to_polygon};
-use crate::geometry::{Clip, Facet, clip_to_front, for_each_gauss_point, pieces_around_centroid};
+use crate::geometry::{Clip, Facet, clip_to_front, for_each_gauss_point, halves};
 
 /// `A_r F_rs` in m^2: relative error about 1e-11, 0 between polygons that face away from each other or lie in one plane.
 ///
@@ -74,6 +74,11 @@ fn compare(a: &Facet<'_>, b: &Facet<'_>) -> Ordering {
 
 /// Two polygons entirely in front of each other, the smaller first.
 pub(super) fn exact_exchange_of_facing(small: &Facet<'_>, large: &Facet<'_>) -> f64 {
+    exchange(small, large, MOST_CUTS)
+}
+
+/// The same, with `large` cut up to `cuts_left` times.
+fn exchange(small: &Facet<'_>, large: &Facet<'_>, cuts_left: u32) -> f64 {
     // From the centre of one to the nearest point of the other, in radii.
     let small_clearance = large.distance_to(small.centroid) / small.radius;
     let large_clearance = small.distance_to(large.centroid) / large.radius;
@@ -85,8 +90,8 @@ pub(super) fn exact_exchange_of_facing(small: &Facet<'_>, large: &Facet<'_>) -> 
         return lambert_exchange(small, large, gauss_points(small_clearance));
     }
     let integral = contour_exchange(small, large, PanelRule::EXACT);
-    if integral.magnitude > WORST_CANCELLATION * integral.value && large.radius > 2.0 * small.radius {
-        return pieces_around_centroid(large).iter().map(|piece| exact_exchange_of_facing(small, &piece.facet())).sum();
+    if integral.magnitude > WORST_CANCELLATION * integral.value && large.radius > 2.0 * small.radius && cuts_left > 0 {
+        return halves(large).map(|half| exchange(small, &half.facet(), cuts_left - 1)).sum();
     }
     integral.value.max(0.0)
 }
@@ -94,9 +99,12 @@ pub(super) fn exact_exchange_of_facing(small: &Facet<'_>, large: &Facet<'_>) -> 
 /// From this distance, in radii, Gauss points are both cheaper and more exact than the contour. Empirical, see bench `form_factor`.
 const GAUSS_CLEARANCE: f64 = 8.0;
 
-/// A contour integral that lost more than this factor to cancellation is taken apart: pieces of the large polygon that are far from
-/// the small one are then out of it, and those that are near are of its size.
+/// A contour integral that lost more than this factor to cancellation is taken apart: halves of the large polygon that are far from
+/// the small one are then out of it, and those that are near come down to its size.
 const WORST_CANCELLATION: f64 = 1e5;
+
+/// Enough to come from any size to any other that f64 can tell apart.
+const MOST_CUTS: u32 = 100;
 
 /// How many Gauss points per direction integrate a function to 1e-13 whose singularities are `clearance` half lengths away or more.
 ///

@@ -29,7 +29,7 @@ const EXACT_ACCURACY: f64 = 1e-10;
 
 /// `A_r F_rs` in m^2 with relative error about `accuracy`, and the error that the chosen rule claims: an estimate, no bound.
 ///
-/// Bit for bit symmetric in its arguments. An `accuracy` of 0, below 0 or NaN asks for the exact value.
+/// Bit for bit symmetric in its arguments. An `accuracy` below 1e-10 or NaN asks for the exact value.
 pub(crate) fn estimate_exchange(receiver: &Facet<'_>, source: &Facet<'_>, accuracy: f64) -> Estimate {
     with_visible_parts(receiver, source, Estimate { value: 0.0, error: 0.0 }, |small, large| {
         estimate_of_facing(small, large, accuracy)
@@ -39,6 +39,9 @@ pub(crate) fn estimate_exchange(receiver: &Facet<'_>, source: &Facet<'_>, accura
 /// Two polygons entirely in front of each other, the smaller first.
 fn estimate_of_facing(small: &Facet<'_>, large: &Facet<'_>, accuracy: f64) -> Estimate {
     let claim = |value: f64, relative: f64| Estimate { value, error: relative * value };
+    if accuracy.is_nan() || accuracy <= EXACT_ACCURACY {
+        return claim(exact_exchange_of_facing(small, large), EXACT_ACCURACY);
+    }
 
     // Both far from each other: the kernel between the centroids, h h / (pi d^4).
     let between = large.centroid - small.centroid;

@@ -1,4 +1,4 @@
-//! Cutting a convex polygon: to what is in front of a plane, or into pieces.
+//! Cutting a convex polygon: to what is in front of a plane, or in halves.
 
 use glam::DVec3;
 
@@ -49,17 +49,15 @@ impl ClippedFacet {
     }
 }
 
-/// `facet` cut into quadrilaterals, one per vertex, by lines from its centroid to the middles of its edges.
-pub(crate) fn pieces_around_centroid(facet: &Facet<'_>) -> Vec<ClippedFacet> {
-    let count = facet.vertices.len();
-    let vertex = |k: usize| facet.vertices[k % count];
-    (0..count)
-        .filter_map(|k| {
-            let (before, here, after) = (vertex(k + count - 1), vertex(k), vertex(k + 1));
-            let corners = vec![0.5 * (before + here), here, 0.5 * (here + after), facet.centroid];
-            ClippedFacet::measured(corners, facet.normal)
-        })
-        .collect()
+/// `facet` cut in two through its centroid, across the line to its farthest vertex; fewer where a half has no area.
+pub(crate) fn halves(facet: &Facet<'_>) -> impl Iterator<Item = ClippedFacet> {
+    let to_vertex = facet.vertices.iter().map(|&v| v - facet.centroid);
+    let farthest = to_vertex.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(DVec3::X);
+    let across = farthest.normalize_or_zero();
+    [across, -across].into_iter().filter_map(|normal| match clip_to_front(facet, facet.centroid, normal) {
+        Clip::Part(half) => Some(half),
+        Clip::Whole | Clip::Nothing => None,
+    })
 }
 
 /// What a plane leaves of a polygon.
@@ -154,6 +152,16 @@ mod tests {
         assert!(matches!(clip_to_front(&square.facet(), DVec3::ZERO, DVec3::X), Clip::Whole));
         assert!(matches!(clip_to_front(&square.facet(), DVec3::X, DVec3::X), Clip::Nothing));
         assert!(matches!(clip_to_front(&square.facet(), DVec3::ZERO, DVec3::Z), Clip::Nothing));
+    }
+
+    #[test]
+    fn halves_share_the_area_and_are_shorter() {
+        let sliver = Polygon::new(&[[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [8.0, 0.1, 0.0], [0.0, 0.1, 0.0]]).unwrap();
+        let sliver = sliver.facet();
+        let halves: Vec<_> = halves(&sliver).collect();
+        assert_eq!(halves.len(), 2);
+        assert!((halves.iter().map(|half| half.facet().area).sum::<f64>() - sliver.area).abs() < 1e-15);
+        assert!(halves.iter().all(|half| half.facet().radius < 0.51 * sliver.radius));
     }
 
     #[test]

@@ -10,7 +10,7 @@ mod gauss;
 mod polygon;
 
 pub use aabb::Aabb;
-pub(crate) use clip::{Clip, clip_to_front, pieces_around_centroid, plane_noise};
+pub(crate) use clip::{Clip, clip_to_front, halves, plane_noise};
 pub(crate) use facet::Facet;
 pub(crate) use frame::Frame;
 pub(crate) use gauss::{MAX_GAUSS_POINTS, for_each_gauss_point, gauss_rule};
