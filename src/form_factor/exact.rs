@@ -74,7 +74,7 @@ fn compare(a: &Facet<'_>, b: &Facet<'_>) -> Ordering {
 
 /// Two polygons entirely in front of each other, the smaller first.
 pub(super) fn exact_exchange_of_facing(small: &Facet<'_>, large: &Facet<'_>) -> f64 {
-    exchange(small, large, MOST_CUTS)
+    exchange(small, large, MOST_CUTS).max(0.0)
 }
 
 /// The same, with `large` cut up to `cuts_left` times.
@@ -93,7 +93,7 @@ fn exchange(small: &Facet<'_>, large: &Facet<'_>, cuts_left: u32) -> f64 {
     if integral.magnitude > WORST_CANCELLATION * integral.value && large.radius > 2.0 * small.radius && cuts_left > 0 {
         return halves(large).map(|half| exchange(small, &half.facet(), cuts_left - 1)).sum();
     }
-    integral.value.max(0.0)
+    integral.value
 }
 
 /// From this distance, in radii, Gauss points are both cheaper and more exact than the contour. Empirical, see bench `form_factor`.

@@ -47,6 +47,10 @@ fn estimate_of_facing(small: &Facet<'_>, large: &Facet<'_>, accuracy: f64) -> Es
     let between = large.centroid - small.centroid;
     let height_of_small = -large.normal.dot(between);
     let height_of_large = small.normal.dot(between);
+    if height_of_small <= 0.0 || height_of_large <= 0.0 {
+        // What is in front is in front by rounding only.
+        return claim(0.0, 0.0);
+    }
     let distance_sq = between.length_squared();
     let distance = distance_sq.sqrt();
     let order = second_order(small.radius, distance, height_of_small) + second_order(large.radius, distance, height_of_large);

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::Facet;
+use super::polygon::twice_vector_area;
 
 /// How far from the plane through `b` a point `a` that lies on it may seem to be, in metres: what rounding of the coordinates and of
 /// the dot product leaves.
@@ -35,10 +36,9 @@ impl ClippedFacet {
         // Area and centroid by the fan around vertex 0, as for a polygon of the scene.
         let (mut twice_area, mut moment) = (0.0, DVec3::ZERO);
         for pair in vertices.get(1..)?.windows(2) {
-            let (b, c) = (pair[0] - origin, pair[1] - origin);
-            let twice = b.cross(c).dot(normal);
+            let twice = twice_vector_area(origin, pair[0], pair[1]).dot(normal);
             twice_area += twice;
-            moment += twice * (b + c);
+            moment += twice * ((pair[0] - origin) + (pair[1] - origin));
         }
         if twice_area.is_nan() || twice_area <= 0.0 {
             return None;

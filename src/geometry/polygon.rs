@@ -26,6 +26,20 @@ pub enum PolygonError {
     NotConvex,
 }
 
+/// Twice the area of a triangle along its normal, from the corner between its two shorter edges: a long edge would leave rounding
+/// of its own length in the height of a thin triangle.
+pub(crate) fn twice_vector_area(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    let (ab_sq, bc_sq, ca_sq) = (ab.length_squared(), bc.length_squared(), ca.length_squared());
+    if ab_sq >= bc_sq && ab_sq >= ca_sq {
+        bc.cross(ca)
+    } else if bc_sq >= ca_sq {
+        ca.cross(ab)
+    } else {
+        ab.cross(bc)
+    }
+}
+
 /// A planar convex polygon, one-sided: its front is where the vertices run counter-clockwise. Lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Polygon {
@@ -59,10 +73,10 @@ impl Polygon {
             return Err(PolygonError::NotFinite(bad));
         }
 
-        // Area and normal by Newell's sum around vertex 0, which keeps large offsets out of the products.
+        // Area and normal by the fan of triangles around vertex 0.
         let origin = vertices[0];
-        let edge = |k: usize| vertices[k] - origin;
-        let twice_area: DVec3 = (1..vertices.len() - 1).map(|k| edge(k).cross(edge(k + 1))).sum();
+        let triangle = |k: usize| twice_vector_area(origin, vertices[k], vertices[k + 1]);
+        let twice_area: DVec3 = (1..vertices.len() - 1).map(triangle).sum();
         let area = 0.5 * twice_area.length();
         let longest_sq =
             (0..vertices.len()).map(|k| vertices[k].distance_squared(vertices[(k + 1) % vertices.len()])).fold(0.0, f64::max);
@@ -72,7 +86,8 @@ impl Polygon {
         let normal = twice_area.normalize();
 
         // The centroid weighs each triangle of the fan by its signed area.
-        let moment: DVec3 = (1..vertices.len() - 1).map(|k| edge(k).cross(edge(k + 1)).dot(normal) * (edge(k) + edge(k + 1))).sum();
+        let arms = |k: usize| (vertices[k] - origin) + (vertices[k + 1] - origin);
+        let moment: DVec3 = (1..vertices.len() - 1).map(|k| triangle(k).dot(normal) * arms(k)).sum();
         let centroid = origin + moment / (6.0 * area);
         let radius = vertices.iter().map(|v| v.distance(centroid)).fold(0.0, f64::max);
 
@@ -160,6 +175,16 @@ mod tests {
         assert!((sliver.area() / 5e-7 - 1.0).abs() < 1e-12);
         assert_eq!(Polygon::new(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), Err(PolygonError::NoArea));
         assert_eq!(Polygon::new(&[[0.1, 0.2, 0.3]; 3]), Err(PolygonError::NoArea));
+    }
+
+    #[test]
+    fn the_normal_of_a_needle_is_exact() {
+        let corners = [[-0.69, 0.5, -1.0], [0.0, 1.0, 0.5], [0.0, 1.000000001, 0.5]];
+        let want = DVec3::new(-1.5, 0.0, 0.69).normalize();
+        for turn in 0..3 {
+            let needle = Polygon::new(&[corners[turn], corners[(turn + 1) % 3], corners[(turn + 2) % 3]]).unwrap();
+            assert!(DVec3::from(needle.normal()).distance(want) < 1e-15, "{:?}", needle.normal());
+        }
     }
 
     #[test]
