@@ -1,4 +1,5 @@
 //! Form factors against closed forms, against identities, and against quadratures of their own.
+#![expect(clippy::print_stdout, reason = "what was measured belongs into the test's output")]
 
 mod random_polygons;
 
@@ -261,9 +262,8 @@ fn box_elements(size: Vector, level: u32, random: &mut Random) -> Vec<Polygon> {
     for axis in 0..3 {
         let (u, v, w) = (axes[axis], axes[(axis + 1) % 3], axes[(axis + 2) % 3]);
         for (base, first, second) in [(origin, v, w), (add(origin, u), w, v)] {
-            let corner = |i: usize, j: usize| {
-                add(base, add(scaled(i as f64 / n as f64, first), scaled(j as f64 / n as f64, second)))
-            };
+            let corner =
+                |i: usize, j: usize| add(base, add(scaled(i as f64 / n as f64, first), scaled(j as f64 / n as f64, second)));
             for i in 0..n {
                 for j in 0..n {
                     elements.push(polygon(&[corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)]));
@@ -276,7 +276,8 @@ fn box_elements(size: Vector, level: u32, random: &mut Random) -> Vec<Polygon> {
 
 fn row_sum(elements: &[Polygon], row: usize) -> f64 {
     let receiver = &elements[row];
-    elements.par_iter().map(|source| exact_area_form_factor(receiver, source)).collect::<Vec<_>>().iter().sum::<f64>() / receiver.area()
+    elements.par_iter().map(|source| exact_area_form_factor(receiver, source)).collect::<Vec<_>>().iter().sum::<f64>()
+        / receiver.area()
 }
 
 #[test]

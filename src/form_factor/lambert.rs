@@ -166,3 +166,51 @@ pub(super) fn angles<const N: usize>(sine: [f64; N], cosine: [f64; N]) -> [f64; 
     }
     angle
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Polygon;
+
+    #[test]
+    fn angles_agree_with_atan2() {
+        let check = |sine: f64, cosine: f64| {
+            let [angle] = angles([sine], [cosine]);
+            let want = sine.atan2(cosine);
+            assert!((angle - want).abs() <= 4.0 * f64::EPSILON * want, "atan2({sine:e}, {cosine:e}) = {want}, not {angle}");
+        };
+        for k in 0..=100_000 {
+            let (sine, cosine) = (f64::from(k) * (PI / 100_000.0)).sin_cos();
+            check(sine.abs(), cosine);
+            check(3e7 * sine.abs(), 3e7 * cosine);
+        }
+        for tiny in [1e-300, 1e-20, 1e-9] {
+            check(tiny, 1.0);
+            check(tiny, -1.0);
+            check(1.0, tiny);
+            check(1.0, -tiny);
+            check(0.0, tiny);
+        }
+    }
+
+    #[test]
+    fn a_source_seen_from_its_back_counts_nothing() {
+        let square = Polygon::new(&[[0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 0.0, 1.0]]).unwrap();
+        let x = DVec3::new(0.5, 0.5, 0.0);
+        assert!(point_to_polygon(x, DVec3::Z, &square.facet()) > 0.2);
+        assert_eq!(point_to_polygon(x, DVec3::Z, &square.reversed().facet()), 0.0);
+        assert_eq!(point_to_polygon(x, -DVec3::Z, &square.facet()), 0.0);
+    }
+
+    #[test]
+    fn the_kernel_is_the_limit_for_small_sources() {
+        let (x, y, normal) = (DVec3::new(0.1, 0.2, 0.0), DVec3::new(0.4, -0.3, 1.1), DVec3::new(0.2, 0.3, -1.0).normalize());
+        let frame = crate::geometry::Frame::around(normal);
+        let corner = |s: f64, t: f64| (y + 1e-4 * (s * frame.tangent + t * frame.bitangent)).to_array();
+        let small = Polygon::new(&[corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)]).unwrap();
+        let expected = small.area() * kernel(x, DVec3::Z, y, normal);
+        assert!((point_to_polygon(x, DVec3::Z, &small.facet()) / expected - 1.0).abs() < 1e-7);
+        assert_eq!(kernel(x, DVec3::Z, x, normal), 0.0);
+        assert_eq!(kernel(x, -DVec3::Z, y, normal), 0.0);
+    }
+}

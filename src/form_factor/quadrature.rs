@@ -9,8 +9,8 @@
 //!
 //! the first term from 1/r^4, the second from its product with the heights, which are linear. Lambert's sum at the centroid of
 //! the smaller polygon has no error from the larger one; there d is the distance to the larger polygon and only the smaller one
-//! counts. Rules with more points have powers of e. The factors and powers of all claims are empirical: over 50,000 random
-//! pairs of all kinds (bench `form_factor` has the generator's successor) each claim held for at least 99.8%.
+//! counts. Rules with more points have powers of e. The factors and powers of all claims are empirical, fitted to 50,000 random
+//! pairs of all kinds so that at least 99.8% stay within them; tests/form_factors.rs counts those that do not.
 //!
 //! The rules, cheapest first: kernel between centroids, Lambert at the centroid, kernel at 2x2 points of each, Lambert at 2x2 and 3x3
 //! points, the contour integral to few digits, `exact_exchange`. The first whose claim is within the accuracy is used. The

@@ -5,13 +5,13 @@ use std::sync::LazyLock;
 use glam::DVec3;
 
 /// The largest number of points a rule may have.
-pub(crate) const MAX_GAUSS_POINTS: usize = 32;
+const MAX_GAUSS_POINTS: usize = 32;
 
 static RULES: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| (1..=MAX_GAUSS_POINTS).map(compute_rule).collect());
 
 /// Abscissas in (0, 1) and weights that sum to 1 of the rule with `points` points, exact for polynomials up to degree `2 points - 1`.
 ///
-/// `points` below 1 or above [`MAX_GAUSS_POINTS`] is taken as the nearest of the two.
+/// `points` below 1 is taken as 1 and above 32 as 32.
 pub(crate) fn gauss_rule(points: usize) -> &'static [(f64, f64)] {
     &RULES[points.clamp(1, MAX_GAUSS_POINTS) - 1]
 }
@@ -58,8 +58,7 @@ pub(crate) fn for_each_gauss_point(vertices: &[DVec3], normal: DVec3, points: us
         let c = vertices[k + 1] - origin;
         let d = vertices.get(k + 2).map_or(DVec3::ZERO, |&d| d - origin);
         let twist = c - b - d;
-        let (jacobian, jacobian_s, jacobian_t) =
-            (b.cross(d).dot(normal), b.cross(twist).dot(normal), twist.cross(d).dot(normal));
+        let (jacobian, jacobian_s, jacobian_t) = (b.cross(d).dot(normal), b.cross(twist).dot(normal), twist.cross(d).dot(normal));
         for &(s, weight_s) in rule {
             for &(t, weight_t) in rule {
                 let stretch = jacobian + s * jacobian_s + t * jacobian_t;

@@ -13,5 +13,5 @@ pub use aabb::Aabb;
 pub(crate) use clip::{Clip, clip_to_front, halves, plane_noise};
 pub(crate) use facet::Facet;
 pub(crate) use frame::Frame;
-pub(crate) use gauss::{MAX_GAUSS_POINTS, for_each_gauss_point, gauss_rule};
+pub(crate) use gauss::{for_each_gauss_point, gauss_rule};
 pub use polygon::{Polygon, PolygonError};

@@ -102,17 +102,8 @@ pub enum Kind {
     Small,
 }
 
-pub const KINDS: [Kind; 9] = [
-    Kind::Far,
-    Kind::Middle,
-    Kind::Near,
-    Kind::Edge,
-    Kind::PartOfEdge,
-    Kind::Vertex,
-    Kind::Sliver,
-    Kind::Crossing,
-    Kind::Small,
-];
+pub const KINDS: [Kind; 9] =
+    [Kind::Far, Kind::Middle, Kind::Near, Kind::Edge, Kind::PartOfEdge, Kind::Vertex, Kind::Sliver, Kind::Crossing, Kind::Small];
 
 /// A rectangle, triangle, quadrilateral or pentagon whose first edge is `first` from `origin` and which lies on the side of `second`.
 fn shape(random: &mut Random, origin: Vector, first: Vector, second: Vector) -> Vec<Vector> {
