@@ -75,6 +75,11 @@ impl Evaluator {
         self.visibility.description()
     }
 
+    /// A camera that shows the scene, see [`Camera::default_view`].
+    pub fn default_camera(&self, width: u32, height: u32) -> Camera {
+        Camera::default_view(self.solution.scene(), self.visibility.as_ref(), width, height)
+    }
+
     /// Radiosities at points, in their order. Cancelled by the observer, it returns `None`.
     pub fn values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Values> {
         let channels = self.solution.scene().channels();

@@ -1,9 +1,10 @@
 //! Values at points, from a solution: the gather at the point.
 
 mod camera;
+mod default_view;
 mod image;
 
-pub use camera::Camera;
+pub use camera::{Camera, CameraError, CameraRays, CameraRequest};
 pub use image::Image;
 
 /// A point that lies on a surface, with the normal of the side that is looked at.
