@@ -139,7 +139,11 @@ pub fn read_solution(path: &Path) -> Result<Solution, SolutionFileError> {
     let found = body.len() as u64;
     if found < length {
         let header = HEADER_LENGTH as u64;
-        return Err(SolutionFileError::CutOff { path: path.to_owned(), found: header + found, expected: length.saturating_add(header) });
+        return Err(SolutionFileError::CutOff {
+            path: path.to_owned(),
+            found: header + found,
+            expected: length.saturating_add(header),
+        });
     }
     if found > length {
         return Err(SolutionFileError::TooLong(path.to_owned()));

@@ -197,7 +197,11 @@ fn write_number(writer: &mut impl Write, number: impl Display + LowerExp, magnit
 
 /// The names of the channels of a radiosity.
 pub(super) fn radiosity_columns(channels: usize) -> Vec<String> {
-    if channels == 3 { ["B_r", "B_g", "B_b"].map(str::to_owned).to_vec() } else { (0..channels).map(|k| format!("B_{k}")).collect() }
+    if channels == 3 {
+        ["B_r", "B_g", "B_b"].map(str::to_owned).to_vec()
+    } else {
+        (0..channels).map(|k| format!("B_{k}")).collect()
+    }
 }
 
 #[cfg(test)]
@@ -232,7 +236,8 @@ mod tests {
     #[test]
     fn every_number_reads_back_to_the_same_bits() {
         let numbers = [f64::MIN_POSITIVE, 1.0 / 3.0, 123_456_789.123_456_78, -5e-324, f64::MAX];
-        let rows: Vec<SurfacePoint> = numbers.iter().map(|&x| SurfacePoint { position: [x, -x, 0.0], normal: [0.0, 1.0, 0.0] }).collect();
+        let rows: Vec<SurfacePoint> =
+            numbers.iter().map(|&x| SurfacePoint { position: [x, -x, 0.0], normal: [0.0, 1.0, 0.0] }).collect();
         let points = Points::from(rows.as_slice());
         let values = Values { channels: 1, radiosity: vec![f32::MIN_POSITIVE, f32::MAX, 0.1, 1.0 / 3.0, 16_777_217.0], missed: 0 };
         let mut text = Vec::new();

@@ -319,7 +319,8 @@ mod tests {
 
     #[test]
     fn bad_text_is_named() {
-        for text in ["eye", "eye=1,2", "eye=1,2,3,4", "eye=1,2,x", "eye=1,2,inf", "fov=", "tilt=3", "fov=40 fov=40", "eye = 1,2,3"] {
+        for text in ["eye", "eye=1,2", "eye=1,2,3,4", "eye=1,2,x", "eye=1,2,inf", "fov=", "tilt=3", "fov=40 fov=40", "eye = 1,2,3"]
+        {
             assert!(matches!(text.parse::<CameraRequest>(), Err(CameraError::BadText { .. })), "{text}");
         }
         for text in ["fov=0", "fov=180", "fov=-3", "fov=NaN"] {
