@@ -23,9 +23,11 @@ pub fn write_exr(writer: &mut (impl Write + Seek), image: &Image, quantity: Quan
         .collect();
 
     // Everything in attributes that the format knows: own attributes would be written in the order of a hash table.
-    let mut attributes = LayerAttributes::default();
-    attributes.software_name = Some(Text::from(provenance.software()));
-    attributes.comments = Some(Text::from(comments(quantity, provenance).as_str()));
+    let attributes = LayerAttributes {
+        software_name: Some(Text::from(provenance.software())),
+        comments: Some(Text::from(comments(quantity, provenance).as_str())),
+        ..LayerAttributes::default()
+    };
     let size = (image.width as usize, image.height as usize);
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     ::exr::prelude::Image::from_layer(layer).write().non_parallel().to_buffered(writer).map_err(|error| match error {

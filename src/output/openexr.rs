@@ -32,6 +32,10 @@ pub fn write_openexr(
         return Err(invalid("the image has more or fewer values than pixels and channels"));
     }
     let temporary = tempfile::Builder::new().prefix("patchlight-").suffix(".exr").tempfile()?;
+    // The crate panics on paths that are not UTF-8.
+    if temporary.path().to_str().is_none() {
+        return Err(invalid("the path of the temporary directory is not UTF-8"));
+    }
     write_file(temporary.path(), image, [width, height], quantity, provenance).map_err(io::Error::other)?;
     io::copy(&mut std::fs::File::open(temporary.path())?, writer).map(drop)
 }
