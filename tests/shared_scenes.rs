@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use patchlight::inspect::{DEFAULT_RAYS, inspect};
+use patchlight::inspect::{DEFAULT_POINTS, inspect};
 use patchlight::scene::SceneSummary;
 use patchlight::scene::import::{DiagnosticKind, ImportOptions, read_scene};
 use patchlight::visibility::{Backend, OccluderMesh, build};
@@ -35,8 +35,8 @@ fn every_scene_is_read_and_no_face_is_lost() {
 
         let text = std::fs::read_to_string(&file).unwrap();
         let written = text.lines().filter(|line| line.starts_with("f ")).count();
-        let dropped = imported.diagnostics.count(DiagnosticKind::DegenerateFace)
-            + imported.diagnostics.count(DiagnosticKind::DuplicateFace);
+        let dropped =
+            imported.diagnostics.count(DiagnosticKind::DegenerateFace) + imported.diagnostics.count(DiagnosticKind::DuplicateFace);
         eprintln!("== {}: {written} faces, {dropped} dropped\n{summary}", file.display());
         assert_eq!(imported.lines.len(), written);
         assert_eq!(summary.faces, written - dropped);
@@ -47,18 +47,14 @@ fn every_scene_is_read_and_no_face_is_lost() {
 #[test]
 fn complaints_are_deserved() {
     let Some(shared) = shared() else { return };
-    for (name, repaired, suspicious) in [
-        ("cornell_embree", 1, 1),
-        ("cornell_tinyobj", 1, 0),
-        ("cornell_mcguire", 3, 0),
-        ("office2", 0, 0),
-        ("corridor", 0, 0),
-    ] {
+    for (name, repaired, suspicious) in
+        [("cornell_embree", 1, 1), ("cornell_tinyobj", 1, 0), ("cornell_mcguire", 3, 0), ("office2", 0, 0), ("corridor", 0, 0)]
+    {
         let file = shared.join("scenes").join(name).join("scene.obj");
         let imported = read_scene(&file, &ImportOptions::default()).unwrap();
         let mesh = OccluderMesh::of_scene(&imported.scene);
         let visibility = build(Backend::BruteForce, &mesh).unwrap();
-        let inspection = inspect(&imported.scene, visibility.as_ref(), DEFAULT_RAYS / 8);
+        let inspection = inspect(&imported.scene, visibility.as_ref(), DEFAULT_POINTS);
         let mut diagnostics = imported.diagnostics.clone();
         diagnostics.items.extend(inspection.suspicions(&imported.file, &imported.lines));
         let summary = SceneSummary::new(&imported.scene, &diagnostics);

@@ -11,7 +11,10 @@ use glam::DVec3;
 use super::cut::{Cut, convex_pieces};
 use super::obj::ObjFile;
 use super::{Diagnostic, DiagnosticKind, Diagnostics};
-use crate::geometry::Polygon;
+use crate::geometry::{Aabb, Polygon};
+
+/// Corners off their plane by no more than this fraction of the scene's diagonal are there by rounding: files give six or seven digits.
+const PLANE_TOLERANCE: f64 = 1e-6;
 
 /// Polygons with the index of their material and the 0-based number of their face, and how many faces were dropped here.
 pub(super) struct Assembled {
@@ -24,6 +27,8 @@ pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics
     let mut ids: HashMap<[u64; 3], u32> = HashMap::with_capacity(obj.vertices);
     let mut polygons = Vec::with_capacity(obj.faces.len());
     let mut dropped = 0;
+    let mut flattened = (0_usize, 0.0_f64);
+    let rounding = PLANE_TOLERANCE * Aabb::around(obj.corners.iter().copied()).diagonal();
 
     // The faces so far by their corners: one for each of the two windings, as an index into `obj.faces`.
     let mut seen: HashMap<Vec<u32>, [Option<usize>; 2]> = HashMap::with_capacity(obj.faces.len());
@@ -49,13 +54,13 @@ pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics
             continue;
         }
 
-        // A convex face keeps its corners in the order of the file. Cuts are made in an order that does not depend on the winding, so
-        // that the two sides of a sheet are cut alike.
+        // A convex face keeps its corners in the order of the file. What is changed is changed in an order that does not depend on the
+        // winding, so that the two sides of a sheet stay the same.
         let (key, side) = unwound(&corners);
-        let mut pieces = convex_pieces(&corners.iter().map(|corner| corner.1).collect::<Vec<_>>());
-        if pieces.cut != Cut::Whole {
+        let mut pieces = convex_pieces(&corners.iter().map(|corner| corner.1).collect::<Vec<_>>(), rounding);
+        if pieces.cut != Cut::Whole || pieces.flattened > 0.0 {
             let by_id: HashMap<u32, DVec3> = corners.iter().copied().collect();
-            pieces = convex_pieces(&key.iter().map(|id| by_id[id]).collect::<Vec<_>>());
+            pieces = convex_pieces(&key.iter().map(|id| by_id[id]).collect::<Vec<_>>(), rounding);
             if side == 1 {
                 pieces.polygons = pieces.polygons.iter().map(Polygon::reversed).collect();
             }
@@ -82,6 +87,9 @@ pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics
             note(DiagnosticKind::Sheet, format!("is the back of face {number}: both together are a sheet with two sides"));
         }
 
+        if pieces.flattened > 0.0 {
+            flattened = (flattened.0 + 1, flattened.1.max(pieces.flattened));
+        }
         let count = pieces.polygons.len();
         match pieces.cut {
             Cut::Whole => {}
@@ -95,6 +103,11 @@ pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics
             note(DiagnosticKind::CrossingFace, "crosses itself: its pieces may not be what was meant".to_owned());
         }
         polygons.extend(pieces.polygons.into_iter().map(|polygon| (polygon, face.material, face.number)));
+    }
+
+    if flattened.0 > 0 {
+        let text = format!("{} faces were flattened, by at most {:.1e}: rounded digits", flattened.0, flattened.1);
+        diagnostics.push(Diagnostic::new(DiagnosticKind::Flattened, text).at(file, 0));
     }
     Assembled { polygons, dropped }
 }

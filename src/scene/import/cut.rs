@@ -31,21 +31,35 @@ pub(super) struct Pieces {
     pub cut: Cut,
     /// Whether the face crosses itself, so that the pieces may not be what was meant.
     pub crossing: bool,
+    /// How far the farthest corner was moved onto the mean plane, in metres; 0 if none was.
+    pub flattened: f64,
 }
 
 /// Areas of pieces and of the whole differ by less than this fraction in a face that does not cross itself.
 const AREA_TOLERANCE: f64 = 1e-6;
 
-/// Cuts the face with these corners into convex planar pieces.
-pub(super) fn convex_pieces(corners: &[DVec3]) -> Pieces {
+/// Corners are moved onto the mean plane only if that turns edges by little: this fraction of the face's radius.
+const FLATTENED_SLOPE: f64 = 0.02;
+
+/// Cuts the face with these corners into convex planar pieces. Corners that lie off the mean plane by no more than `rounding`, in
+/// metres, are moved onto it: a small face in a large scene is never flatter than the digits of the file.
+pub(super) fn convex_pieces(corners: &[DVec3], rounding: f64) -> Pieces {
     let whole = Polygon::from_vertices(corners.to_vec());
     let cut = match whole {
         Ok(polygon) if winds_once(corners, DVec3::from(polygon.normal())) => {
-            return Pieces { polygons: vec![polygon], cut: Cut::Whole, crossing: false };
+            return Pieces { polygons: vec![polygon], cut: Cut::Whole, crossing: false, flattened: 0.0 };
         }
         Ok(_) | Err(PolygonError::NotConvex) => Cut::Concave,
-        Err(PolygonError::NotPlanar) => Cut::NonPlanar(off_plane(corners)),
-        Err(_) => return Pieces { polygons: Vec::new(), cut: Cut::Whole, crossing: false },
+        Err(PolygonError::NotPlanar) => {
+            let (distance, flat) = flattened(corners);
+            let radius = corners.iter().map(|corner| corner.distance(corners[0])).fold(0.0, f64::max) / 2.0;
+            if distance <= rounding.min(FLATTENED_SLOPE * radius) {
+                let pieces = convex_pieces(&flat, 0.0);
+                return Pieces { flattened: distance, ..pieces };
+            }
+            Cut::NonPlanar(distance)
+        }
+        Err(_) => return Pieces { polygons: Vec::new(), cut: Cut::Whole, crossing: false, flattened: 0.0 },
     };
 
     let normal = newell(corners).normalize_or_zero();
@@ -71,7 +85,7 @@ pub(super) fn convex_pieces(corners: &[DVec3]) -> Pieces {
     let enclosed = 0.5 * newell(corners).length();
     let covered: f64 = polygons.iter().map(|piece| piece.area() * DVec3::from(piece.normal()).dot(normal)).sum();
     let crossing = (covered - enclosed).abs() > AREA_TOLERANCE * enclosed;
-    Pieces { polygons, cut, crossing }
+    Pieces { polygons, cut, crossing, flattened: 0.0 }
 }
 
 /// Twice the area vector around vertex 0, which keeps large offsets out of the products.
@@ -80,11 +94,13 @@ fn newell(corners: &[DVec3]) -> DVec3 {
     (1..corners.len() - 1).map(|k| edge(k).cross(edge(k + 1))).sum()
 }
 
-/// How far the farthest corner lies off the mean plane.
-fn off_plane(corners: &[DVec3]) -> f64 {
+/// How far the farthest corner lies off the mean plane, and the corners moved onto it.
+fn flattened(corners: &[DVec3]) -> (f64, Vec<DVec3>) {
     let normal = newell(corners).normalize_or_zero();
     let centre = corners[0] + corners.iter().map(|corner| *corner - corners[0]).sum::<DVec3>() / corners.len() as f64;
-    corners.iter().map(|corner| (*corner - centre).dot(normal).abs()).fold(0.0, f64::max)
+    let height = |corner: DVec3| (corner - centre).dot(normal);
+    let distance = corners.iter().map(|&corner| height(corner).abs()).fold(0.0, f64::max);
+    (distance, corners.iter().map(|&corner| corner - height(corner) * normal).collect())
 }
 
 /// Whether the boundary of a polygon that turns left at every corner goes round once, as that of a pentagram does not.
@@ -216,22 +232,19 @@ mod tests {
 
     #[test]
     fn convex_faces_stay_whole() {
-        let hexagon: Vec<DVec3> =
-            (0..6).map(|k| DVec3::new((k as f64).to_radians().cos(), (k as f64 * 60.0).to_radians().sin(), 2.0)).collect();
-        assert!(hexagon.len() == 6);
         let octagon: Vec<DVec3> = (0..8)
             .map(|k| {
                 let (y, x) = (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos();
                 DVec3::new(x, y, x + y)
             })
             .collect();
-        let pieces = convex_pieces(&octagon);
+        let pieces = convex_pieces(&octagon, 0.0);
         assert_eq!((pieces.polygons.len(), pieces.cut, pieces.crossing), (1, Cut::Whole, false));
     }
 
     #[test]
     fn an_l_becomes_two_quads_and_a_comb_few_pieces() {
-        let l = convex_pieces(&flat(&[(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)]));
+        let l = convex_pieces(&flat(&[(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)]), 0.0);
         assert_eq!((l.polygons.len(), l.cut, l.crossing), (2, Cut::Concave, false));
         assert!((area(&l) - 3.0).abs() < 1e-14);
 
@@ -242,7 +255,7 @@ mod tests {
             comb.extend([(x + 2.0, 0.0), (x + 1.5, 1.0), (x + 0.5, 1.0), (x, 0.0)]);
             comb.dedup();
         }
-        let pieces = convex_pieces(&flat(&comb));
+        let pieces = convex_pieces(&flat(&comb), 0.0);
         assert_eq!((pieces.cut, pieces.crossing), (Cut::Concave, false));
         assert!((area(&pieces) - (100.0 + 50.0 * 1.5)).abs() < 1e-10, "{}", area(&pieces));
         assert!(pieces.polygons.len() <= 100, "{}", pieces.polygons.len());
@@ -251,7 +264,7 @@ mod tests {
     #[test]
     fn quads_without_a_plane_become_two_triangles() {
         let bent = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.2), DVec3::Y];
-        let pieces = convex_pieces(&bent);
+        let pieces = convex_pieces(&bent, 0.0);
         assert_eq!(pieces.polygons.len(), 2);
         let Cut::NonPlanar(distance) = pieces.cut else { panic!("{pieces:?}") };
         assert!((0.04..0.06).contains(&distance), "{distance}");
@@ -260,9 +273,21 @@ mod tests {
 
         // An arrow head is cut across its inward corner.
         let arrow = [DVec3::ZERO, DVec3::new(4.0, 1.0, 0.0), DVec3::new(0.0, 2.0, 0.3), DVec3::new(1.0, 1.0, 0.0)];
-        let pieces = convex_pieces(&arrow);
+        let pieces = convex_pieces(&arrow, 0.0);
         assert_eq!(pieces.polygons.len(), 2);
         assert!(pieces.polygons.iter().all(|piece| piece.normal()[2] > 0.0), "{pieces:?}");
+    }
+
+    #[test]
+    fn rounded_faces_are_flattened() {
+        let rounded = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 1e-5), DVec3::Y];
+        let pieces = convex_pieces(&rounded, 1e-5);
+        assert_eq!((pieces.polygons.len(), pieces.cut), (1, Cut::Whole));
+        assert!((2.4e-6..2.6e-6).contains(&pieces.flattened), "{}", pieces.flattened);
+        assert_eq!(convex_pieces(&rounded, 2e-6).polygons.len(), 2);
+
+        // A small face may be bent by no more than the tolerance and yet be bent.
+        assert_eq!(convex_pieces(&rounded.map(|corner| DVec3::new(1e-4, 1e-4, 1.0) * corner), 1e-5).polygons.len(), 2);
     }
 
     #[test]
@@ -273,9 +298,9 @@ mod tests {
                 DVec3::new(x, y, 0.0)
             })
             .collect();
-        assert!(convex_pieces(&pentagram).crossing);
+        assert!(convex_pieces(&pentagram, 0.0).crossing);
         // The areas of a bow tie cancel.
-        assert!(convex_pieces(&flat(&[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)])).polygons.is_empty());
+        assert!(convex_pieces(&flat(&[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)]), 0.0).polygons.is_empty());
     }
 
     #[test]
@@ -292,7 +317,7 @@ mod tests {
             (3.0, 1.0),
             (1.0, 1.0),
         ];
-        let pieces = convex_pieces(&flat(&points));
+        let pieces = convex_pieces(&flat(&points), 0.0);
         assert!((area(&pieces) - 12.0).abs() < 1e-12 && !pieces.crossing, "{pieces:?}");
     }
 }
