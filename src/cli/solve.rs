@@ -25,7 +25,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     // Everything that is read, before the long work.
     let points = request.points.as_ref().map(|(path, _)| files::read_points(path)).transpose()?;
     let imported = read_scene(&request.scene, &ImportOptions { sides: request.sides }).map_err(Failure::bad_input)?;
-    let (scene, warnings) = (imported.scene, imported.diagnostics.warnings);
+    let (scene, warnings) = (imported.scene, imported.diagnostics.warnings());
     warnings.iter().take(PRINTED_WARNINGS).for_each(|warning| voice.warn(format_args!("{warning}")));
     if warnings.len() > PRINTED_WARNINGS {
         let more = warnings.len() - PRINTED_WARNINGS;

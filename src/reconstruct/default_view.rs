@@ -1,9 +1,11 @@
 //! A view that shows the scene when none is asked for.
 //!
 //! Eyes are tried inside the scene and around it. A view is judged by the front faces that a coarse grid of rays meets: how much of the
-//! picture they fill and how much of the scene's area they are. Back faces (the wall that a camera outside of a closed room would
+//! picture they fill, how much of the scene's area they are, how many different surfaces there are to see. Back faces (the wall that a camera outside of a closed room would
 //! look at, the inside of furniture), things right before the lens and pictures of nothing but a light lose. So a closed room is seen
 //! from inside, a box with an open front through its opening, a scene without walls from outside. About 2e5 rays; a heuristic.
+
+use std::collections::BTreeMap;
 
 use glam::DVec3;
 
@@ -39,7 +41,7 @@ impl Camera {
     /// Up is y or z, whichever the floors and the light that falls on them speak for.
     pub fn default_view(scene: &Scene, visibility: &dyn Visibility, width: u32, height: u32) -> Self {
         let survey = Survey { scene, visibility, up: guess_up(scene), total_area: total_area(scene) };
-        let pitches_inside = [0.0, -12.0];
+        let pitches_inside = [-4.0, -14.0];
 
         // From inside: eyes that stand free, most open space first, each looking around.
         let mut best: Option<(f64, Self)> = None;
@@ -128,7 +130,7 @@ impl Survey<'_> {
         if cos <= 0.0 && surface.twin.is_none() {
             return Seen::Back;
         }
-        Seen::Front { distance, cos: cos.abs(), emits: self.scene.material_of(id).emits() }
+        Seen::Front { surface: id, distance, cos: cos.abs(), emits: self.scene.material_of(id).emits() }
     }
 
     /// Eyes inside the bounds that see no back faces and have air around them, most front faces first, then most air.
@@ -138,10 +140,10 @@ impl Survey<'_> {
         let sphere: Vec<DVec3> = (0..SPHERE_RAYS).map(|k| fibonacci_direction(k, SPHERE_RAYS)).collect();
         let mut eyes: Vec<(f64, DVec3)> = (0..INSIDE_EYES)
             .filter_map(|k| {
-                // Halton points; between knee and door height, as a person would stand in a room.
+                // Halton points; above the middle, as a person stands in a room.
                 let unit = DVec3::new(radical_inverse(k + 1, 2), radical_inverse(k + 1, 3), radical_inverse(k + 1, 5));
                 let squeezed = DVec3::splat(0.04) + 0.92 * unit;
-                let height = 0.3 + 0.4 * unit;
+                let height = 0.45 + 0.3 * unit;
                 let part = squeezed * (DVec3::ONE - self.up) + height * self.up;
                 let eye = bounds.min + part * extent;
 
@@ -193,9 +195,12 @@ impl Survey<'_> {
     }
 
     fn camera(&self, eye: DVec3, target: DVec3, field_of_view_degrees: f64) -> Camera {
+        // Positions that people may read and type again: to a ten-thousandth of the scene at most, so all digits after it are dropped.
+        let scale = 10.0_f64.powf((1e4 / self.scene.bounds().diagonal()).log10().ceil());
+        let rounded = |point: DVec3| ((point * scale).round() / scale).to_array();
         Camera {
-            eye: eye.to_array(),
-            target: target.to_array(),
+            eye: rounded(eye),
+            target: rounded(target),
             up: self.up.to_array(),
             field_of_view_degrees,
             width: GRID.0,
@@ -215,15 +220,17 @@ impl Survey<'_> {
         let half_height = (0.5 * camera.field_of_view_degrees).to_radians().tan();
         let pixel = 2.0 * half_height / f64::from(rows) * (2.0 * half_height * step.0 / step.1 / f64::from(rows));
         let forward = (DVec3::from(camera.target) - DVec3::from(camera.eye)).normalize();
-        let near = 0.08 * self.scene.bounds().diagonal();
+        let near = 0.13 * self.scene.bounds().diagonal();
 
         // What each ray sees, as shares of the picture; and the area of front faces that the picture shows.
+        let mut seen_of: BTreeMap<SurfaceId, f64> = BTreeMap::new();
         let (mut front, mut light, mut back, mut close, mut area) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (ray, seen) in rays.iter().zip(self.look(&rays)) {
             match seen {
                 Seen::Nothing => {}
                 Seen::Back => back += 1.0,
-                Seen::Front { distance, cos, emits } => {
+                Seen::Front { surface, distance, cos, emits } => {
+                    *seen_of.entry(surface).or_default() += 1.0;
                     let solid_angle = pixel * DVec3::from(ray.direction).dot(forward).powi(3);
                     area += solid_angle * distance * distance / cos.max(0.1);
                     front += 1.0;
@@ -235,7 +242,9 @@ impl Survey<'_> {
         let all = f64::from(rows * columns);
         let shown = (area / self.total_area).min(1.0);
         let lights = if light > 0.0 { 0.05 - (light / all - 0.25).max(0.0) } else { 0.0 };
-        front / all * (0.4 + shown) + lights - 2.0 * back / all - close / all
+        // The entropy of what is where in the picture: 0 for a single wall, 1 if every ray met another surface.
+        let variety = seen_of.values().map(|count| count / all * (all / count).ln()).sum::<f64>() / all.ln();
+        front / all * (0.4 + shown) + 0.6 * variety + lights - 2.0 * back / all - close / all
     }
 }
 
@@ -251,7 +260,7 @@ impl Camera {
 enum Seen {
     Nothing,
     Back,
-    Front { distance: f64, cos: f64, emits: bool },
+    Front { surface: SurfaceId, distance: f64, cos: f64, emits: bool },
 }
 
 impl Seen {

@@ -1,11 +1,9 @@
 //! Values at points, from a solution: the gather at the point.
 
-mod back_faces;
 mod camera;
 mod default_view;
 mod image;
 
-pub use back_faces::{BackFaces, sampled_back_faces};
 pub use camera::{Camera, CameraError, CameraRays, CameraRequest};
 pub use image::Image;
 
