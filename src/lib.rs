@@ -23,3 +23,8 @@ pub mod solve;
 pub mod sweep;
 pub mod transmittance;
 pub mod visibility;
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -80,9 +80,9 @@ pub struct SolveArguments {
     /// Set any option by its key, as in --set error=0.01; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Take a picture: .png to look at, .exr with linear radiances
+    /// Take a picture: .png to look at, .exr with linear radiances; may be repeated, to have it in both
     #[arg(long, value_name = "FILE")]
-    pub image: Option<PathBuf>,
+    pub image: Vec<PathBuf>,
     #[command(flatten)]
     pub picture: PictureArguments,
     /// Evaluate at the points of this CSV file (x,y,z,nx,ny,nz), '-' for stdin
@@ -117,9 +117,9 @@ pub struct SampleArguments {
 pub struct RenderArguments {
     /// A solution that 'patchlight solve -o' wrote
     pub solution: PathBuf,
-    /// The picture: .png to look at, .exr with linear radiances
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    /// The picture: .png to look at, .exr with linear radiances; may be repeated, to have it in both
+    #[arg(short, long, value_name = "FILE", required = true)]
+    pub output: Vec<PathBuf>,
     #[command(flatten)]
     pub picture: PictureArguments,
     #[command(flatten)]

@@ -18,8 +18,7 @@ const DEFAULT_SIZE: (u32, u32) = (960, 720);
 /// A picture to take.
 #[derive(Debug)]
 pub struct PictureRequest {
-    pub destination: Destination,
-    pub format: ImageFormat,
+    pub files: Vec<(Destination, ImageFormat)>,
     pub camera: CameraRequest,
     pub size: (u32, u32),
     pub exposure: Exposure,
@@ -27,29 +26,28 @@ pub struct PictureRequest {
 }
 
 impl PictureRequest {
-    fn new(path: &Path, typed: &PictureArguments, outputs: &mut Outputs) -> Result<Self, Failure> {
-        let format = ImageFormat::of_path(path).map_err(Failure::usage)?;
+    fn new(paths: &[PathBuf], typed: &PictureArguments, outputs: &mut Outputs) -> Result<Self, Failure> {
         let camera = typed.camera.as_deref().unwrap_or("").parse().map_err(Failure::usage)?;
         let size = typed.size.as_deref().map_or(Ok(DEFAULT_SIZE), parse_size)?;
         let exposure = typed.exposure.as_deref().map_or(Ok(Exposure::Auto), parse_exposure)?;
         let quantity = typed.quantity.as_deref().map_or(Ok(Quantity::Radiance), parse_quantity)?;
-        match format {
-            ImageFormat::Exr if typed.exposure.is_some() => {
-                return Err(Failure::usage("--exposure is for .png; .exr keeps the radiances as they are"));
-            }
-            ImageFormat::Png if typed.quantity.is_some() => {
-                return Err(Failure::usage("--quantity is for .exr; .png is a picture to look at"));
-            }
-            _ => {}
+        let formats: Vec<ImageFormat> =
+            paths.iter().map(|path| ImageFormat::of_path(path)).collect::<Result<_, _>>().map_err(Failure::usage)?;
+        if typed.exposure.is_some() && !formats.contains(&ImageFormat::Png) {
+            return Err(Failure::usage("--exposure is for .png; .exr keeps the radiances as they are"));
         }
-        // The parts of a camera that are given in full can be judged before the scene is known.
+        if typed.quantity.is_some() && !formats.contains(&ImageFormat::Exr) {
+            return Err(Failure::usage("--quantity is for .exr; .png is a picture to look at"));
+        }
+        // A view that is given in full can be judged before the scene is known.
         if let CameraRequest { eye: Some(eye), target: Some(target), up, field_of_view_degrees } = camera {
             let up = up.unwrap_or(if eye[0] == target[0] && eye[2] == target[2] { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] });
             let field_of_view_degrees = field_of_view_degrees.unwrap_or(45.0);
             let camera = Camera { eye, target, up, field_of_view_degrees, width: size.0, height: size.1 };
             camera.validate().map_err(Failure::usage)?;
         }
-        Ok(Self { destination: outputs.file(path)?, format, camera, size, exposure, quantity })
+        let destinations: Vec<Destination> = paths.iter().map(|path| outputs.file(path)).collect::<Result<_, _>>()?;
+        Ok(Self { files: destinations.into_iter().zip(formats).collect(), camera, size, exposure, quantity })
     }
 }
 
@@ -104,10 +102,11 @@ impl SolveRequest {
         let solution = typed.output.as_deref().map(|path| outputs.file(path)).transpose()?;
         let picture = &typed.picture;
         let picture_flags = [&picture.camera, &picture.size, &picture.exposure, &picture.quantity];
-        if typed.image.is_none() && picture_flags.iter().any(|flag| flag.is_some()) {
+        if typed.image.is_empty() && picture_flags.iter().any(|flag| flag.is_some()) {
             return Err(Failure::usage("--camera, --size, --exposure and --quantity need --image FILE"));
         }
-        let picture = typed.image.as_deref().map(|path| PictureRequest::new(path, picture, &mut outputs)).transpose()?;
+        let asked = !typed.image.is_empty();
+        let picture = asked.then(|| PictureRequest::new(&typed.image, picture, &mut outputs)).transpose()?;
         let values = typed.values.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
         Ok(Self {

@@ -56,24 +56,27 @@ pub fn take_picture(evaluator: &Evaluator, request: &PictureRequest, voice: Voic
     Ok(evaluator.render(&camera, &Watcher::new(voice)))
 }
 
-/// Writes a picture.
+/// Writes a picture to all files that are asked for.
 pub fn write_picture(image: &Image, request: &PictureRequest, provenance: &Provenance, voice: Voice) -> Result<(), Failure> {
-    let path = request.destination.path().display();
-    match request.format {
-        ImageFormat::Exr => {
-            #[cfg(not(feature = "openexr"))]
-            request.destination.write(|file| patchlight::output::write_exr(file, image, request.quantity, provenance))?;
-            #[cfg(feature = "openexr")]
-            request.destination.write(|file| patchlight::output::write_openexr(file, image, request.quantity, provenance))?;
-            voice.figure("wrote", format_args!("{path} ({} in {})", request.quantity.name(), request.quantity.unit()));
-        }
-        ImageFormat::Png => {
-            let mut exposure = 0.0;
-            request.destination.write(|file| {
-                exposure = write_png(file, image, request.exposure, provenance)?;
-                Ok(())
-            })?;
-            voice.figure("wrote", format_args!("{path} (exposure EV {exposure:.2})"));
+    for (destination, format) in &request.files {
+        let path = destination.path().display();
+        match format {
+            ImageFormat::Exr => {
+                #[cfg(not(feature = "openexr"))]
+                use patchlight::output::write_exr;
+                #[cfg(feature = "openexr")]
+                use patchlight::output::write_openexr as write_exr;
+                destination.write(|file| write_exr(file, image, request.quantity, provenance))?;
+                voice.figure("wrote", format_args!("{path} ({} in {})", request.quantity.name(), request.quantity.unit()));
+            }
+            ImageFormat::Png => {
+                let mut exposure = 0.0;
+                destination.write(|file| {
+                    exposure = write_png(file, image, request.exposure, provenance)?;
+                    Ok(())
+                })?;
+                voice.figure("wrote", format_args!("{path} (exposure EV {exposure:.2})"));
+            }
         }
     }
     Ok(())

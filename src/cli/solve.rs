@@ -64,7 +64,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     if let Some(picture) = &request.picture {
         match results::take_picture(&evaluator, picture, voice) {
             Ok(Some(image)) => ending.note(timed(&mut || results::write_picture(&image, picture, &provenance, voice))),
-            Ok(None) => ending.cancel(voice, &picture.destination.path().display().to_string()),
+            Ok(None) => ending.cancel(voice, "the picture"),
             Err(failure) => ending.note(Err(failure)),
         }
     }
