@@ -1,6 +1,6 @@
 //! What is asked for, validated: names known, numbers in range, outputs writable.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use patchlight::output::{Destination, ExportFormat, Exposure, ImageFormat, Quantity};
 use patchlight::reconstruct::{Camera, CameraRequest};
