@@ -2,11 +2,15 @@
 //!
 //! A segment passes through a triangle if the three volumes that it spans with the edges have the same sign (Pluecker coordinates).
 //! Each is computed from its edge alone and changes nothing but its sign when the edge is walked the other way, so no
-//! segment slips through between two triangles that share an edge.
+//! segment slips through between two triangles that share an edge; and a volume that rounding may have made counts as 0, on the
+//! edge, so none slips through where many meet at a vertex.
 
 use glam::DVec3;
 
 use super::{Hit, OccluderMesh, Ray, Segment, Visibility};
+
+/// What rounding may add to a volume, as a part of the product of the three lengths: a cross and a dot product of sums, each rounded.
+const VOLUME_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Tests every triangle: O(triangles) per query.
 pub(super) struct BruteForce {
@@ -37,7 +41,12 @@ impl BruteForce {
 
         // The segment must pass all edges on the same side.
         let (a, b, c, direction) = (a - from, b - from, c - from, to - from);
-        let volume = |p: DVec3, q: DVec3| (q - p).cross(q + p).dot(direction);
+        let volume = |p: DVec3, q: DVec3| {
+            let (edge, sum) = (q - p, q + p);
+            let volume = edge.cross(sum).dot(direction);
+            let rounding = VOLUME_ROUNDING * edge.length() * sum.length() * direction.length();
+            if volume.abs() <= rounding { 0.0 } else { volume }
+        };
         let (u, v, w) = (volume(a, b), volume(b, c), volume(c, a));
         let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
         inside.then(|| from_height / (from_height - to_height))
@@ -45,7 +54,7 @@ impl BruteForce {
 
     fn is_occluded(&self, segment: &Segment) -> bool {
         let (from, to) = (DVec3::from(segment.from), DVec3::from(segment.to));
-        if !from.is_finite() || !to.is_finite() || from == to {
+        if !(to - from).is_finite() || from == to {
             return true;
         }
         (0..self.mesh.triangles.len())

@@ -11,7 +11,7 @@
 //!
 //! Every backend, asked through [`Visibility`],
 //! - may be asked from many threads at once, and gives the same answer to the same question, always and in any company;
-//! - answers "occluded" to a segment that is not finite or has no length, and "nothing" to a ray that is not finite or has no
+//! - answers "occluded" to a segment that is not finite (its ends, or their difference) or has no length, and "nothing" to a ray that is not finite or has no
 //!   direction, before any native code sees it;
 //! - works on the thread that asks. Callers cut large batches into pieces of about a thousand and give these to their threads.
 //!

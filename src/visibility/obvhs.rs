@@ -130,13 +130,15 @@ fn tree_ray(origin: Vec3A, direction: Vec3A) -> (TreeRay, f32) {
     (TreeRay::new(origin, direction / length + Vec3A::ZERO, 0.0, length * 1.000_01), length)
 }
 
-/// Whether the line through `origin` passes the edges of a triangle all on the same side.
+/// Whether the line through `origin` passes the edges of a triangle all on the same side. What rounding leaves at vertices, where many
+/// triangles meet, is covered by one rounding of the sum, as in Embree.
 #[inline]
 fn passes(corners: &[Vec3A; 3], origin: Vec3A, direction: Vec3A) -> bool {
     let [a, b, c] = corners.map(|corner| corner - origin);
     let volume = |p: Vec3A, q: Vec3A| (q - p).cross(q + p).dot(direction);
     let (u, v, w) = (volume(a, b), volume(b, c), volume(c, a));
-    (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)
+    let rounding = f32::EPSILON * (u + v + w).abs();
+    u.min(v).min(w) >= -rounding || u.max(v).max(w) <= rounding
 }
 
 impl Visibility for Obvhs {
