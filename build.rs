@@ -90,14 +90,12 @@ mod embree {
                     library.display()
                 ))
             }
-            (None, None) => {
-                Ok([4, 3].into_iter().map(|major| Found { major, dirs: None }).find(links).inspect(|found| {
-                    let header = PathBuf::from(format!("/usr/include/embree{}/rtcore_config.h", found.major));
-                    if header.is_file() {
-                        println!("cargo::rerun-if-changed={}", header.display());
-                    }
-                }))
-            }
+            (None, None) => Ok([4, 3].into_iter().map(|major| Found { major, dirs: None }).find(links).inspect(|found| {
+                let header = PathBuf::from(format!("/usr/include/embree{}/rtcore_config.h", found.major));
+                if header.is_file() {
+                    println!("cargo::rerun-if-changed={}", header.display());
+                }
+            })),
             _ => Err("set both EMBREE_INCLUDE_DIR and EMBREE_LIB_DIR, or neither".to_owned()),
         }
     }

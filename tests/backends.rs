@@ -4,9 +4,7 @@
 mod triangles;
 
 use patchlight::visibility::{Backend, Hit, NO_PLANE, OccluderMesh, Ray, Segment, Visibility, VisibilityError, build};
-use triangles::{
-    Random, add, placed, point_on, push_box, push_quad, push_sphere, push_triangle, segment, soup, sub, times,
-};
+use triangles::{Random, add, placed, point_on, push_box, push_quad, push_sphere, push_triangle, segment, soup, sub, times};
 
 /// All backends over one mesh; the reference is the first.
 struct Runner(Vec<(Backend, Box<dyn Visibility>)>);
@@ -14,16 +12,16 @@ struct Runner(Vec<(Backend, Box<dyn Visibility>)>);
 impl Runner {
     fn over(mesh: &OccluderMesh) -> Self {
         let named = Backend::ALL.into_iter().filter(|&backend| backend != Backend::Auto && backend.is_built());
-        let mut backends: Vec<_> =
-            named.map(|backend| (backend, build(backend, mesh).unwrap_or_else(|error| panic!("{}: {error}", backend.name())))).collect();
+        let mut backends: Vec<_> = named
+            .map(|backend| (backend, build(backend, mesh).unwrap_or_else(|error| panic!("{}: {error}", backend.name()))))
+            .collect();
         backends.sort_by_key(|(backend, _)| *backend != Backend::BruteForce);
         Self(backends)
     }
 
     /// All backends must answer `expected`, in both directions.
     fn expect_occluded(&self, expected: bool, segment: Segment) {
-        let back =
-            Segment { from: segment.to, to: segment.from, from_plane: segment.to_plane, to_plane: segment.from_plane };
+        let back = Segment { from: segment.to, to: segment.from, from_plane: segment.to_plane, to_plane: segment.from_plane };
         for (backend, visibility) in &self.0 {
             let mut occluded = [!expected; 2];
             visibility.occluded(&[segment, back], &mut occluded);
@@ -86,16 +84,28 @@ fn wall_with_a_hole() -> OccluderMesh {
     mesh
 }
 
+/// On Debian 12, where Embree 3 is part of the documented set-up, and on a Debian 13 that has Embree 4.
 #[test]
-fn debian_12_answers_by_embree() {
+fn debian_answers_by_its_embree() {
     let release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
-    let has = |line: &str| release.lines().any(|found| found.replace('"', "") == line);
-    if !(cfg!(feature = "embree") && has("ID=debian") && has("VERSION_ID=12")) {
-        eprintln!("skipped: this is not Debian 12 with the feature embree");
+    let debian = |version: &str| {
+        let has = |line: String| release.lines().any(|found| found.replace('"', "") == line);
+        has("ID=debian".to_owned()) && has(format!("VERSION_ID={version}"))
+    };
+    let expected = if debian("12") {
+        "embree 3."
+    } else if debian("13") && std::path::Path::new("/usr/include/embree4/rtcore.h").exists() {
+        "embree 4."
+    } else {
+        eprintln!("skipped: this is neither Debian 12 nor a Debian 13 with libembree-dev");
+        return;
+    };
+    if !cfg!(feature = "embree") {
+        eprintln!("skipped: built without the feature embree");
         return;
     }
     let auto = build(Backend::Auto, &wall_with_a_hole()).unwrap();
-    assert!(auto.description().starts_with("embree 3."), "answered by {}", auto.description());
+    assert!(auto.description().starts_with(expected), "answered by {}, not by {expected}x", auto.description());
 }
 
 #[test]
@@ -317,7 +327,8 @@ fn random_segments(random: &mut Random, count: usize, planes: usize) -> Vec<Segm
 
 #[test]
 fn random_soups_agree_with_the_reference() {
-    for (triangles, size, segments, at_most) in [(10, 1.0, 100_000, 3e-5), (1000, 0.15, 20_000, 1e-4), (20_000, 0.04, 2_000, 1e-3)] {
+    for (triangles, size, segments, at_most) in [(10, 1.0, 100_000, 3e-5), (1000, 0.15, 20_000, 1e-4), (20_000, 0.04, 2_000, 1e-3)]
+    {
         let mut random = Random(triangles as u64);
         let mesh = soup(&mut random, triangles, size);
         let segments = random_segments(&mut random, segments, triangles);
@@ -356,8 +367,7 @@ fn scale_and_place_do_not_matter() {
         for sizes in [0.0, 1.0, 1e3, 1e6] {
             let offset = times([1.0, -1.0, 0.7], sizes * scale);
             let place = |point: [f64; 3]| add(times(point, scale), offset);
-            let segments: Vec<Segment> =
-                segments.iter().map(|s| Segment { from: place(s.from), to: place(s.to), ..*s }).collect();
+            let segments: Vec<Segment> = segments.iter().map(|s| Segment { from: place(s.from), to: place(s.to), ..*s }).collect();
             Runner::over(&placed(&mesh, scale, offset)).compare(
                 &format!("scale {scale:e}, offset {sizes:e} sizes"),
                 &segments,
@@ -481,18 +491,19 @@ fn first_hits_agree_with_the_reference() {
 
 #[test]
 fn threads_and_company_do_not_change_answers() {
-    // Packets and single rays; with segments at edges, where an answer hangs on the last bit.
+    // Segments at edges, and half of them with an end as near to a triangle as f32 can tell, where an answer hangs on the last bit.
     for rings in [12, 120] {
         let mut mesh = OccluderMesh::default();
         push_sphere(&mut mesh, [0.0; 3], 1.0, rings);
         let mut random = Random(29);
         let segments: Vec<Segment> = (0..20_000)
-            .map(|_| {
+            .map(|k| {
                 let [a, b, _] = mesh.triangles[random.below(mesh.triangles.len())].map(|v| mesh.vertices[v as usize]);
                 let along = random.unit();
                 let aim: [f64; 3] = std::array::from_fn(|axis| a[axis] + along * (b[axis] - a[axis]));
                 let from = random.point(2.0);
-                segment(from, add(from, times(sub(aim, from), 1.5)))
+                let beyond = if k % 2 == 0 { 1.5 } else { 1.0 + random.between(-2e-7, 2e-7) };
+                segment(from, add(from, times(sub(aim, from), beyond)))
             })
             .collect();
         let runner = Runner::over(&mesh);
@@ -505,10 +516,10 @@ fn threads_and_company_do_not_change_answers() {
 
             // One by one, and in pieces on many threads, in another order.
             let mut alone = vec![false; segments.len()];
-            for (segment, occluded) in segments.iter().zip(&mut alone).take(2000) {
+            for (segment, occluded) in segments.iter().zip(&mut alone) {
                 visibility.occluded(std::slice::from_ref(segment), std::slice::from_mut(occluded));
             }
-            assert_eq!(alone[..2000], together[..2000], "{}", backend.name());
+            assert_eq!(alone, together, "{}", backend.name());
             std::thread::scope(|scope| {
                 for thread in 0..8 {
                     let (segments, together) = (&segments, &together);

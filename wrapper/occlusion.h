@@ -28,7 +28,8 @@ typedef struct occlusion_mesh {
 /* One segment, finite and of some length: Embree checks nothing, and builds with assertions abort on anything else. */
 typedef struct occlusion_segment {
     double from[3], to[3];           /* its ends, for the sides */
-    float origin[3], direction[3];   /* what Embree traces: origin + t direction, 0 <= t <= 1 */
+    float origin[3], direction[3];   /* what Embree traces: origin + t direction, near <= t <= 1 */
+    float near;                      /* at least 0 */
     uint32_t planes[2];              /* of the surfaces at its ends */
 } occlusion_segment;
 

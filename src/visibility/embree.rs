@@ -82,7 +82,7 @@ impl Embree {
     fn trace_segments(&self, segments: &[native::occlusion_segment], occluded: &mut [u8]) {
         assert_eq!(segments.len(), occluded.len());
         // SAFETY: The scene was built without error. Both pointers are valid for `len` elements. `RayFrame` lets only finite
-        // segments of some length through, and tnear is 0, as the manual of rtcOccluded1 demands: it "does not do any error checks".
+        // segments of some length through, and tnear is not negative, as the manual of rtcOccluded1 demands: it "does not do any error checks".
         unsafe { native::occlusion_occluded(self.scene.as_ptr(), segments.as_ptr(), segments.len(), occluded.as_mut_ptr()) };
     }
 
@@ -159,7 +159,7 @@ impl Visibility for Embree {
 }
 
 const EMPTY: native::occlusion_segment =
-    native::occlusion_segment { from: [0.0; 3], to: [0.0; 3], origin: [0.0; 3], direction: [0.0; 3], planes: [0; 2] };
+    native::occlusion_segment { from: [0.0; 3], to: [0.0; 3], origin: [0.0; 3], direction: [0.0; 3], near: 0.0, planes: [0; 2] };
 
 #[inline]
 fn native_segment(probe: &Probe) -> native::occlusion_segment {
@@ -168,6 +168,7 @@ fn native_segment(probe: &Probe) -> native::occlusion_segment {
         to: probe.to.to_array(),
         origin: probe.origin.to_array(),
         direction: probe.direction.to_array(),
+        near: probe.near,
         planes: probe.planes,
     }
 }

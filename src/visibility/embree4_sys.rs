@@ -76,7 +76,8 @@ impl Embree4Sys {
     }
 
     fn attach_triangles(&self) -> Result<(), VisibilityError> {
-        let vertices: Vec<[f32; 3]> = self.mesh.vertices.iter().map(|&vertex| self.frame.point(vertex).as_vec3().to_array()).collect();
+        let vertices: Vec<[f32; 3]> =
+            self.mesh.vertices.iter().map(|&vertex| self.frame.point(vertex).as_vec3().to_array()).collect();
         let triangles = &self.mesh.triangles;
 
         // SAFETY: Device and scene are alive. rtcSetNewGeometryBuffer returns room for the counted elements (and its own padding) or
@@ -127,10 +128,11 @@ impl Embree4Sys {
             dir_x: direction.x,
             dir_y: direction.y,
             dir_z: direction.z,
+            tnear: probe.near,
             tfar: 1.0,
             ..native::RTCRay::default()
         };
-        // SAFETY: The scene is committed. The ray is finite with tnear = 0 (`RayFrame` lets nothing else through) and aligned to 16 bytes by its
+        // SAFETY: The scene is committed. The ray is finite with tnear >= 0 (`RayFrame` lets nothing else through) and aligned to 16 bytes by its
         // type, as the manual of rtcOccluded1 demands. Arguments and context outlive the call.
         unsafe { native::rtcOccluded1(self.scene, &mut ray, &mut arguments) };
         ray.tfar < 0.0

@@ -82,7 +82,8 @@ impl OccluderMesh {
         if let Some(index) = self.vertices.iter().position(|vertex| !in_range(vertex)) {
             return bad(format!("vertex {index} is not finite or beyond {LARGEST_COORDINATE:e} m: {:?}", self.vertices[index]));
         }
-        if let Some(index) = self.triangles.iter().position(|triangle| triangle.iter().any(|&v| v as usize >= self.vertices.len())) {
+        if let Some(index) = self.triangles.iter().position(|triangle| triangle.iter().any(|&v| v as usize >= self.vertices.len()))
+        {
             let (triangle, vertices) = (self.triangles[index], self.vertices.len());
             return bad(format!("triangle {index} has vertices {triangle:?}, but there are only {vertices}"));
         }

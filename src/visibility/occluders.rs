@@ -15,6 +15,11 @@ pub(super) const HALF_SIDE: f64 = 4096.0;
 /// Segments are cut to a cube with this half side before they are rounded to f32.
 const CUT: f64 = 1.001 * HALF_SIDE;
 
+/// Embree is asked from this distance on, 1.2e-7 of the size of the scene: four roundings of the largest coordinate, of which two may be
+/// in the origin already. Nearly all nearer hits are on the surface that the origin lies on, and handing them to the filter costs
+/// 5 to 25% of the time.
+const NEAR: f64 = 4.0 * HALF_SIDE / (1 << 24) as f64;
+
 /// How far a ray reaches from where it enters the cube: beyond its diagonal.
 const REACH: f64 = 4.0 * CUT;
 
@@ -37,6 +42,8 @@ pub(super) struct Probe {
     /// The traced part is `origin + t direction`, 0 <= t <= 1: all but what lies outside of the cube.
     pub origin: Vec3,
     pub direction: Vec3,
+    /// The t of the distance [`NEAR`], for Embree; the trees of obvhs do without.
+    pub near: f32,
     /// Where the traced part starts and ends, as parts of the way from `from` to `to`.
     pub start: f64,
     pub end: f64,
@@ -126,7 +133,8 @@ impl Probe {
         // From the rounded origin to the exact end, unless rounding has moved the one onto the other.
         let direction = (exit - origin.as_dvec3()).as_vec3();
         let direction = if direction == Vec3::ZERO { (exit - entry).as_vec3() } else { direction };
-        Self { from, to, origin, direction, start, end, planes }
+        let near = (NEAR as f32 / direction.abs().max_element()).min(0.25);
+        Self { from, to, origin, direction, near, start, end, planes }
     }
 }
 
@@ -164,11 +172,7 @@ impl Sides {
             let normal = (b - a).cross(c - a).normalize_or_zero();
             [normal.x, normal.y, normal.z, normal.dot((a + b + c) / 3.0)]
         };
-        Self {
-            planes: mesh.planes.clone(),
-            equations: mesh.triangles.iter().map(equation).collect(),
-            tolerance: frame.tolerance,
-        }
+        Self { planes: mesh.planes.clone(), equations: mesh.triangles.iter().map(equation).collect(), tolerance: frame.tolerance }
     }
 
     /// The same for the triangles in another order: `order[k]` becomes `k`.
