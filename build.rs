@@ -1,14 +1,14 @@
 //! Finds Embree and compiles the wrapper over it. The decisions, in order:
 //!
 //! 1. Without the feature `embree`: nothing to do.
-//! 2. `EMBREE_INCLUDE_DIR` (holds `embree4/` or `embree3/`) and `EMBREE_LIB_DIR`: that Embree, found again at run time by an rpath.
-//!    Both or neither; an Embree that is named but does not link is an error.
+//! 2. `EMBREE_INCLUDE_DIR` (holds `embree4/` or `embree3/`) and `EMBREE_LIB_DIR`: that Embree, found again at run time by an
+//!    rpath. Both or neither; an Embree that is named but does not link is an error.
 //! 3. The system's Embree 4, if a program that uses it compiles and links.
 //! 4. The system's Embree 3, likewise.
 //! 5. Otherwise the crate is built without Embree, and one warning says so.
 //!
-//! With Embree found, a missing libclang is an error and not a reason to go on without: whoever has Embree installed wants its speed,
-//! and would hardly notice a warning that it is gone.
+//! With Embree found, a missing libclang is an error and not a reason to go on without: whoever has Embree installed wants its
+//! speed, and would hardly notice a warning that it is gone.
 
 fn main() {
     println!("cargo::rustc-check-cfg=cfg(has_embree)");
@@ -100,8 +100,19 @@ mod embree {
         }
     }
 
-    /// Whether a program that calls this Embree compiles and links.
+    /// Whether a program that calls this Embree compiles and links; one that is named must lie in the directories named, because
+    /// the compiler would go on to those of the system.
     fn links(found: &Found) -> bool {
+        if let Some((include, library)) = &found.dirs {
+            let starts = format!("lib{}.", found.library());
+            let has_library = fs::read_dir(library).is_ok_and(|mut files| {
+                files.any(|file| file.is_ok_and(|file| file.file_name().to_string_lossy().starts_with(&starts)))
+            });
+            if !has_library || !include.join(found.library()).join("rtcore.h").is_file() {
+                return false;
+            }
+        }
+
         let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
         let source = out.join("probe.c");
         let text = format!("#include {}\nint main(void) {{ return (int)rtcGetDeviceError(0); }}\n", found.header());

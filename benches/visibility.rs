@@ -1,8 +1,9 @@
 //! How many segments a second does each backend answer, on one thread and on two, and how long does it take to build?
 //!
-//! `cargo bench --bench visibility` measures scenes of 1.6k and 200k triangles; with `VISIBILITY_BENCH_LARGE=1` also one of 2M. A scene is a
-//! room with tessellated spheres. Segments run between triangles that face each other: `grouped`, 16 between two random
-//! triangles, as hierarchical radiosity asks them, or `random`, each between two triangles of its own. Throughput is in segments.
+//! `cargo bench --bench visibility` measures scenes of 1.6k and 200k triangles; with `VISIBILITY_BENCH_LARGE=1` also one of 2M. A
+//! scene is a room with tessellated spheres. Segments run between triangles that face each other: `grouped`, 16 between two
+//! random triangles, as hierarchical radiosity asks them, or `random`, each between two triangles of its own. Throughput is in
+//! segments.
 //!
 //! Before anything is timed, all backends must agree on the segments, and on the small scene with the f64 reference.
 #![allow(missing_docs, reason = "criterion's macros make undocumented functions")]

@@ -1,4 +1,5 @@
 //! Every visibility backend of this build is fed the same cases, beside answers that are known and beside the f64 reference.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests print what they measure, and what they skip")]
 
 #[path = "support/triangles.rs"]
 mod triangles;
@@ -52,7 +53,8 @@ impl Runner {
         occluded
     }
 
-    /// Prints how many answers differ from the reference, and demands that it is at most the given part of each backend's answers.
+    /// Prints how many answers differ from the reference, and demands that it is at most the given part of each backend's
+    /// answers.
     fn compare(&self, what: &str, segments: &[Segment], at_most: f64) {
         let reference = self.occluded(0, segments);
         let blocked = reference.iter().filter(|&&occluded| occluded).count();
@@ -377,8 +379,8 @@ fn scale_and_place_do_not_matter() {
     }
 }
 
-/// How many of `count` segments between points on the inside of a closed convex mesh each backend calls occluded. Every eighth end
-/// is a vertex or lies on an edge.
+/// How many of `count` segments between points on the inside of a closed convex mesh each backend calls occluded. Every eighth
+/// end is a vertex or lies on an edge.
 fn false_occlusions(mesh: &OccluderMesh, count: usize, what: &str) {
     let mut random = Random(3);
     let end = |random: &mut Random| {
@@ -491,7 +493,8 @@ fn first_hits_agree_with_the_reference() {
 
 #[test]
 fn threads_and_company_do_not_change_answers() {
-    // Segments at edges, and half of them with an end as near to a triangle as f32 can tell, where an answer hangs on the last bit.
+    // Segments at edges, and half of them with an end as near to a triangle as f32 can tell, where an answer hangs on the last
+    // bit.
     for rings in [12, 120] {
         let mut mesh = OccluderMesh::default();
         push_sphere(&mut mesh, [0.0; 3], 1.0, rings);

@@ -62,7 +62,7 @@ static int blocks(const occlusion_scene *scene, uint32_t triangle, const occlusi
 static void filter(const struct RTCFilterFunctionNArguments *args) {
     const query *q = (const query *)args->context;
     const uint32_t *triangles = (const uint32_t *)args->hit + 5 * (size_t)args->N; /* RTCHitN: Ng_x, Ng_y, Ng_z, u, v, primID */
-    const uint32_t *ids = (const uint32_t *)args->ray + 10 * (size_t)args->N;      /* RTCRayN: org, tnear, dir, time, tfar, mask, id */
+    const uint32_t *ids = (const uint32_t *)args->ray + 10 * (size_t)args->N;  /* RTCRayN: org, tnear, dir, time, tfar, mask, id */
     for (unsigned int i = 0; i < args->N; i++)
         if (args->valid[i] && !blocks(q->scene, triangles[i], &q->segments[ids[i]])) args->valid[i] = 0;
 }

@@ -26,8 +26,8 @@ pub enum Backend {
     ObvhsBvh2,
     /// Every triangle, in f64: the reference, for tests and tiny scenes.
     BruteForce,
-    /// Embree 4 through the crate embree4-sys (feature `embree4-sys`), for the benchmark. It answers occlusion; first hits are asked of
-    /// obvhs, because the crate's declaration of `RTCRayHit` is too small for Embree 4.3 and later.
+    /// Embree 4 through the crate embree4-sys (feature `embree4-sys`), for the benchmark. It answers occlusion; first hits are
+    /// asked of obvhs, because the crate's declaration of `RTCRayHit` is too small for Embree 4.3 and later.
     Embree4Sys,
 }
 

@@ -1,15 +1,16 @@
 //! The reference: every triangle, in f64, in the coordinates of the scene.
 //!
-//! A segment passes through a triangle if the three volumes that it spans with the edges have the same sign (Pluecker coordinates).
-//! Each is computed from its edge alone and changes nothing but its sign when the edge is walked the other way, so no
-//! segment slips through between two triangles that share an edge; and a volume that rounding may have made counts as 0, on the
-//! edge, so none slips through where many meet at a vertex.
+//! A segment passes through a triangle if the three volumes that it spans with the edges have the same sign (Pluecker
+//! coordinates). Each is computed from its edge alone and changes nothing but its sign when the edge is walked the other way, so
+//! no segment slips through between two triangles that share an edge; and a volume that rounding may have made counts as 0, on
+//! the edge, so none slips through where many meet at a vertex.
 
 use glam::DVec3;
 
 use super::{Hit, OccluderMesh, Ray, Segment, Visibility};
 
-/// What rounding may add to a volume, as a part of the product of the three lengths: a cross and a dot product of sums, each rounded.
+/// What rounding may add to a volume, as a part of the product of the three lengths: a cross and a dot product of sums, each
+/// rounded.
 const VOLUME_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Tests every triangle: O(triangles) per query.

@@ -1,8 +1,8 @@
 //! Embree 3 or 4, through wrapper/occlusion.h.
 //!
-//! The only state that Rust shares with the wrapper are the plane numbers and equations, which the wrapper reads in Embree's filter
-//! callback. The tree is built on one thread: it costs about 0.5 s for a million triangles, does not depend on the number of threads,
-//! and leaves no threads of Embree's behind that would compete with the solver's.
+//! The only state that Rust shares with the wrapper are the plane numbers and equations, which the wrapper reads in Embree's
+//! filter callback. The tree is built on one thread: it costs about 0.5 s for a million triangles, does not depend on the number
+//! of threads, and leaves no threads of Embree's behind that would compete with the solver's.
 #![allow(unsafe_code, reason = "calls into wrapper/occlusion.c")]
 
 use std::{ffi::CStr, ptr::NonNull};
@@ -29,13 +29,16 @@ pub(super) struct Embree {
     sides: Sides,
 }
 
-// SAFETY: The native scene is an ordinary heap object; nothing in it is tied to the thread that made it (Embree manual, "Embree API":
-// "The Embree API calls are thread-safe"; the device keeps errors per thread, but they are read on the thread that builds).
+// SAFETY: Device and scene are reference-counted heap objects with no tie to a thread but "its own error flag per device" (Embree
+// manual, "Embree API"), which is read only where the scene is built. Calls on one object must not overlap ("API calls that
+// access the same object are not thread-safe, unless specified differently", ibid.): only building and dropping are such, and
+// both own the scene.
 unsafe impl Send for Embree {}
 
-// SAFETY: After `new` the scene is only read: by occlusion_occluded and occlusion_first, which call rtcOccluded and rtcIntersect
-// ("performing ray queries in a scene is thread-safe", Embree manual, "Embree API") and keep all that they write on
-// their own stack or in the caller's slices; the filter callback reads the scene's constants and `sides`.
+// SAFETY: Through a shared reference only occlusion_occluded, occlusion_first and occlusion_embree_version can be called. The
+// first two call rtcOccluded8 and rtcIntersect1 ("performing ray queries in a scene is thread-safe", Embree manual, "Embree API")
+// and keep all that they write on their own stack or in the caller's slices, and the filter callback reads the scene's constants
+// and `sides`; the third reads a constant of the device.
 unsafe impl Sync for Embree {}
 
 impl Embree {
@@ -54,10 +57,10 @@ impl Embree {
             tolerance: frame.tolerance(),
         };
         // SAFETY: The pointers are valid for the counts beside them; `OccluderMesh::validate` has checked, before any backend is
-        // built, that the vertices are finite, that all indices are below the vertex count and that there are fewer than 2^31 triangles
-        // with one plane and one equation each. Vertices and triangles are copied (rtcSetNewGeometryBuffer, so Embree's
-        // demand of padding after the last element is met). `sides` outlives the scene: the heap blocks of its vectors do not move with
-        // it, and `drop` destroys the scene first.
+        // built, that the vertices are finite, that all indices are below the vertex count and that there are fewer than 2^31
+        // triangles with one plane and one equation each. Vertices and triangles are copied (rtcSetNewGeometryBuffer, so Embree's
+        // demand of padding after the last element is met). `sides` outlives the scene: the heap blocks of its vectors do not
+        // move with it, and `drop` destroys the scene first.
         let scene = unsafe { native::occlusion_create(&native_mesh) };
 
         let native_error = |message: String| VisibilityError::Native { backend: "embree", message };
@@ -82,7 +85,8 @@ impl Embree {
     fn trace_segments(&self, segments: &[native::occlusion_segment], occluded: &mut [u8]) {
         assert_eq!(segments.len(), occluded.len());
         // SAFETY: The scene was built without error. Both pointers are valid for `len` elements. `RayFrame` lets only finite
-        // segments of some length through, and tnear is not negative, as the manual of rtcOccluded1 demands: it "does not do any error checks".
+        // segments of some length through, and tnear is not negative, as the manual of rtcOccluded1 demands: it "does not do any
+        // error checks".
         unsafe { native::occlusion_occluded(self.scene.as_ptr(), segments.as_ptr(), segments.len(), occluded.as_mut_ptr()) };
     }
 

@@ -1,7 +1,7 @@
 //! Embree 4 through the crate embree4-sys: a second way to ask it, for the benchmark.
 //!
-//! Its declarations are those of Embree 4.2. `RTCRay` and `RTCOccludedArguments` have stayed as they were, so occlusion is safe with any
-//! Embree 4; `RTCRayHit` has grown in 4.3, so first hits are left to obvhs, built when the first one is asked for.
+//! Its declarations are those of Embree 4.2. `RTCRay` and `RTCOccludedArguments` have stayed as they were, so occlusion is safe
+//! with any Embree 4; `RTCRayHit` has grown in 4.3, so first hits are left to obvhs, built when the first one is asked for.
 #![allow(unsafe_code, reason = "calls into libembree4")]
 
 use std::{ffi::c_void, ptr, sync::OnceLock};
@@ -35,12 +35,12 @@ struct Query<'a> {
     probe: &'a Probe,
 }
 
-// SAFETY: Device and scene are reference-counted heap objects that are tied to no thread (Embree manual, "Embree API": "The Embree
-// API calls are thread-safe").
+// SAFETY: Device and scene are reference-counted heap objects with no tie to a thread but "its own error flag per device" (Embree
+// manual, "Embree API"), which is read only in `new`. Only `new` and `drop` change them, and both own them.
 unsafe impl Send for Embree4Sys {}
 
-// SAFETY: After `new` the scene is only asked: "performing ray queries in a scene is thread-safe" (Embree manual, "Embree API"). All that
-// a query writes is on its own stack.
+// SAFETY: Through a shared reference the scene is only asked: "performing ray queries in a scene is thread-safe" (Embree manual,
+// "Embree API"). All that a query writes is on its own stack.
 unsafe impl Sync for Embree4Sys {}
 
 impl Embree4Sys {
@@ -80,9 +80,9 @@ impl Embree4Sys {
             self.mesh.vertices.iter().map(|&vertex| self.frame.point(vertex).as_vec3().to_array()).collect();
         let triangles = &self.mesh.triangles;
 
-        // SAFETY: Device and scene are alive. rtcSetNewGeometryBuffer returns room for the counted elements (and its own padding) or
-        // NULL, which is checked before anything is copied. The scene retains the geometry when it is attached, so that it may be
-        // released here. `filter` has the signature RTCFilterFunctionN and expects the context that `is_blocked` passes.
+        // SAFETY: Device and scene are alive. rtcSetNewGeometryBuffer returns room for the counted elements (and its own padding)
+        // or NULL, which is checked before anything is copied. The scene retains the geometry when it is attached, so that it may
+        // be released here. `filter` has the signature RTCFilterFunctionN and expects the context that `is_blocked` passes.
         unsafe {
             let geometry = native::rtcNewGeometry(self.device, native::RTCGeometryType::TRIANGLE);
             if geometry.is_null() {
@@ -132,8 +132,8 @@ impl Embree4Sys {
             tfar: 1.0,
             ..native::RTCRay::default()
         };
-        // SAFETY: The scene is committed. The ray is finite with tnear >= 0 (`RayFrame` lets nothing else through) and aligned to 16 bytes by its
-        // type, as the manual of rtcOccluded1 demands. Arguments and context outlive the call.
+        // SAFETY: The scene is committed. The ray is finite with tnear >= 0 (`RayFrame` lets nothing else through) and aligned to
+        // 16 bytes by its type, as the manual of rtcOccluded1 demands. Arguments and context outlive the call.
         unsafe { native::rtcOccluded1(self.scene, &mut ray, &mut arguments) };
         ray.tfar < 0.0
     }
@@ -162,7 +162,8 @@ fn native_error(message: &str) -> VisibilityError {
 
 impl Drop for Embree4Sys {
     fn drop(&mut self) {
-        // SAFETY: Made in `new` and released only here; `&mut self` proves that no query runs. The scene may be NULL after a failure.
+        // SAFETY: Made in `new` and released only here; `&mut self` proves that no query runs. The scene may be NULL after a
+        // failure.
         unsafe {
             if !self.scene.is_null() {
                 native::rtcReleaseScene(self.scene);

@@ -12,8 +12,8 @@ const LARGEST_COORDINATE: f64 = 1e75;
 /// none of it (measured in tests/backends.rs); it is there for points that callers compute in several steps.
 const CONTACT_OF_SIZE: f64 = 1e-12;
 
-/// Roundings of the largest coordinate within which an end counts as touching a plane: one for the point, one for each vertex, and
-/// a few for what is computed from them.
+/// Roundings of the largest coordinate within which an end counts as touching a plane: one for the point, one for each vertex,
+/// and a few for what is computed from them.
 const CONTACT_ROUNDINGS: f64 = 8.0;
 
 /// Triangles with, for each, the surface it belongs to and the plane it lies in.
@@ -48,8 +48,8 @@ impl OccluderMesh {
         mesh
     }
 
-    /// Up to this distance from a triangle's plane an end of a segment counts as lying in it, in metres: 1e-12 of the diagonal of the
-    /// box around the mesh, and 8 roundings of its largest coordinate.
+    /// Up to this distance from a triangle's plane an end of a segment counts as lying in it, in metres: 1e-12 of the diagonal of
+    /// the box around the mesh, and 8 roundings of its largest coordinate.
     pub fn contact_tolerance(&self) -> f64 {
         let bounds = self.bounds();
         if bounds.is_empty() {

@@ -130,8 +130,8 @@ fn tree_ray(origin: Vec3A, direction: Vec3A) -> (TreeRay, f32) {
     (TreeRay::new(origin, direction / length + Vec3A::ZERO, 0.0, length * 1.000_01), length)
 }
 
-/// Whether the line through `origin` passes the edges of a triangle all on the same side. What rounding leaves at vertices, where many
-/// triangles meet, is covered by one rounding of the sum, as in Embree.
+/// Whether the line through `origin` passes the edges of a triangle all on the same side. What rounding leaves at vertices, where
+/// many triangles meet, is covered by one rounding of the sum, as in Embree.
 #[inline]
 fn passes(corners: &[Vec3A; 3], origin: Vec3A, direction: Vec3A) -> bool {
     let [a, b, c] = corners.map(|corner| corner - origin);
