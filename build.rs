@@ -15,6 +15,12 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     #[cfg(feature = "embree")]
     embree::main();
+
+    // The crate openexr leaves its shared libraries in the folder `lib` of the build directory, where no loader would look.
+    #[cfg(feature = "openexr")]
+    if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|system| system == "linux") {
+        println!("cargo::rustc-link-arg=-Wl,-rpath,$ORIGIN/lib:$ORIGIN/../lib");
+    }
 }
 
 #[cfg(feature = "embree")]

@@ -77,7 +77,8 @@ impl From<PipelineError> for Failure {
         match error {
             PipelineError::Options(_) => Self::usage(error),
             PipelineError::Visibility(VisibilityError::UnknownBackend(_) | VisibilityError::NotBuilt { .. }) => Self::usage(error),
-            PipelineError::Visibility(VisibilityError::Native { .. }) | PipelineError::Threads { .. } => Self::failed(error),
+            PipelineError::Visibility(VisibilityError::Native { .. } | VisibilityError::BadMesh(_))
+            | PipelineError::Threads { .. } => Self::failed(error),
         }
     }
 }
