@@ -144,3 +144,69 @@ impl Inspection {
         diagnostics
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Polygon;
+    use crate::scene::{Material, Sides};
+    use crate::visibility::{Backend, OccluderMesh, build};
+
+    /// The inside of a unit cube; the faces in `turned` look outwards, those in `missing` are not there.
+    fn cube(turned: &[usize], missing: &[usize], sides: Sides) -> Scene {
+        let corner = |bits: usize| [bits & 1, bits >> 1 & 1, bits >> 2].map(|bit| bit as f64);
+        let inwards = [[0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3], [0, 1, 3, 2], [4, 6, 7, 5]];
+        let faces = (0..6)
+            .filter(|face| !missing.contains(face))
+            .map(|face| {
+                let polygon = Polygon::new(&inwards[face].map(corner)).unwrap();
+                (if turned.contains(&face) { polygon.reversed() } else { polygon }, 0, face as u32)
+            })
+            .collect();
+        let grey = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![1.0] };
+        Scene::new(1, vec![grey], faces, sides).unwrap()
+    }
+
+    fn inspected(scene: &Scene) -> Inspection {
+        let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(scene)).unwrap();
+        inspect(scene, visibility.as_ref(), 600)
+    }
+
+    #[test]
+    fn a_closed_cube_is_beyond_suspicion() {
+        let inspection = inspected(&cube(&[], &[], Sides::Front));
+        assert_eq!((inspection.points, inspection.rays, inspection.escaped, inspection.met_back), (600, 9600, 0, 0));
+        assert_eq!(inspection.suspicions(Path::new("a.obj"), &[]), []);
+    }
+
+    #[test]
+    fn the_open_share_is_the_form_factor_to_the_opening() {
+        // From each of five sides of a cube one fifth of the light reaches the sixth in the mean over adjacent and opposite: with
+        // F(opposite) = 0.199825 and four times F(adjacent) = 0.200044 the mean is exactly 1/5.
+        let inspection = inspected(&cube(&[], &[1], Sides::Front));
+        let share = f64::from(inspection.escaped) / f64::from(inspection.rays);
+        assert!((share - 0.2).abs() < 0.01, "{share}");
+        let diagnostics = inspection.suspicions(Path::new("a.obj"), &[]);
+        assert_eq!(diagnostics.iter().map(|d| d.kind).collect::<Vec<_>>(), [DiagnosticKind::Open]);
+    }
+
+    #[test]
+    fn a_turned_wall_is_named_with_its_line() {
+        let scene = cube(&[3], &[], Sides::Front);
+        let inspection = inspected(&scene);
+        assert_eq!(inspection.back_faces.len(), 1);
+        assert_eq!(inspection.back_faces[0], (3, inspection.met_back));
+        let told = inspection.suspicions(Path::new("a.obj"), &[10, 20, 30, 40, 50, 60]);
+        let text = told.iter().find(|d| d.kind == DiagnosticKind::BackFaceSeen).unwrap().to_string();
+        assert!(text.starts_with("a.obj:40: face 4: ") && text.contains("--sides both"), "{text}");
+
+        // With both sides there is no back.
+        assert_eq!(inspected(&cube(&[3], &[], Sides::Both)).met_back, 0);
+    }
+
+    #[test]
+    fn the_same_scene_gives_the_same_answer() {
+        let scene = cube(&[2], &[0], Sides::Front);
+        assert_eq!(inspected(&scene), inspected(&scene));
+    }
+}

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use patchlight::inspect::{DEFAULT_POINTS, inspect};
 use patchlight::scene::SceneSummary;
-use patchlight::scene::import::{DiagnosticKind, ImportOptions, read_scene};
+use patchlight::scene::import::{DiagnosticKind, ImportOptions, Severity, read_scene};
 use patchlight::visibility::{Backend, OccluderMesh, build};
 
 fn shared() -> Option<PathBuf> {
@@ -43,22 +43,34 @@ fn every_scene_is_read_and_no_face_is_lost() {
     }
 }
 
-/// The five scenes that must be read without a complaint that is not deserved: each complaint is known.
+/// The five scenes that must be read without a complaint that is not deserved: these are all complaints, each looked at by hand.
 #[test]
 fn complaints_are_deserved() {
+    use DiagnosticKind::{DuplicateFace, IgnoredProperty, NoLight, NonPlanarFace};
     let Some(shared) = shared() else { return };
-    for (name, repaired, suspicious) in
-        [("cornell_embree", 1, 1), ("cornell_tinyobj", 1, 0), ("cornell_mcguire", 3, 0), ("office2", 0, 0), ("corridor", 0, 0)]
-    {
+    for (name, deserved) in [
+        // The right wall is not planar in the measured data (x = 552.8, 549.6, 556, 556); the face of the light is commented out.
+        ("cornell_embree", vec![(NonPlanarFace, 72), (NoLight, 0)]),
+        ("cornell_tinyobj", vec![(NonPlanarFace, 77)]),
+        // The left wall likewise; the bottoms of both boxes name the vertices of a side again.
+        ("cornell_mcguire", vec![(NonPlanarFace, 62), (DuplicateFace, 107), (DuplicateFace, 155)]),
+        // Quads of furniture that are bent by 0.1 to 0.7 mm.
+        ("office2", [648, 653, 691, 696, 755, 760, 798, 803].map(|line| (NonPlanarFace, line)).to_vec()),
+        // Eight materials with highlights, which a diffuse solver leaves out.
+        ("corridor", vec![(IgnoredProperty, 7)]),
+    ] {
         let file = shared.join("scenes").join(name).join("scene.obj");
         let imported = read_scene(&file, &ImportOptions::default()).unwrap();
-        let mesh = OccluderMesh::of_scene(&imported.scene);
-        let visibility = build(Backend::BruteForce, &mesh).unwrap();
+        let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&imported.scene)).unwrap();
         let inspection = inspect(&imported.scene, visibility.as_ref(), DEFAULT_POINTS);
         let mut diagnostics = imported.diagnostics.clone();
         diagnostics.items.extend(inspection.suspicions(&imported.file, &imported.lines));
+
+        let complaints: Vec<_> = (diagnostics.items.iter())
+            .filter(|item| item.severity() != Severity::Note)
+            .map(|item| (item.kind, item.line.unwrap_or(0)))
+            .collect();
         let summary = SceneSummary::new(&imported.scene, &diagnostics);
-        eprintln!("== {name}\n{summary}");
-        let _ = (repaired, suspicious);
+        assert_eq!(complaints, deserved, "{name}\n{summary}");
     }
 }

@@ -24,7 +24,7 @@ pub fn room() -> Model {
     shelf(&mut model);
     desk(&mut model);
     chair(&mut model, "desk_chair", Place::at([1.95, 0.0, 1.02], 190.0));
-    chair(&mut model, "reading_chair", Place::at([3.45, 0.0, 2.55], -118.0));
+    chair(&mut model, "reading_chair", Place::at([3.5, 0.0, 1.5], 68.0));
     sofa(&mut model);
     coffee_table(&mut model);
     floor_lamp(&mut model);
@@ -68,8 +68,8 @@ fn materials(model: &mut Model) {
     ] {
         model.material(name, reflectance, dark);
     }
-    model.material("ceiling_light", [0.6; 3], [9.0, 8.0, 6.4]);
-    model.material("sky", [0.1; 3], [4.2, 5.4, 7.0]);
+    model.material("ceiling_light", [0.6; 3], [11.0, 9.8, 8.0]);
+    model.material("sky", [0.1; 3], [2.6, 3.3, 4.2]);
     model.material("lamp_shade", [0.6, 0.55, 0.45], [7.0, 4.3, 1.9]);
     model.material("desk_lamp", [0.6; 3], [26.0, 19.0, 10.0]);
 }
@@ -154,11 +154,15 @@ fn door_and_skirting(model: &mut Model) {
     for (low, high) in [(0.15, 0.95), (1.1, 1.9)] {
         model.cuboid("white_paint", [left + 0.12, low, 0.025], [right - 0.12, high, 0.037], &[Back]);
     }
-    model.cuboid("white_paint", [left - 0.07, 0.0, 0.0], [left, top, 0.045], &[Bottom, Back, Top]);
-    model.cuboid("white_paint", [right, 0.0, 0.0], [right + 0.07, top, 0.045], &[Bottom, Back, Top]);
-    model.cuboid("white_paint", [left - 0.07, top, 0.0], [right + 0.07, top + 0.07, 0.045], &[Back]);
-    model.cuboid("metal", [left + 0.05, 1.0, 0.025], [left + 0.07, 1.03, 0.07], &[Back]);
-    model.cuboid("metal", [left + 0.05, 1.0, 0.07], [left + 0.17, 1.03, 0.085], &[]);
+    // The frame stands around it, a little further into the room.
+    let (deep, flush) = (0.045, 0.025);
+    model.cuboid("white_paint", [left - 0.07, 0.0, 0.0], [left, top, deep], &[Bottom, Back, Top, Right]);
+    model.cuboid("white_paint", [right, 0.0, 0.0], [right + 0.07, top, deep], &[Bottom, Back, Top, Left]);
+    model.cuboid("white_paint", [left - 0.07, top, 0.0], [right + 0.07, top + 0.07, deep], &[Back, Bottom]);
+    model.face("white_paint", &[[left, 0.0, deep], [left, 0.0, flush], [left, top, flush], [left, top, deep]]);
+    model.face("white_paint", &[[right, 0.0, flush], [right, 0.0, deep], [right, top, deep], [right, top, flush]]);
+    model.face("white_paint", &[[left, top, flush], [right, top, flush], [right, top, deep], [left, top, deep]]);
+    model.cuboid("metal", [left + 0.05, 1.0, 0.025], [left + 0.16, 1.025, 0.075], &[Back]);
 
     // Skirting boards end at the corners and at the door.
     model.object("skirting", Place::WORLD);
@@ -191,23 +195,21 @@ fn shelf(model: &mut Model) {
     let back = 0.01;
     model.cuboid("oak", [board, 0.0, 0.0], [width - board, height, back], &[Bottom, Left, Right]);
 
-    // Heights of the tops of the boards; the lowest stands on a plinth, the last closes the shelf.
+    // Heights of the tops of the boards; the last closes the shelf.
     let tops = [0.1, 0.46, 0.82, 1.18, 1.54, height];
-    for (k, &top) in tops.iter().enumerate() {
-        let low = if k == 0 { 0.0 } else { top - board };
-        let without: &[Side] = if k == 0 { &[Bottom, Left, Right, Back] } else { &[Left, Right, Back] };
-        model.cuboid("oak", [board, low, back], [width - board, top, depth - 0.01], without);
+    for top in tops {
+        model.cuboid("oak", [board, top - board, back], [width - board, top, depth - 0.01], &[Left, Right, Back]);
     }
 
     // Books: thickness, height and depth from a small generator of our own, so that they never change.
     let colours = ["book_red", "book_blue", "book_cream", "book_green", "book_grey", "book_yellow"];
     let mut chance = Chance(20);
-    for (k, pair) in tops.windows(2).enumerate() {
+    for (k, pair) in tops.windows(2).enumerate().skip(1) {
         let room = pair[1] - board - pair[0];
         let mut x = board + 0.01 + 0.05 * chance.next();
-        let end = width - board - if k % 2 == 0 { 0.08 } else { 0.3 };
+        let end = width - board - if k % 2 == 0 { 0.16 } else { 0.4 };
         while x < end {
-            let thickness = 0.03 + 0.035 * chance.next();
+            let thickness = 0.05 + 0.06 * chance.next();
             let tall = room * (0.62 + 0.3 * chance.next());
             let deep = 0.16 + 0.07 * chance.next();
             let colour = colours[(chance.next() * 5.999) as usize];
@@ -216,8 +218,11 @@ fn shelf(model: &mut Model) {
             x = right + 0.003 + if chance.next() > 0.85 { 0.06 } else { 0.0 };
         }
     }
-    model.walls("porcelain", 8, [0.84, 0.17], (0.46, 0.05), (0.6, 0.075));
-    model.disk("porcelain", 8, [0.84, 0.17], (0.6, 0.075));
+    for x in [0.05, 0.52] {
+        model.cuboid("rug", [x, tops[0], 0.04], [x + 0.42, tops[0] + 0.26, depth - 0.02], &[Bottom]);
+    }
+    model.walls("porcelain", 8, [0.82, 0.17], (0.82, 0.06), (1.0, 0.085));
+    model.disk("black", 8, [0.82, 0.17], (1.0, 0.085));
 }
 
 /// Numbers from 0 to 1 that are the same on every machine.
@@ -252,7 +257,6 @@ fn desk(model: &mut Model) {
     for k in 0..3 {
         let low = 0.14 + 0.19 * f64::from(k);
         model.cuboid("oak", [0.31, low, 0.28], [0.65, low + 0.17, 0.292], &[Back]);
-        model.cuboid("metal", [0.43, low + 0.09, 0.292], [0.53, low + 0.1, 0.307], &[Back]);
     }
 
     // Screen on a foot, keyboard, paper.
@@ -264,15 +268,13 @@ fn desk(model: &mut Model) {
     model.cuboid("metal", [-0.22, height, 0.08], [0.2, height + 0.018, 0.22], &[Bottom]);
     model.cuboid("paper", [0.34, height, 0.0], [0.55, height + 0.012, 0.28], &[Bottom]);
     model.cuboid("book_blue", [0.36, height + 0.012, 0.03], [0.52, height + 0.04, 0.25], &[Bottom]);
-    model.walls("book_yellow", 8, [0.27, 0.2], (height, 0.036), (height + 0.09, 0.04));
-    model.inner_walls("porcelain", 8, [0.27, 0.2], (height + 0.02, 0.03), (height + 0.09, 0.034));
-    model.rim("book_yellow", 8, [0.27, 0.2], height + 0.09, 0.034, 0.04);
-    model.disk("earth", 8, [0.27, 0.2], (height + 0.02, 0.03));
+    model.walls("book_yellow", 6, [0.27, 0.2], (height, 0.036), (height + 0.09, 0.04));
+    model.disk("earth", 6, [0.27, 0.2], (height + 0.09, 0.04));
 
     // The lamp: foot, arm, and a head that shines down.
     model.object("desk_lamp", Place::at([1.38, height, 0.32], 0.0));
-    model.walls("metal", 8, [0.0, 0.0], (0.0, 0.08), (0.018, 0.08));
-    model.disk("metal", 8, [0.0, 0.0], (0.018, 0.08));
+    model.walls("metal", 6, [0.0, 0.0], (0.0, 0.08), (0.018, 0.08));
+    model.disk("metal", 6, [0.0, 0.0], (0.018, 0.08));
     model.cuboid("metal", [-0.008, 0.018, -0.008], [0.008, 0.42, 0.008], &[Bottom]);
     model.cuboid("metal", [0.008, 0.39, -0.008], [0.14, 0.406, 0.008], &[Left]);
     model.walls("book_green", 8, [0.2, 0.0], (0.34, 0.09), (0.43, 0.05));
@@ -301,8 +303,8 @@ fn chair(model: &mut Model, name: &str, place: Place) {
     for x in [-0.19, 0.16] {
         model.cuboid("oak", [x, 0.45, 0.175], [x + 0.03, 0.92, 0.205], &[Bottom]);
     }
-    for low in [0.58, 0.7, 0.82] {
-        model.cuboid("oak", [-0.16, low, 0.18], [0.16, low + 0.07, 0.2], &[Left, Right]);
+    for low in [0.6, 0.78] {
+        model.cuboid("oak", [-0.16, low, 0.18], [0.16, low + 0.11, 0.2], &[Left, Right]);
     }
     model.cuboid("cushion", [-0.19, 0.45, -0.19], [0.19, 0.485, 0.165], &[Bottom]);
 }
@@ -315,26 +317,16 @@ fn sofa(model: &mut Model) {
     for (x, z) in [(0.06, -0.85), (0.06, 0.85), (deep - 0.06, -0.85), (deep - 0.06, 0.85)] {
         model.cuboid("walnut", [x - 0.025, 0.0, z - 0.025], [x + 0.025, 0.1, z + 0.025], &[Bottom, Top]);
     }
-    model.cuboid("sofa", [0.0, 0.3, -half + 0.18], [0.2, 0.8, half - 0.18], &[Bottom, Back, Front]);
-    for side in [-1.0, 1.0] {
-        let (a, b) = (side * half, side * (half - 0.18));
-        model.cuboid("sofa", [0.0, 0.3, a.min(b)], [deep, 0.6, a.max(b)], &[Bottom]);
-        // The backrest stands higher than the arms: its ends.
-        let end = side * (half - 0.18);
-        let (bottom, top) = (0.6, 0.8);
-        let corners = [[0.0, bottom, end], [0.2, bottom, end], [0.2, top, end], [0.0, top, end]];
-        if side > 0.0 {
-            model.face("sofa", &corners);
-        } else {
-            model.face("sofa", &[corners[1], corners[0], corners[3], corners[2]]);
-        }
+    model.cuboid("sofa", [0.0, 0.3, -half], [0.2, 0.8, half], &[Bottom]);
+    for (low, high) in [(-half, -half + 0.18), (half - 0.18, half)] {
+        model.cuboid("sofa", [0.2, 0.3, low], [deep, 0.6, high], &[Bottom, Left]);
     }
     for z in [-0.76, 0.005] {
         model.cuboid("sofa", [0.215, 0.3, z], [deep + 0.02, 0.44, z + 0.755], &[Bottom]);
     }
 
     // Loose cushions stand on the seats.
-    for (z, degrees, material) in [(-0.5, 14.0, "cushion"), (0.1, -8.0, "rug_stripe"), (0.52, 10.0, "cushion")] {
+    for (z, degrees, material) in [(-0.5, 14.0, "cushion"), (0.5, -10.0, "rug_stripe")] {
         model.object("cushion", Place::at([0.42, 0.445, 2.0 + z], degrees));
         model.cuboid(material, [-0.06, 0.0, -0.19], [0.06, 0.36, 0.19], &[]);
     }
@@ -345,21 +337,18 @@ fn coffee_table(model: &mut Model) {
     model.object("coffee_table", Place::at([2.05, 0.01, 2.05], 3.0));
     let height = 0.4;
     table(model, "walnut", [0.32, 0.52], height, 0.035, 0.045);
-    model.cuboid("oak", [-0.24, 0.14, -0.44], [0.24, 0.16, 0.44], &[]);
     model.cuboid("book_red", [-0.15, height, 0.12], [0.11, height + 0.03, 0.32], &[Bottom]);
     model.cuboid("book_cream", [-0.12, height + 0.03, 0.14], [0.09, height + 0.055, 0.3], &[Bottom]);
-    model.cuboid("book_grey", [-0.2, 0.16, -0.3], [0.05, 0.19, -0.1], &[Bottom]);
 
     // The bowl is open: outside, rim, inside, ground.
     let centre = [0.02, -0.22];
-    model.walls("porcelain", 12, centre, (height, 0.07), (height + 0.08, 0.14));
-    model.rim("porcelain", 12, centre, height + 0.08, 0.13, 0.14);
-    model.inner_walls("porcelain", 12, centre, (height + 0.012, 0.06), (height + 0.08, 0.13));
-    model.disk("porcelain", 12, centre, (height + 0.012, 0.06));
-    for (x, z, material) in [(0.0, -0.25, "book_red"), (0.045, -0.2, "leaf_light"), (-0.03, -0.19, "book_yellow")] {
-        model.walls(material, 6, [x, z], (height + 0.014, 0.02), (height + 0.04, 0.035));
-        model.walls(material, 6, [x, z], (height + 0.04, 0.035), (height + 0.07, 0.018));
-        model.disk(material, 6, [x, z], (height + 0.07, 0.018));
+    model.walls("porcelain", 7, centre, (height, 0.07), (height + 0.08, 0.14));
+    model.rim("porcelain", 7, centre, height + 0.08, 0.13, 0.14);
+    model.inner_walls("porcelain", 7, centre, (height + 0.012, 0.06), (height + 0.08, 0.13));
+    model.disk("porcelain", 7, centre, (height + 0.012, 0.06));
+    for (x, z, material) in [(0.0, -0.25, "book_red"), (0.05, -0.19, "leaf_light")] {
+        model.walls(material, 6, [x, z], (height + 0.012, 0.03), (height + 0.07, 0.022));
+        model.disk(material, 6, [x, z], (height + 0.07, 0.022));
     }
 }
 
@@ -367,12 +356,12 @@ fn coffee_table(model: &mut Model) {
 fn floor_lamp(model: &mut Model) {
     model.object("floor_lamp", Place::at([0.42, 0.0, 0.66], 0.0));
     let centre = [0.0, 0.0];
-    model.walls("black", 12, centre, (0.0, 0.14), (0.025, 0.13));
-    model.disk("black", 12, centre, (0.025, 0.13));
-    model.walls("metal", 6, centre, (0.025, 0.012), (1.3, 0.012));
-    model.walls("lamp_shade", 12, centre, (1.3, 0.2), (1.58, 0.13));
-    model.disk("lamp_shade", 12, centre, (1.58, 0.13));
-    model.disk_below("lamp_shade", 12, centre, (1.3, 0.2));
+    model.walls("black", 8, centre, (0.0, 0.14), (0.025, 0.13));
+    model.disk("black", 8, centre, (0.025, 0.13));
+    model.walls("metal", 4, centre, (0.025, 0.012), (1.3, 0.012));
+    model.walls("lamp_shade", 10, centre, (1.3, 0.2), (1.58, 0.13));
+    model.disk("lamp_shade", 10, centre, (1.58, 0.13));
+    model.disk_below("lamp_shade", 10, centre, (1.3, 0.2));
 }
 
 /// A pot with earth, a stem, and leaves that are seen from both sides.
@@ -383,22 +372,20 @@ fn plant(model: &mut Model) {
     model.rim("terracotta", 8, centre, 0.3, 0.165, 0.19);
     model.inner_walls("terracotta", 8, centre, (0.26, 0.16), (0.3, 0.165));
     model.disk("earth", 8, centre, (0.26, 0.16));
-    model.walls("walnut", 5, centre, (0.26, 0.018), (1.05, 0.012));
-    model.disk("walnut", 5, centre, (1.05, 0.012));
-    for leaf in 0..18 {
+    model.walls("walnut", 4, centre, (0.26, 0.018), (1.05, 0.012));
+    model.disk("walnut", 4, centre, (1.05, 0.012));
+    for leaf in 0..11 {
         let turn = f64::from(leaf) * 137.5_f64.to_radians();
         let (sin, cos) = turn.sin_cos();
-        let height = 0.5 + 0.032 * f64::from(leaf);
-        let (length, half, rise) =
-            (0.42 - 0.012 * f64::from(leaf), 0.075 - 0.0015 * f64::from(leaf), 0.1 + 0.012 * f64::from(leaf));
+        let height = 0.45 + 0.05 * f64::from(leaf);
+        let (length, half, rise) = (0.46 - 0.018 * f64::from(leaf), 0.1 - 0.003 * f64::from(leaf), 0.1 + 0.018 * f64::from(leaf));
 
-        // A rhomb from the stem outwards, and its drooping tip.
-        let along = |t: f64, up: f64, aside: f64| {
-            [(0.02 + length * t) * cos - aside * sin, height + up, (0.02 + length * t) * sin + aside * cos]
+        // A rhomb from the stem outwards and upwards.
+        let along = |t: f64, aside: f64| {
+            [(0.02 + length * t) * cos - aside * sin, height + rise * t, (0.02 + length * t) * sin + aside * cos]
         };
         let material = if leaf % 3 == 0 { "leaf_light" } else { "leaf" };
-        model.sheet(material, &[along(0.0, 0.0, 0.0), along(0.55, rise, half), along(0.55, rise, -half)]);
-        model.sheet(material, &[along(0.55, rise, -half), along(0.55, rise, half), along(1.0, 0.3 * rise, 0.0)]);
+        model.sheet(material, &[along(0.0, 0.0), along(0.45, half), along(1.0, 0.0), along(0.45, -half)]);
     }
 }
 
@@ -407,21 +394,15 @@ fn sideboard(model: &mut Model) {
     model.object("sideboard", Place::at([4.55, 0.0, 1.45], -90.0));
     // In its own frame it looks along +z, which is into the room.
     let (half, height) = (0.75, 0.72);
-    model.cuboid("oak", [-half, 0.06, -0.4], [half, height, 0.0], &[]);
-    for x in [-0.7, 0.65] {
-        for z in [-0.37, -0.08] {
-            model.cuboid("black", [x, 0.0, z], [x + 0.05, 0.06, z + 0.05], &[Bottom, Top]);
-        }
-    }
+    model.cuboid("oak", [-half, 0.0, -0.4], [half, height, 0.0], &[Bottom]);
     for k in 0..3 {
         let x = -half + 0.02 + 0.49 * f64::from(k);
         model.cuboid("white_paint", [x, 0.09, 0.0], [x + 0.48, height - 0.03, 0.015], &[Back]);
-        model.cuboid("metal", [x + 0.43, 0.36, 0.015], [x + 0.44, 0.48, 0.03], &[Back]);
     }
     let centre = [-0.35, -0.2];
-    model.walls("porcelain", 10, centre, (height, 0.05), (height + 0.12, 0.1));
-    model.walls("porcelain", 10, centre, (height + 0.12, 0.1), (height + 0.28, 0.035));
-    model.disk("black", 10, centre, (height + 0.28, 0.035));
+    model.walls("porcelain", 8, centre, (height, 0.05), (height + 0.12, 0.1));
+    model.walls("porcelain", 8, centre, (height + 0.12, 0.1), (height + 0.28, 0.035));
+    model.disk("black", 8, centre, (height + 0.28, 0.035));
     model.cuboid("book_cream", [0.2, height, -0.3], [0.45, height + 0.04, -0.12], &[Bottom]);
 }
 

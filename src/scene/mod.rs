@@ -51,6 +51,18 @@ pub struct Surface {
     pub(crate) twin: Option<SurfaceId>,
 }
 
+impl Surface {
+    /// The number of its plane: surfaces of one scene have the same number if and only if they are coplanar, on either side.
+    pub fn plane(&self) -> u32 {
+        self.plane
+    }
+
+    /// The surface on the back of the same sheet, if there is one.
+    pub fn twin(&self) -> Option<SurfaceId> {
+        self.twin
+    }
+}
+
 /// Why a scene cannot be made.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SceneError {

@@ -144,3 +144,137 @@ fn sortable(number: f64) -> u64 {
     let bits = (number + 0.0).to_bits();
     if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Material, Sides};
+    use super::*;
+    use crate::geometry::Polygon;
+
+    fn scene(polygons: Vec<Polygon>, sides: Sides) -> Scene {
+        let grey = Material { name: "grey".to_owned(), reflectance: vec![0.5], exitance: vec![0.0] };
+        let faces = polygons.into_iter().enumerate().map(|(face, polygon)| (polygon, 0, face as u32)).collect();
+        Scene::new(1, vec![grey], faces, sides).unwrap()
+    }
+
+    fn planes(polygons: Vec<Polygon>) -> Vec<u32> {
+        scene(polygons, Sides::Front).surfaces().iter().map(|surface| surface.plane).collect()
+    }
+
+    /// A quad of size `size` in the plane through `origin` spanned by the turned x and y axes.
+    fn quad(origin: DVec3, turn: glam::DQuat, size: f64) -> Polygon {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+        Polygon::from_vertices(corners.iter().map(|&corner| origin + turn * (corner * size)).collect()).unwrap()
+    }
+
+    /// Fixed numbers from 0 to 1.
+    fn chance(index: u32, dimension: u32) -> f64 {
+        f64::from(sobol_burley::sample(index, dimension, 1))
+    }
+
+    #[test]
+    fn a_box_has_six_planes_wherever_it_is() {
+        for offset in [0.0, 1e3, 1e6] {
+            // Each side of a turned cube as four quads, every other one seen from behind.
+            let centre = DVec3::new(offset, -0.7 * offset, 0.3 * offset);
+            let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 0.2, 0.1);
+            let mut polygons = Vec::new();
+            for axis in [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z] {
+                let side = turn * glam::DQuat::from_rotation_arc(DVec3::Z, axis);
+                for (k, corner) in [(-1.0, -1.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 0.0)].into_iter().enumerate() {
+                    let piece = quad(centre + side * DVec3::new(corner.0, corner.1, 1.0), side, 1.0);
+                    polygons.push(if k % 2 == 0 { piece } else { piece.reversed() });
+                }
+            }
+            let expected: Vec<u32> = (0..24).map(|k| k / 4).collect();
+            assert_eq!(planes(polygons), expected, "offset {offset}");
+        }
+    }
+
+    #[test]
+    fn parallel_planes_part_at_the_tolerance() {
+        // The diagonal is close to 14.14; planes 0.1 tolerances apart are one, 2 tolerances apart are two.
+        let floor = || quad(DVec3::ZERO, glam::DQuat::IDENTITY, 10.0);
+        let raised = |height: f64| quad(DVec3::new(1.0, 1.0, height), glam::DQuat::IDENTITY, 1.0);
+        assert_eq!(planes(vec![floor(), raised(1.4e-6)]), [0, 0]);
+        assert_eq!(planes(vec![floor(), raised(2.8e-5)]), [0, 1]);
+        assert_eq!(planes(vec![floor(), raised(-2.8e-5), raised(2.8e-5), raised(0.0)]), [0, 1, 2, 0]);
+    }
+
+    #[test]
+    fn a_small_facet_within_the_distance_but_turned_is_in_another_plane() {
+        let floor = quad(DVec3::ZERO, glam::DQuat::IDENTITY, 10.0);
+        let tilted = quad(DVec3::new(5.0, 5.0, 0.0), glam::DQuat::from_rotation_x(0.3), 1e-5);
+        assert_eq!(planes(vec![floor, tilted]), [0, 1]);
+    }
+
+    #[test]
+    fn rounding_to_seven_digits_keeps_walls_together() {
+        // Turned walls in a room of 10 m, cut into small quads with coordinates rounded to a micrometre.
+        let turn = glam::DQuat::from_rotation_y(0.4);
+        let rounded = |v: DVec3| (v * 1e6).round() / 1e6;
+        let mut polygons = Vec::new();
+        for wall in 0..3 {
+            for k in 0..400 {
+                let origin = DVec3::new(0.5 * f64::from(k % 20), 0.5 * f64::from(k / 20), 3.0 * f64::from(wall));
+                let corners = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+                let corners: Vec<DVec3> = corners.iter().map(|c| rounded(turn * (origin + 0.5 * *c))).collect();
+                polygons.push(Polygon::from_vertices(corners).unwrap());
+            }
+        }
+        let expected: Vec<u32> = (0..1200).map(|k| k / 400).collect();
+        assert_eq!(planes(polygons), expected);
+    }
+
+    /// The definition, checked on pairs: same number only within the tolerance, and coplanar pairs get the same.
+    #[test]
+    fn numbers_agree_with_all_pairs() {
+        let mut polygons = Vec::new();
+        for k in 0..300 {
+            // A few orientations and heights, so that many are coplanar.
+            let angle = (chance(k, 0) * 4.0).floor() * 0.7;
+            let turn = glam::DQuat::from_rotation_x(angle) * glam::DQuat::from_rotation_y(angle * 1.3);
+            let height = (chance(k, 1) * 5.0).floor();
+            let within = turn * DVec3::new(10.0 * chance(k, 2), 10.0 * chance(k, 3), height);
+            let polygon = quad(within + DVec3::splat(500.0), turn, 0.3 + chance(k, 0));
+            polygons.push(if k % 3 == 0 { polygon.reversed() } else { polygon });
+        }
+        let scene = scene(polygons, Sides::Front);
+        let tolerance = DISTANCE_TOLERANCE * scene.bounds().diagonal();
+        let mut coplanar_pairs = 0;
+        for a in scene.surfaces() {
+            for b in scene.surfaces() {
+                let facet = a.polygon.facet();
+                let farthest = b.polygon.facet().vertices.iter().map(|v| facet.height(*v).abs()).fold(0.0, f64::max);
+                assert!(a.plane != b.plane || farthest <= 3.0 * tolerance);
+                assert!(a.plane == b.plane || farthest > 1e-9);
+                coplanar_pairs += u32::from(a.plane == b.plane);
+            }
+        }
+        assert!(coplanar_pairs > 3000, "{coplanar_pairs}");
+    }
+
+    #[test]
+    fn twins_share_a_plane_and_surfaces_alone_get_their_backs() {
+        let (lone, sheet) = (quad(DVec3::ZERO, glam::DQuat::IDENTITY, 1.0), quad(DVec3::Z, glam::DQuat::from_rotation_x(1.0), 1.0));
+        // The back of the sheet starts at another corner.
+        let mut corners: Vec<[f64; 3]> = sheet.reversed().vertices().collect();
+        corners.rotate_left(1);
+        let back = Polygon::new(&corners).unwrap();
+        let all = vec![sheet.clone(), lone, back];
+
+        let front = scene(all.clone(), Sides::Front);
+        let twins = |scene: &Scene| scene.surfaces().iter().map(|s| s.twin.map(|twin| twin.0)).collect::<Vec<_>>();
+        assert_eq!(twins(&front), [Some(2), None, Some(0)]);
+        assert_eq!(front.surfaces().iter().map(|s| s.plane).collect::<Vec<_>>(), [0, 1, 0]);
+
+        let both = scene(all, Sides::Both);
+        assert_eq!(twins(&both), [Some(3), Some(2), Some(1), Some(0)]);
+        assert_eq!(both.surfaces().iter().map(|s| (s.plane, s.face)).collect::<Vec<_>>(), [(0, 0), (1, 1), (1, 1), (0, 2)]);
+        assert_eq!(both.surfaces()[2].polygon.normal(), [0.0, 0.0, -1.0]);
+
+        // What has both sides already is left as it is.
+        let again = scene(both.surfaces().iter().map(|s| s.polygon.clone()).collect(), Sides::Both);
+        assert_eq!((twins(&again), again.surfaces().len()), (twins(&both), 4));
+    }
+}

@@ -2,7 +2,7 @@
 //!
 //! Fatal are files that cannot be read, broken syntax, indices out of range, numbers that are not finite, and a scene without a
 //! face. Everything else is repaired as [`DiagnosticKind`] tells, and each repair is a [`Diagnostic`] with file, line and face.
-//! Reading costs O(n log n) for n corners.
+//! Reading costs O(n log n) for n corners, but for single concave faces of very many corners.
 
 mod assemble;
 mod cut;

@@ -269,7 +269,7 @@ pub(super) fn is_not_a_number_word(word: &str) -> bool {
 
 /// Whether one of the numbers in `words` differs from the one that has no effect.
 fn shows(words: &str, without_effect: f64) -> bool {
-    words.split_whitespace().any(|word| word.parse::<f64>().map_or(true, |value| value != without_effect))
+    words.split_whitespace().any(|word| word.parse::<f64>() != Ok(without_effect))
 }
 
 fn triple(values: [f64; 3]) -> String {
