@@ -7,8 +7,9 @@ use ::exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, Laye
 use super::{Provenance, Quantity};
 use crate::reconstruct::Image;
 
-/// Writes `image` as OpenEXR: 32-bit float, ZIP-compressed scan lines, channels named as [`channel_names`] says. The attribute
-/// `software` holds name and version, `comments` one line each for software, quantity, unit and options.
+/// Writes `image` as OpenEXR: 32-bit float, ZIP-compressed scan lines. The channel is `Y` where there is one, `R`, `G`, `B` where there are
+/// three, else they are numbered from 0 with leading zeros, so that they sort. The attribute `software` holds name and version, `comments`
+/// one line each for software, quantity, unit and options.
 ///
 /// # Errors
 /// What the writer says, and [`io::ErrorKind::InvalidInput`] for an image that is not [well formed](Image::is_well_formed).
