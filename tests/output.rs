@@ -5,12 +5,12 @@ mod support;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Cursor;
-use std::path::PathBuf;
+use std::path::Path;
 
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
 use patchlight::output::{
     Destination, Exposure, Provenance, Quantity, SOLUTION_FORMAT_VERSION, SolutionFileError, auto_exposure, is_solution_file,
-    read_solution, write_exr, write_ply, write_png, write_solution,
+    read_solution, read_solution_from, write_exr, write_ply, write_png, write_solution,
 };
 use patchlight::reconstruct::Image;
 use patchlight::solve::{Solution, SolveOptions};
@@ -230,9 +230,7 @@ fn trials(length: usize) -> usize {
 
 impl Stored {
     fn read(&self, bytes: &[u8]) -> Result<Solution, SolutionFileError> {
-        let path: PathBuf = self.directory.path().join("changed.solution");
-        fs::write(&path, bytes).unwrap();
-        let result = read_solution(&path);
+        let result = read_solution_from(bytes, Path::new("changed.solution"));
         if let Err(error) = &result {
             assert!(error.to_string().contains("changed.solution"), "'{error}' does not name the file");
         }
@@ -244,6 +242,7 @@ impl Stored {
 fn a_solution_comes_back_as_it_was() {
     let stored = stored();
     assert_eq!(stored.read(&stored.bytes).unwrap(), stored.solution);
+    assert_eq!(read_solution(&stored.directory.path().join("room.solution")).unwrap(), stored.solution);
     let text = String::from_utf8_lossy(&stored.bytes);
     assert!(text.contains("quantity: radiosity") && text.contains("unit: W/m^2") && text.contains("software: patchlight "));
 }

@@ -35,5 +35,7 @@ pub use ply::write_ply;
 pub use png::{Exposure, auto_exposure, write_png};
 pub use provenance::{Provenance, Quantity};
 pub use report::{CpuReport, ErrorFigures, MemoryReport, REPORT_SCHEMA, RunReport, SceneReport, SkippedWork, Timing, write_report};
-pub use solution_file::{SOLUTION_FORMAT_VERSION, SolutionFileError, is_solution_file, read_solution, write_solution};
+pub use solution_file::{
+    SOLUTION_FORMAT_VERSION, SolutionFileError, is_solution_file, read_solution, read_solution_from, write_solution,
+};
 pub use values::{Points, PointsError, read_points, write_values};

@@ -113,13 +113,21 @@ pub fn write_solution(writer: &mut (impl Write + Seek), solution: &Solution, pro
 /// # Errors
 /// See [`SolutionFileError`]: each says what to do.
 pub fn read_solution(path: &Path) -> Result<Solution, SolutionFileError> {
+    let file = std::fs::File::open(path).map_err(|source| SolutionFileError::Read { path: path.to_owned(), source })?;
+    read_solution_from(file, path)
+}
+
+/// Reads a solution up to the end of `reader` and validates it; messages call it `path`.
+///
+/// # Errors
+/// See [`SolutionFileError`]: each says what to do.
+pub fn read_solution_from(mut reader: impl Read, path: &Path) -> Result<Solution, SolutionFileError> {
     let failed = |source| SolutionFileError::Read { path: path.to_owned(), source };
     let damaged = |reason: String| SolutionFileError::Damaged { path: path.to_owned(), reason };
-    let file = std::fs::File::open(path).map_err(failed)?;
 
     // What the file says it is.
     let mut header = Vec::with_capacity(HEADER_LENGTH);
-    (&file).take(HEADER_LENGTH as u64).read_to_end(&mut header).map_err(failed)?;
+    reader.by_ref().take(HEADER_LENGTH as u64).read_to_end(&mut header).map_err(failed)?;
     if header.len() < MAGIC.len() || header[..MAGIC.len()] != MAGIC {
         return Err(SolutionFileError::NotASolution(path.to_owned()));
     }
@@ -135,7 +143,7 @@ pub fn read_solution(path: &Path) -> Result<Solution, SolutionFileError> {
 
     // The body, as long as announced and unchanged. One byte more is asked for, to see whether the file goes on.
     let mut body = Vec::new();
-    file.take(length.saturating_add(1)).read_to_end(&mut body).map_err(failed)?;
+    reader.take(length.saturating_add(1)).read_to_end(&mut body).map_err(failed)?;
     let found = body.len() as u64;
     if found < length {
         let header = HEADER_LENGTH as u64;
