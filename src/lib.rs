@@ -12,6 +12,7 @@
 pub mod form_factor;
 pub mod geometry;
 pub mod hierarchy;
+pub mod inspect;
 pub mod links;
 pub mod output;
 pub mod pipeline;
@@ -22,3 +23,8 @@ pub mod solve;
 pub mod sweep;
 pub mod transmittance;
 pub mod visibility;
+
+/// The examples of README.md, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

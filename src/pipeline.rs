@@ -2,10 +2,13 @@
 
 use thiserror::Error;
 
+use std::time::Instant;
+
 use crate::progress::Observer;
-use crate::reconstruct::{Camera, Image, SurfacePoint, Values};
+use crate::reconstruct::{self, Camera, CameraError, Image, PointGather, SurfacePoint, Values};
 use crate::scene::Scene;
-use crate::solve::{OptionsError, RunOptions, Solution, SolveOptions, SolveReport};
+use crate::solve::{self, OptionsError, RunOptions, Solution, SolveOptions, SolveReport};
+use crate::transmittance::Rays;
 use crate::visibility::{self, Visibility, VisibilityError};
 
 /// Why a stage could not start or finish.
@@ -17,6 +20,9 @@ pub enum PipelineError {
     /// There is no such visibility backend, or it failed.
     #[error(transparent)]
     Visibility(#[from] VisibilityError),
+    /// The camera cannot take a picture.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
     /// The threads could not be started.
     #[error("cannot start {threads} threads: {message}")]
     Threads {
@@ -42,12 +48,25 @@ pub fn solve(
     scene: Scene,
     options: &SolveOptions,
     run: &RunOptions,
-    _observer: &dyn Observer,
+    observer: &dyn Observer,
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
     options.validate()?;
-    let evaluator = Evaluator::new(Solution { scene, options: options.clone() }, run)?;
-    let report = SolveReport { backend: evaluator.visibility.description(), ..SolveReport::default() };
-    Ok((evaluator, report))
+    let start = Instant::now();
+    let pool = thread_pool(run)?;
+    let mesh = visibility::OccluderMesh::of_scene(&scene);
+    let visibility = pool.install(|| visibility::build(run.backend, &mesh))?;
+    let build = start.elapsed().as_secs_f64();
+
+    let rays = Rays::new(&*visibility, &scene);
+    let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, &rays, observer));
+    report.time_s.build += build;
+    report.counts.triangles = mesh.triangles.len() as u64;
+    Ok((Evaluator { solution, visibility, pool }, report))
+}
+
+fn thread_pool(run: &RunOptions) -> Result<rayon::ThreadPool, PipelineError> {
+    let failed = |error: rayon::ThreadPoolBuildError| PipelineError::Threads { threads: run.threads, message: error.to_string() };
+    rayon::ThreadPoolBuilder::new().num_threads(run.threads).build().map_err(failed)
 }
 
 impl Evaluator {
@@ -56,10 +75,7 @@ impl Evaluator {
     /// # Errors
     /// See [`PipelineError`].
     pub fn new(solution: Solution, run: &RunOptions) -> Result<Self, PipelineError> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(run.threads)
-            .build()
-            .map_err(|error| PipelineError::Threads { threads: run.threads, message: error.to_string() })?;
+        let pool = thread_pool(run)?;
         let mesh = visibility::OccluderMesh::of_scene(&solution.scene);
         let visibility = pool.install(|| visibility::build(run.backend, &mesh))?;
         Ok(Self { solution, visibility, pool })
@@ -75,22 +91,30 @@ impl Evaluator {
         self.visibility.description()
     }
 
+    /// A camera that shows the scene, see [`Camera::default_view`].
+    pub fn default_camera(&self, width: u32, height: u32) -> Camera {
+        Camera::default_view(self.solution.scene(), self.visibility.as_ref(), width, height)
+    }
+
     /// Radiosities at points, in their order. Cancelled by the observer, it returns `None`.
     pub fn values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Values> {
-        let channels = self.solution.scene().channels();
-        let _ = &self.pool;
-        (!observer.cancelled()).then(|| Values { channels, radiosity: vec![0.0; channels * points.len()], missed: 0 })
+        let rays = Rays::new(&*self.visibility, self.solution.scene());
+        self.pool.install(|| reconstruct::values_at(&self.gather(&rays), points, observer))
+    }
+
+    fn gather<'a>(&'a self, rays: &'a Rays<'a>) -> PointGather<'a> {
+        let Solution { scene, options, hierarchy, links, radiosity, point_rays, .. } = &self.solution;
+        PointGather { scene, hierarchy, links, radiosity, rays, budget: *point_rays, least_chance: 1.0, seed: options.seed }
     }
 
     /// A picture of linear radiance. Cancelled by the observer, it returns `None`.
-    pub fn render(&self, camera: &Camera, observer: &dyn Observer) -> Option<Image> {
-        let channels = self.solution.scene().channels();
-        let pixels = camera.width as usize * camera.height as usize;
-        (!observer.cancelled()).then(|| Image {
-            width: camera.width,
-            height: camera.height,
-            channels,
-            radiance: vec![0.0; pixels * channels],
-        })
+    ///
+    /// # Errors
+    /// [`PipelineError::Camera`] if the camera sees nothing, see [`Camera::validate`].
+    pub fn render(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
+        let through = camera.rays()?;
+        let rays = Rays::new(&*self.visibility, self.solution.scene());
+        let render = || reconstruct::render(&self.gather(&rays), &through, camera.width, camera.height, observer);
+        Ok(self.pool.install(render))
     }
 }

@@ -3,6 +3,7 @@
 //! `F_rs` is the fraction of the power leaving receiver r that would arrive at source s with nothing in between. Both are
 //! one-sided: what lies behind either plane counts nothing.
 
+mod contour;
 mod exact;
 mod lambert;
 mod quadrature;
@@ -11,7 +12,7 @@ use crate::geometry::Polygon;
 
 pub(crate) use exact::exact_exchange;
 pub(crate) use lambert::{kernel, point_to_polygon};
-pub(crate) use quadrature::estimate_exchange;
+pub(crate) use quadrature::{estimate_exchange, sided_exchange};
 
 /// An integral with the error that its quadrature claims.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,4 +39,10 @@ pub fn exact_area_form_factor(receiver: &Polygon, source: &Polygon) -> f64 {
 /// `A_r F_rs` in m^2 by quadrature chosen by distance, with relative error about `accuracy`; symmetric in its arguments.
 pub fn estimate_area_form_factor(receiver: &Polygon, source: &Polygon, accuracy: f64) -> Estimate {
     estimate_exchange(&receiver.facet(), &source.facet(), accuracy)
+}
+
+/// `A_r F_rs` in m^2 by Lambert's sum at `points` by `points` Gauss points of the receiver alone, so not symmetric: an independent
+/// check on the others, by asking from either side.
+pub fn sided_area_form_factor(receiver: &Polygon, source: &Polygon, points: usize) -> Estimate {
+    sided_exchange(&receiver.facet(), &source.facet(), points)
 }

@@ -28,3 +28,28 @@ impl Frame {
         self.tangent * local.x + self.bitangent * local.y + self.normal * local.z
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_right_handed_and_orthonormal_also_at_the_poles() {
+        let tilted = [1e-3, 1e-8, 1e-12, 1e-16, 1e-300].map(|t| DVec3::new(t, -t, -1.0).normalize());
+        let others = [DVec3::Z, -DVec3::Z, DVec3::new(0.0, 0.0, -1.0), DVec3::X, -DVec3::Y, DVec3::new(1.0, 1.0, -0.0).normalize()];
+        for normal in tilted.into_iter().chain(others) {
+            let frame = Frame::around(normal);
+            for (a, b, dot) in [
+                (frame.tangent, frame.tangent, 1.0),
+                (frame.bitangent, frame.bitangent, 1.0),
+                (frame.tangent, frame.bitangent, 0.0),
+                (frame.tangent, frame.normal, 0.0),
+                (frame.bitangent, frame.normal, 0.0),
+            ] {
+                assert!((a.dot(b) - dot).abs() < 1e-15, "{normal}: {a}.{b}");
+            }
+            assert!(frame.tangent.cross(frame.bitangent).distance(normal) < 1e-15);
+            assert_eq!(frame.to_world(DVec3::Z), normal);
+        }
+    }
+}

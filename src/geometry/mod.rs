@@ -1,13 +1,20 @@
-//! Planar polygons, boxes, frames and sample points in f64. Knows no scene.
+//! Planar polygons, clipping, boxes, frames, sample and quadrature points in f64. Knows no scene.
 //!
 //! Points and directions cross the public API as `[f64; 3]`; inside the crate they are `glam::DVec3`.
 
 mod aabb;
+mod clip;
 mod facet;
 mod frame;
+mod gauss;
+mod part;
 mod polygon;
+pub(crate) mod sampling;
 
 pub use aabb::Aabb;
+pub(crate) use clip::{Clip, clip_to_front, halves, plane_noise};
 pub(crate) use facet::Facet;
 pub(crate) use frame::Frame;
+pub(crate) use gauss::{for_each_gauss_point, gauss_rule};
+pub(crate) use part::Part;
 pub use polygon::{Polygon, PolygonError};

@@ -21,9 +21,23 @@ pub enum PolygonError {
     /// A vertex lies off the plane by more than `1e-6` of the diameter.
     #[error("the vertices do not lie in one plane")]
     NotPlanar,
-    /// A corner turns the wrong way.
+    /// A vertex lies to the right of an edge: a corner turns the wrong way, or the contour crosses itself.
     #[error("the polygon is not convex")]
     NotConvex,
+}
+
+/// Twice the area of a triangle along its normal, from the corner between its two shorter edges: a long edge would leave rounding
+/// of its own length in the height of a thin triangle.
+pub(crate) fn twice_vector_area(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    let (ab_sq, bc_sq, ca_sq) = (ab.length_squared(), bc.length_squared(), ca.length_squared());
+    if ab_sq >= bc_sq && ab_sq >= ca_sq {
+        bc.cross(ca)
+    } else if bc_sq >= ca_sq {
+        ca.cross(ab)
+    } else {
+        ab.cross(bc)
+    }
 }
 
 /// A planar convex polygon, one-sided: its front is where the vertices run counter-clockwise. Lengths in metres.
@@ -59,10 +73,10 @@ impl Polygon {
             return Err(PolygonError::NotFinite(bad));
         }
 
-        // Area and normal by Newell's sum around vertex 0, which keeps large offsets out of the products.
+        // Area and normal by the fan of triangles around vertex 0.
         let origin = vertices[0];
-        let edge = |k: usize| vertices[k] - origin;
-        let twice_area: DVec3 = (1..vertices.len() - 1).map(|k| edge(k).cross(edge(k + 1))).sum();
+        let triangle = |k: usize| twice_vector_area(origin, vertices[k], vertices[k + 1]);
+        let twice_area: DVec3 = (1..vertices.len() - 1).map(triangle).sum();
         let area = 0.5 * twice_area.length();
         let longest_sq =
             (0..vertices.len()).map(|k| vertices[k].distance_squared(vertices[(k + 1) % vertices.len()])).fold(0.0, f64::max);
@@ -72,21 +86,23 @@ impl Polygon {
         let normal = twice_area.normalize();
 
         // The centroid weighs each triangle of the fan by its signed area.
-        let moment: DVec3 = (1..vertices.len() - 1).map(|k| edge(k).cross(edge(k + 1)).dot(normal) * (edge(k) + edge(k + 1))).sum();
+        let arms = |k: usize| (vertices[k] - origin) + (vertices[k + 1] - origin);
+        let moment: DVec3 = (1..vertices.len() - 1).map(|k| triangle(k).dot(normal) * arms(k)).sum();
         let centroid = origin + moment / (6.0 * area);
         let radius = vertices.iter().map(|v| v.distance(centroid)).fold(0.0, f64::max);
 
-        // Planar and convex, both relative to the size of the polygon.
+        // Planar, relative to the size of the polygon.
         let off_plane = vertices.iter().map(|v| (*v - centroid).dot(normal).abs()).fold(0.0, f64::max);
         if off_plane > Self::PLANARITY_TOLERANCE * 2.0 * radius {
             return Err(PolygonError::NotPlanar);
         }
+        // Convex is: every vertex to the left of every edge. Left turns alone would let a pentagram pass.
         let count = vertices.len();
-        let turns_right = |k: usize| {
-            let (a, b, c) = (vertices[k], vertices[(k + 1) % count], vertices[(k + 2) % count]);
-            (b - a).cross(c - b).dot(normal) < -1e-9 * radius * radius
+        let has_vertex_to_the_right = |k: usize| {
+            let (a, edge) = (vertices[k], vertices[(k + 1) % count] - vertices[k]);
+            vertices.iter().any(|&v| edge.cross(v - a).dot(normal) < -1e-9 * radius * radius)
         };
-        if (0..count).any(turns_right) {
+        if (0..count).any(has_vertex_to_the_right) {
             return Err(PolygonError::NotConvex);
         }
         Ok(Self { vertices, normal, area, centroid, radius })
@@ -121,11 +137,94 @@ impl Polygon {
         reversed
     }
 
+    /// Whether the two are the same but for rounding.
+    pub(crate) fn is_close_to(&self, other: &Self) -> bool {
+        let size = 1e-9 * self.radius;
+        self.vertices == other.vertices
+            && self.normal.abs_diff_eq(other.normal, 1e-9)
+            && (self.area - other.area).abs() <= size * self.radius
+            && self.centroid.abs_diff_eq(other.centroid, size)
+            && (self.radius - other.radius).abs() <= size
+    }
+
     pub(crate) fn facet(&self) -> Facet<'_> {
         Facet { vertices: &self.vertices, normal: self.normal, area: self.area, centroid: self.centroid, radius: self.radius }
     }
 
     pub(crate) fn bounds(&self) -> Aabb {
         Aabb::around(self.vertices.iter().copied())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SQUARE: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+
+    #[test]
+    fn a_square_has_its_measures() {
+        let square = Polygon::new(&SQUARE).unwrap();
+        assert_eq!((square.area(), square.normal(), square.centroid()), (1.0, [0.0, 0.0, 1.0], [0.5, 0.5, 0.0]));
+        let reversed = square.reversed();
+        assert_eq!((reversed.area(), reversed.normal()), (1.0, [0.0, 0.0, -1.0]));
+        assert_eq!(reversed.vertices().next(), Some([0.0, 1.0, 0.0]));
+    }
+
+    #[test]
+    fn measures_scale_and_translate() {
+        let map = |f: &dyn Fn(f64) -> f64| Polygon::new(&SQUARE.map(|v| v.map(f))).unwrap();
+        assert!((map(&|x| 1e-6 * x).area() / 1e-12 - 1.0).abs() < 1e-14);
+        assert!((map(&|x| 1e6 * x).area() / 1e12 - 1.0).abs() < 1e-14);
+        assert!((map(&|x| 1e6 + x).area() - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_sliver_is_a_polygon_and_a_line_is_none() {
+        let sliver = Polygon::new(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1e-6, 0.0]]).unwrap();
+        assert!((sliver.area() / 5e-7 - 1.0).abs() < 1e-12);
+        assert_eq!(Polygon::new(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), Err(PolygonError::NoArea));
+        assert_eq!(Polygon::new(&[[0.1, 0.2, 0.3]; 3]), Err(PolygonError::NoArea));
+    }
+
+    #[test]
+    fn the_normal_of_a_needle_is_exact() {
+        let corners = [[-0.69, 0.5, -1.0], [0.0, 1.0, 0.5], [0.0, 1.000000001, 0.5]];
+        let want = DVec3::new(-1.5, 0.0, 0.69).normalize();
+        for turn in 0..3 {
+            let needle = Polygon::new(&[corners[turn], corners[(turn + 1) % 3], corners[(turn + 2) % 3]]).unwrap();
+            assert!(DVec3::from(needle.normal()).distance(want) < 1e-15, "{:?}", needle.normal());
+        }
+    }
+
+    #[test]
+    fn what_is_no_polygon_is_refused() {
+        assert_eq!(Polygon::new(&SQUARE[..2]), Err(PolygonError::TooFewVertices(2)));
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut vertices = SQUARE;
+            vertices[2][1] = bad;
+            assert_eq!(Polygon::new(&vertices), Err(PolygonError::NotFinite(2)));
+        }
+        let mut vertices = SQUARE;
+        vertices[2][2] = 0.1;
+        assert_eq!(Polygon::new(&vertices), Err(PolygonError::NotPlanar));
+        let mut vertices = SQUARE;
+        vertices[2] = [0.2, 0.2, 0.0];
+        assert_eq!(Polygon::new(&vertices), Err(PolygonError::NotConvex));
+    }
+
+    #[test]
+    fn huge_coordinates_are_refused_not_turned_into_infinite_areas() {
+        let polygon = Polygon::new(&SQUARE.map(|v| v.map(|x| 1e200 * x)));
+        assert!(polygon.is_err(), "{polygon:?}");
+    }
+
+    #[test]
+    fn a_pentagram_turns_the_right_way_everywhere_and_is_still_refused() {
+        let corner = |k: i32| {
+            let (sin, cos) = (f64::from(k) * 2.0 * std::f64::consts::TAU / 5.0).sin_cos();
+            [cos, sin, 0.0]
+        };
+        assert_eq!(Polygon::new(&[0, 1, 2, 3, 4].map(corner)), Err(PolygonError::NotConvex));
     }
 }

@@ -1,1 +1,227 @@
-//! (being written)
+//! The tree of nodes: clusters of surfaces above, the surfaces, elements below, made on demand.
+//!
+//! Nodes live in arrays and are named by [`NodeId`]. A parent's id is smaller than its children's, and the children of a node
+//! have consecutive ids, so one loop over the array upward or downward visits children after or before their parents.
+
+mod clusters;
+mod locate;
+mod subdivide;
+
+pub(crate) use subdivide::for_each_piece;
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::{Aabb, Facet};
+use crate::scene::{Scene, SurfaceId};
+
+/// The number of a node in its hierarchy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct NodeId(pub u32);
+
+impl NodeId {
+    /// The cluster of everything.
+    pub const ROOT: Self = Self(0);
+
+    /// The id as an index.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// What all nodes have; which fields mean something depends on the kind of node.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Node {
+    /// The node above; the root is its own parent.
+    pub parent: NodeId,
+    /// The first child; the root (which is nobody's child) stands for "none".
+    pub first_child: NodeId,
+    /// How many children follow from `first_child`.
+    pub child_count: u32,
+    /// The surface that the node is or is a piece of; [`Node::NO_SURFACE`] for a cluster.
+    pub surface: u32,
+    /// Where its vertices start in the pool, and how many there are; none for a cluster.
+    pub first_vertex: u32,
+    pub vertex_count: u32,
+    /// Area in m^2; for a cluster the sum over its surfaces.
+    pub area: f64,
+    /// Centroid of the area; for a cluster the centre of its box.
+    pub centroid: DVec3,
+    /// Distance from the centroid to the farthest point.
+    pub radius: f64,
+}
+
+impl Node {
+    const NO_SURFACE: u32 = u32::MAX;
+}
+
+/// Clusters, surfaces and elements.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Hierarchy {
+    nodes: Vec<Node>,
+    /// Vertices of surfaces and elements, each polygon's in a row.
+    vertices: Vec<DVec3>,
+    /// Unit normals by surface.
+    normals: Vec<DVec3>,
+    /// The node of each surface.
+    surface_nodes: Vec<NodeId>,
+    /// Boxes of the clusters, by node id: clusters come first.
+    cluster_bounds: Vec<Aabb>,
+}
+
+impl Hierarchy {
+    /// Clusters over the surfaces of a scene; nothing is subdivided yet. O(n log n).
+    pub fn new(scene: &Scene) -> Self {
+        clusters::build(scene)
+    }
+
+    /// How many nodes there are.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether there is no node; a hierarchy made of a scene always has some.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// How many nodes are clusters; they come first.
+    pub fn cluster_count(&self) -> usize {
+        self.cluster_bounds.len()
+    }
+
+    /// All ids, parents before children.
+    pub fn ids(&self) -> impl DoubleEndedIterator<Item = NodeId> + use<> {
+        (0..self.nodes.len() as u32).map(NodeId)
+    }
+
+    /// The node of a surface.
+    pub fn node_of(&self, surface: SurfaceId) -> NodeId {
+        self.surface_nodes[surface.index()]
+    }
+
+    /// The surface that a node is or is a piece of; `None` for a cluster.
+    pub fn surface_of(&self, node: NodeId) -> Option<SurfaceId> {
+        let surface = self.node(node).surface;
+        (surface != Node::NO_SURFACE).then_some(SurfaceId(surface))
+    }
+
+    /// The children of a node, none for a leaf.
+    pub fn children(&self, node: NodeId) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + use<> {
+        let node = self.node(node);
+        (node.first_child.0..node.first_child.0 + node.child_count).map(NodeId)
+    }
+
+    /// The leaves depth first, so that neighbours in space are mostly neighbours in the list.
+    pub(crate) fn leaves_in_order(&self) -> Vec<NodeId> {
+        let mut leaves = Vec::new();
+        let mut stack = vec![NodeId::ROOT];
+        while let Some(node) = stack.pop() {
+            if self.is_leaf(node) {
+                leaves.push(node);
+            }
+            stack.extend(self.children(node).rev());
+        }
+        leaves
+    }
+
+    /// The node above; `None` for the root.
+    pub fn parent(&self, node: NodeId) -> Option<NodeId> {
+        (node != NodeId::ROOT).then(|| self.node(node).parent)
+    }
+
+    /// Whether the node has no children.
+    pub fn is_leaf(&self, node: NodeId) -> bool {
+        self.node(node).child_count == 0
+    }
+
+    /// Whether the node is a cluster.
+    pub fn is_cluster(&self, node: NodeId) -> bool {
+        node.index() < self.cluster_bounds.len()
+    }
+
+    /// Area in m^2, of a cluster the sum over its surfaces.
+    pub fn area(&self, node: NodeId) -> f64 {
+        self.node(node).area
+    }
+
+    /// The polygon of a surface or element, counter-clockwise; empty for a cluster.
+    pub fn polygon(&self, node: NodeId) -> Vec<[f64; 3]> {
+        let node = self.node(node);
+        let first = node.first_vertex as usize;
+        self.vertices[first..first + node.vertex_count as usize].iter().map(|vertex| vertex.to_array()).collect()
+    }
+
+    pub(crate) fn node(&self, node: NodeId) -> &Node {
+        &self.nodes[node.index()]
+    }
+
+    /// The polygon of a surface or element. Panics on a cluster, which has none.
+    pub(crate) fn facet(&self, node: NodeId) -> Facet<'_> {
+        let node = self.node(node);
+        let first = node.first_vertex as usize;
+        Facet {
+            vertices: &self.vertices[first..first + node.vertex_count as usize],
+            normal: self.normals[node.surface as usize],
+            area: node.area,
+            centroid: node.centroid,
+            radius: node.radius,
+        }
+    }
+
+    /// Bytes that the nodes take.
+    pub fn memory_bytes(&self) -> u64 {
+        (size_of_val(&self.nodes[..]) + size_of_val(&self.vertices[..]) + size_of_val(&self.normals[..])) as u64
+    }
+
+    /// Checks what later stages rely on: ids in range, parents before children, children consecutive, areas that add up.
+    ///
+    /// # Errors
+    /// Says what is wrong, for a hierarchy that was read from a file.
+    pub fn validate(&self, scene: &Scene) -> Result<(), String> {
+        let count = self.nodes.len();
+        let surfaces = scene.surfaces().len();
+        if count == 0 || self.normals.len() != surfaces || self.surface_nodes.len() != surfaces || self.cluster_bounds.len() > count
+        {
+            return Err("the hierarchy does not fit the scene".to_owned());
+        }
+        for (index, node) in self.nodes.iter().enumerate() {
+            let fault = |what: &str| Err(format!("node {index}: {what}"));
+            let is_cluster = index < self.cluster_bounds.len();
+            if is_cluster != (node.surface == Node::NO_SURFACE) || (!is_cluster && node.surface as usize >= surfaces) {
+                return fault("its surface does not exist");
+            }
+            if index > 0 && node.parent.index() >= index {
+                return fault("its parent comes after it");
+            }
+            if node.child_count > 0 {
+                let first = node.first_child.index();
+                let Some(end) = first.checked_add(node.child_count as usize).filter(|&end| first > index && end <= count) else {
+                    return fault("its children are out of range");
+                };
+                if self.nodes[first..end].iter().any(|child| child.parent.index() != index) {
+                    return fault("its children have another parent");
+                }
+            } else if is_cluster {
+                return fault("a cluster has no children");
+            }
+            let end = (node.first_vertex as usize).checked_add(node.vertex_count as usize);
+            if !is_cluster && (node.vertex_count < 3 || end.is_none_or(|end| end > self.vertices.len())) {
+                return fault("its vertices are out of range");
+            }
+            let numbers = [node.area, node.radius, node.centroid.x, node.centroid.y, node.centroid.z];
+            if numbers.iter().any(|number| !number.is_finite()) || node.area <= 0.0 {
+                return fault("its size is not a positive number");
+            }
+        }
+        let misplaced =
+            |(surface, node): (usize, &NodeId)| node.index() >= count || self.nodes[node.index()].surface as usize != surface;
+        if self.surface_nodes.iter().enumerate().any(misplaced) {
+            return Err("a surface has no node".to_owned());
+        }
+        if self.vertices.iter().chain(&self.normals).any(|v| !v.is_finite()) {
+            return Err("a vertex is not finite".to_owned());
+        }
+        Ok(())
+    }
+}

@@ -1,1 +1,134 @@
-//! (being written)
+//! Which nodes exchange light: links, and how they are found.
+//!
+//! A link says that receiver r gathers from source s: `B_r += rho_r F_rs B_s`. Links belong to their receivers. Every ordered pair
+//! of leaves is covered by exactly one pair of nodes, linked, dormant or proved invisible, because all pairs descend from (root, root).
+
+pub mod oracle;
+mod refine;
+mod sample_pairs;
+
+use serde::{Deserialize, Serialize};
+
+pub(crate) use refine::{RefineContext, RefineEnd, RefineLimits, Refinement};
+
+use crate::hierarchy::{Hierarchy, NodeId};
+
+/// What a receiver gathers from one source.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Link {
+    /// Form factor F_rs from the receiver to this source, as if nothing were in between.
+    pub form_factor: f64,
+    /// The node that is gathered from.
+    pub source: NodeId,
+    /// The part of the unoccluded form factor that gets through: an unbiased sample, which noise may take out of 0 to 1.
+    pub transmittance: f32,
+    /// The same by other rays, 0 to 1, for oracles alone. Were the value itself to decide what is split, values that came out too low
+    /// by chance would be kept and others taken anew, and light would be lost.
+    pub seen: f32,
+}
+
+impl Link {
+    /// Form factor F_rs, occlusion included.
+    pub fn occluded_form_factor(&self) -> f64 {
+        self.form_factor * f64::from(self.transmittance)
+    }
+}
+
+/// A receiver and a source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Pair {
+    /// The node that gathers.
+    pub receiver: NodeId,
+    /// The node that is gathered from.
+    pub source: NodeId,
+}
+
+/// All links, ordered by receiver, and the pairs that are covered without a link.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LinkSet {
+    /// Where each receiver's links start; one more entry than there are nodes.
+    starts: Vec<u32>,
+    links: Vec<Link>,
+    /// Pairs whose source is dark so far: no visibility was computed.
+    dormant: Vec<Pair>,
+}
+
+impl LinkSet {
+    /// Sorts links by receiver; among the links of a receiver the order stays.
+    pub(crate) fn new(node_count: usize, links: &[(NodeId, Link)], dormant: Vec<Pair>) -> Self {
+        let mut starts = vec![0u32; node_count + 1];
+        for (receiver, _) in links {
+            starts[receiver.index() + 1] += 1;
+        }
+        for index in 0..node_count {
+            starts[index + 1] += starts[index];
+        }
+        let mut next = starts.clone();
+        let mut sorted = vec![Link { form_factor: 0.0, source: NodeId::ROOT, transmittance: 0.0, seen: 0.0 }; links.len()];
+        for (receiver, link) in links {
+            let place = &mut next[receiver.index()];
+            sorted[*place as usize] = *link;
+            *place += 1;
+        }
+        Self { starts, links: sorted, dormant }
+    }
+
+    /// The links of a receiver.
+    pub fn of(&self, receiver: NodeId) -> &[Link] {
+        match self.starts.get(receiver.index()..receiver.index() + 2) {
+            Some(&[start, end]) => &self.links[start as usize..end as usize],
+            _ => &[],
+        }
+    }
+
+    /// How many links there are.
+    pub fn len(&self) -> usize {
+        self.links.len()
+    }
+
+    /// Whether there are no links.
+    pub fn is_empty(&self) -> bool {
+        self.links.is_empty()
+    }
+
+    /// Pairs without a link because their source is dark.
+    pub fn dormant(&self) -> &[Pair] {
+        &self.dormant
+    }
+
+    /// Receivers with their links.
+    pub fn iter(&self) -> impl Iterator<Item = (NodeId, &Link)> {
+        (0..self.starts.len().saturating_sub(1) as u32)
+            .map(NodeId)
+            .flat_map(|node| self.of(node).iter().map(move |link| (node, link)))
+    }
+
+    /// Bytes that the links take.
+    pub fn memory_bytes(&self) -> u64 {
+        (size_of_val(&self.links[..]) + size_of_val(&self.starts[..]) + size_of_val(&self.dormant[..])) as u64
+    }
+
+    /// Checks what later stages rely on.
+    ///
+    /// # Errors
+    /// Says what is wrong, for links that were read from a file.
+    pub fn validate(&self, hierarchy: &Hierarchy) -> Result<(), String> {
+        let count = hierarchy.len();
+        let ordered = self.starts.windows(2).all(|pair| pair[0] <= pair[1]);
+        if self.starts.len() != count + 1 || !ordered || self.starts[0] != 0 || self.starts[count] as usize != self.links.len() {
+            return Err("the links are not ordered by receiver".to_owned());
+        }
+        let is_polygon = |node: NodeId| node.index() < count && !hierarchy.is_cluster(node);
+        let wrong = |(receiver, link): (NodeId, &Link)| {
+            !is_polygon(receiver)
+                || !is_polygon(link.source)
+                || !(0.0..=1.0 + 1e-9).contains(&link.form_factor)
+                || !link.transmittance.is_finite()
+                || !(0.0..=1.0).contains(&link.seen)
+        };
+        if self.iter().any(wrong) || self.dormant.iter().any(|pair| !is_polygon(pair.receiver) || !is_polygon(pair.source)) {
+            return Err("a link is out of range".to_owned());
+        }
+        Ok(())
+    }
+}

@@ -1,1 +1,41 @@
 //! Files: reads results, computes nothing.
+//!
+//! Every file states quantity, unit, version and options ([`Provenance`]) as far as its format has room for it. The same result gives the
+//! same bytes; what belongs to the run alone (threads, times, paths) is in the [report](RunReport) and nowhere else.
+//!
+//! Encoders write to any [`std::io::Write`]; [`Destination`] replaces a file only by a complete one.
+//!
+//! | file | written by | holds |
+//! |---|---|---|
+//! | `.exr` | [`write_exr`] | linear radiance or radiosity, 32-bit float |
+//! | `.png` | [`write_png`] | an exposed, tone-mapped picture to look at |
+//! | `.ply` | [`write_ply`] | the leaves of the hierarchy with float radiosities |
+//! | solution | [`write_solution`] | everything, to be read back by [`read_solution`] |
+//! | `.csv` | [`write_values`] | radiosities at the points that [`read_points`] read |
+//! | `.json` | [`write_report`] | what the run tells about itself |
+
+mod atomic;
+pub mod exr;
+mod format;
+#[cfg(feature = "openexr")]
+pub mod openexr;
+pub mod ply;
+pub mod png;
+mod provenance;
+pub mod report;
+pub mod solution_file;
+pub mod values;
+
+pub use atomic::{Destination, DestinationError};
+pub use exr::write_exr;
+pub use format::{ExportFormat, ImageFormat, UnknownExtension};
+#[cfg(feature = "openexr")]
+pub use openexr::write_openexr;
+pub use ply::write_ply;
+pub use png::{Exposure, auto_exposure, write_png};
+pub use provenance::{Provenance, Quantity};
+pub use report::{CpuReport, ErrorFigures, MemoryReport, REPORT_SCHEMA, RunReport, SceneReport, SkippedWork, Timing, write_report};
+pub use solution_file::{
+    SOLUTION_FORMAT_VERSION, SolutionFileError, is_solution_file, read_solution, read_solution_from, write_solution,
+};
+pub use values::{Points, PointsError, read_points, write_values};

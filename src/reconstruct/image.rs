@@ -12,3 +12,21 @@ pub struct Image {
     /// Radiance L = B / pi in W/m^2/sr, row after row from the top left; 0 where nothing is hit.
     pub radiance: Vec<f32>,
 }
+
+impl Image {
+    /// A picture in which nothing is hit.
+    pub fn black(width: u32, height: u32, channels: usize) -> Self {
+        Self { width, height, channels, radiance: vec![0.0; width as usize * height as usize * channels] }
+    }
+
+    /// The pixels, row after row from the top left: `channels` radiances each.
+    pub fn pixels(&self) -> impl ExactSizeIterator<Item = &[f32]> {
+        self.radiance.chunks_exact(self.channels.max(1))
+    }
+
+    /// Whether `radiance` holds as many values as the other fields say.
+    pub fn is_well_formed(&self) -> bool {
+        let pixels = self.width as usize * self.height as usize;
+        self.channels > 0 && pixels > 0 && pixels.checked_mul(self.channels) == Some(self.radiance.len())
+    }
+}

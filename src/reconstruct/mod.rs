@@ -1,10 +1,17 @@
 //! Values at points, from a solution: the gather at the point.
 
 mod camera;
+mod default_view;
+mod gather;
 mod image;
+mod render;
+mod sample;
 
-pub use camera::Camera;
+pub use camera::{Camera, CameraError, CameraRays, CameraRequest};
+pub(crate) use gather::{GatherScratch, PointGather};
 pub use image::Image;
+pub(crate) use render::render;
+pub(crate) use sample::values_at;
 
 /// A point that lies on a surface, with the normal of the side that is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]

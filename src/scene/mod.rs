@@ -3,9 +3,13 @@
 pub mod import;
 mod material;
 mod planes;
+mod summary;
+mod twins;
 
 pub use material::Material;
+pub use summary::SceneSummary;
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -46,6 +50,18 @@ pub struct Surface {
     pub(crate) plane: u32,
     /// The surface on the back of the same sheet, if there is one.
     pub(crate) twin: Option<SurfaceId>,
+}
+
+impl Surface {
+    /// The number of its plane: surfaces of one scene have the same number if and only if they are coplanar, on either side.
+    pub fn plane(&self) -> u32 {
+        self.plane
+    }
+
+    /// The surface on the back of the same sheet, if there is one.
+    pub fn twin(&self) -> Option<SurfaceId> {
+        self.twin
+    }
 }
 
 /// Why a scene cannot be made.
@@ -122,9 +138,29 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Adds the back sides where both sides emit and receive.
-    fn add_twins(&mut self) {
-        // Filled in by the scene layer's owner.
+    /// Checks what [`Scene::new`] guarantees, for a scene that was read from a file.
+    ///
+    /// # Errors
+    /// Says what is wrong.
+    pub(crate) fn validate(&self) -> Result<(), String> {
+        for material in &self.materials {
+            material.validate(self.channels).map_err(|error| error.to_string())?;
+        }
+        let count = self.surfaces.len();
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            if surface.material as usize >= self.materials.len() {
+                return Err(format!("surface {index}: its material does not exist"));
+            }
+            if surface.twin.is_some_and(|twin| twin.index() >= count || twin.index() == index) {
+                return Err(format!("surface {index}: its twin does not exist"));
+            }
+            let vertices: Vec<[f64; 3]> = surface.polygon.vertices().collect();
+            let polygon = Polygon::new(&vertices).map_err(|error| format!("surface {index}: {error}"))?;
+            if !polygon.is_close_to(&surface.polygon) {
+                return Err(format!("surface {index}: its normal or area does not fit its vertices"));
+            }
+        }
+        if count == 0 { Err("there is no surface".to_owned()) } else { Ok(()) }
     }
 
     /// How many spectral channels there are: 1 for grey, 3 for linear Rec.709 RGB, N for bands.
@@ -150,6 +186,12 @@ impl Scene {
     /// The material of a surface.
     pub fn material_of(&self, id: SurfaceId) -> &Material {
         &self.materials[self.surface(id).material as usize]
+    }
+
+    /// The side of a sheet that can be seen from `direction`: the surface itself, its twin, or `None` for a back.
+    pub(crate) fn side_towards(&self, id: SurfaceId, direction: DVec3) -> Option<SurfaceId> {
+        let surface = self.surface(id);
+        if surface.polygon.facet().normal.dot(direction) > 0.0 { Some(id) } else { surface.twin }
     }
 
     /// Which sides of the input faces emit and receive.

@@ -1,12 +1,280 @@
 //! Groups of coplanar surfaces.
+//!
+//! A surface never hides anything from a point in its own plane, so visibility leaves the surfaces of both end planes alone. A wrong
+//! split only costs false self-occlusion along shared edges, a wrong join lets light through a wall: joins are strict.
+//!
+//! # Tolerance
+//! Surfaces are taken from the widest to the narrowest, since a wide one knows its normal best. The first surface of a group fixes its
+//! plane, through its centroid. Another belongs to it if each of its vertices lies within [`DISTANCE_TOLERANCE`] times the scene's
+//! diagonal of that plane, and its normal or the reverse is within [`ANGLE_TOLERANCE`]; of several planes the nearest is taken, so that
+//! a number stands for one plane within the tolerance, however long a chain of nearly coplanar surfaces is. Twins always share one.
+//!
+//! # Cost
+//! O(n log n): planes are found in cells of similar normals, sorted by their offset from the scene's centre. A surface that is narrow
+//! beside the tolerance knows its own offset badly and looks at a wider range of planes.
 
-use super::Scene;
+use std::collections::{BTreeSet, HashMap};
+
+use glam::DVec3;
+
+use super::{Scene, Surface};
+
+/// Distance from a plane that still counts as in it, as a fraction of the scene's diagonal: files give six or seven digits.
+pub(super) const DISTANCE_TOLERANCE: f64 = 1e-6;
+
+/// Angle in radians that normals may differ by. It keeps small facets of curved surfaces, which lie within the distance of many planes,
+/// out of planes that only pass through them.
+pub(super) const ANGLE_TOLERANCE: f64 = 1e-3;
+
+/// Side of a cell of normals: large beside the angle, so that a surface rarely has to look into more than one.
+const CELL: f64 = 16.0 * ANGLE_TOLERANCE;
+
+/// A plane in Hessian form: `normal . (x - centre of the scene) = offset`.
+#[derive(Clone, Copy)]
+struct Plane {
+    normal: DVec3,
+    offset: f64,
+}
 
 impl Scene {
     /// Numbers the planes: two surfaces get the same number if and only if they lie in one plane, on either side of it.
+    ///
+    /// Numbers count from 0 in the order of the surfaces.
     pub(super) fn group_planes(&mut self) {
-        for (index, surface) in self.surfaces.iter_mut().enumerate() {
-            surface.plane = index as u32;
+        let bounds = self.bounds();
+        let centre = bounds.centre();
+        let tolerance = DISTANCE_TOLERANCE * bounds.diagonal();
+
+        // From the widest to the narrowest, in the input's order where equally wide; of two twins only the first.
+        let width = |surface: &Surface| surface.polygon.area() / surface.polygon.facet().radius;
+        let mut order: Vec<(f64, usize)> = (self.surfaces.iter().enumerate())
+            .filter(|(index, surface)| surface.twin.is_none_or(|twin| twin.index() > *index))
+            .map(|(index, surface)| (width(surface), index))
+            .collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+
+        let mut finder = PlaneFinder::default();
+        let mut plane_of = vec![u32::MAX; self.surfaces.len()];
+        for (_, index) in order {
+            plane_of[index] = finder.find_or_add(&self.surfaces[index], centre, tolerance);
         }
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            if let Some(twin) = surface.twin.filter(|twin| twin.index() < index) {
+                plane_of[index] = plane_of[twin.index()];
+            }
+        }
+
+        // Renumber in the order of the surfaces.
+        let mut number = vec![u32::MAX; finder.planes.len()];
+        let mut next = 0;
+        for (surface, plane) in self.surfaces.iter_mut().zip(plane_of) {
+            let number = &mut number[plane as usize];
+            if *number == u32::MAX {
+                *number = next;
+                next += 1;
+            }
+            surface.plane = *number;
+        }
+    }
+}
+
+/// The planes so far, sorted by offset in cells of similar normals.
+#[derive(Default)]
+struct PlaneFinder {
+    planes: Vec<Plane>,
+    cells: HashMap<[i32; 3], BTreeSet<(u64, u32)>>,
+}
+
+impl PlaneFinder {
+    /// The nearest plane that `surface` lies in, else a new one through it.
+    fn find_or_add(&mut self, surface: &Surface, centre: DVec3, tolerance: f64) -> u32 {
+        let facet = surface.polygon.facet();
+        let arm = (facet.centroid - centre).length();
+
+        // If all vertices lie within the tolerance of a plane, the normals differ by at most twice the tolerance over the least width of
+        // the polygon, which is at least area / (2 radius). That bounds how far the offset along the own normal can be off.
+        let angle = (4.0 * tolerance * facet.radius / facet.area).min(ANGLE_TOLERANCE) + 1e-12;
+        let reach = tolerance + angle * arm + 1e-12 * arm;
+
+        let mut best: Option<(f64, u32)> = None;
+        for normal in [facet.normal, -facet.normal] {
+            let offset = normal.dot(facet.centroid - centre);
+            for cell in cells_around(normal) {
+                let Some(cell) = self.cells.get(&cell) else { continue };
+                for &(_, index) in cell.range((sortable(offset - reach), 0)..=(sortable(offset + reach), u32::MAX)) {
+                    let plane = self.planes[index as usize];
+                    if (plane.normal - normal).length() > ANGLE_TOLERANCE {
+                        continue;
+                    }
+                    let distance =
+                        (facet.vertices.iter()).map(|v| (plane.normal.dot(*v - centre) - plane.offset).abs()).fold(0.0, f64::max);
+                    if distance <= tolerance && best.is_none_or(|best| (distance, index) < best) {
+                        best = Some((distance, index));
+                    }
+                }
+            }
+        }
+        if let Some((_, index)) = best {
+            return index;
+        }
+
+        let index = self.planes.len() as u32;
+        let plane = Plane { normal: facet.normal, offset: facet.normal.dot(facet.centroid - centre) };
+        self.planes.push(plane);
+        self.cells.entry(plane.normal.to_array().map(cell_of)).or_default().insert((sortable(plane.offset), index));
+        index
+    }
+}
+
+fn cell_of(coordinate: f64) -> i32 {
+    (coordinate / CELL).floor() as i32
+}
+
+/// The cells that may hold normals within [`ANGLE_TOLERANCE`] of `normal`: one, up to eight near the borders.
+fn cells_around(normal: DVec3) -> impl Iterator<Item = [i32; 3]> {
+    let [x, y, z] = normal.to_array().map(|c| cell_of(c - ANGLE_TOLERANCE)..=cell_of(c + ANGLE_TOLERANCE));
+    x.flat_map(move |x| {
+        let z = z.clone();
+        y.clone().flat_map(move |y| z.clone().map(move |z| [x, y, z]))
+    })
+}
+
+/// Bits that sort as the number does, -0 as 0.
+fn sortable(number: f64) -> u64 {
+    let bits = (number + 0.0).to_bits();
+    if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Material, Sides};
+    use super::*;
+    use crate::geometry::Polygon;
+
+    fn scene(polygons: Vec<Polygon>, sides: Sides) -> Scene {
+        let grey = Material { name: "grey".to_owned(), reflectance: vec![0.5], exitance: vec![0.0] };
+        let faces = polygons.into_iter().enumerate().map(|(face, polygon)| (polygon, 0, face as u32)).collect();
+        Scene::new(1, vec![grey], faces, sides).unwrap()
+    }
+
+    fn planes(polygons: Vec<Polygon>) -> Vec<u32> {
+        scene(polygons, Sides::Front).surfaces().iter().map(|surface| surface.plane).collect()
+    }
+
+    /// A quad of size `size` in the plane through `origin` spanned by the turned x and y axes.
+    fn quad(origin: DVec3, turn: glam::DQuat, size: f64) -> Polygon {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+        Polygon::from_vertices(corners.iter().map(|&corner| origin + turn * (corner * size)).collect()).unwrap()
+    }
+
+    /// Fixed numbers from 0 to 1.
+    fn chance(index: u32, dimension: u32) -> f64 {
+        f64::from(sobol_burley::sample(index, dimension, 1))
+    }
+
+    #[test]
+    fn a_box_has_six_planes_wherever_it_is() {
+        for offset in [0.0, 1e3, 1e6] {
+            // Each side of a turned cube as four quads, every other one seen from behind.
+            let centre = DVec3::new(offset, -0.7 * offset, 0.3 * offset);
+            let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 0.2, 0.1);
+            let mut polygons = Vec::new();
+            for axis in [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z] {
+                let side = turn * glam::DQuat::from_rotation_arc(DVec3::Z, axis);
+                for (k, corner) in [(-1.0, -1.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 0.0)].into_iter().enumerate() {
+                    let piece = quad(centre + side * DVec3::new(corner.0, corner.1, 1.0), side, 1.0);
+                    polygons.push(if k % 2 == 0 { piece } else { piece.reversed() });
+                }
+            }
+            let expected: Vec<u32> = (0..24).map(|k| k / 4).collect();
+            assert_eq!(planes(polygons), expected, "offset {offset}");
+        }
+    }
+
+    #[test]
+    fn parallel_planes_part_at_the_tolerance() {
+        // The diagonal is close to 14.14; planes 0.1 tolerances apart are one, 2 tolerances apart are two.
+        let floor = || quad(DVec3::ZERO, glam::DQuat::IDENTITY, 10.0);
+        let raised = |height: f64| quad(DVec3::new(1.0, 1.0, height), glam::DQuat::IDENTITY, 1.0);
+        assert_eq!(planes(vec![floor(), raised(1.4e-6)]), [0, 0]);
+        assert_eq!(planes(vec![floor(), raised(2.8e-5)]), [0, 1]);
+        assert_eq!(planes(vec![floor(), raised(-2.8e-5), raised(2.8e-5), raised(0.0)]), [0, 1, 2, 0]);
+    }
+
+    #[test]
+    fn a_small_facet_within_the_distance_but_turned_is_in_another_plane() {
+        let floor = quad(DVec3::ZERO, glam::DQuat::IDENTITY, 10.0);
+        let tilted = quad(DVec3::new(5.0, 5.0, 0.0), glam::DQuat::from_rotation_x(0.3), 1e-5);
+        assert_eq!(planes(vec![floor, tilted]), [0, 1]);
+    }
+
+    #[test]
+    fn rounding_to_seven_digits_keeps_walls_together() {
+        // Turned walls in a room of 10 m, cut into small quads with coordinates rounded to a micrometre.
+        let turn = glam::DQuat::from_rotation_y(0.4);
+        let rounded = |v: DVec3| (v * 1e6).round() / 1e6;
+        let mut polygons = Vec::new();
+        for wall in 0..3 {
+            for k in 0..400 {
+                let origin = DVec3::new(0.5 * f64::from(k % 20), 0.5 * f64::from(k / 20), 3.0 * f64::from(wall));
+                let corners = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+                let corners: Vec<DVec3> = corners.iter().map(|c| rounded(turn * (origin + 0.5 * *c))).collect();
+                polygons.push(Polygon::from_vertices(corners).unwrap());
+            }
+        }
+        let expected: Vec<u32> = (0..1200).map(|k| k / 400).collect();
+        assert_eq!(planes(polygons), expected);
+    }
+
+    /// The definition, checked on pairs: same number only within the tolerance, and coplanar pairs get the same.
+    #[test]
+    fn numbers_agree_with_all_pairs() {
+        let mut polygons = Vec::new();
+        for k in 0..300 {
+            // A few orientations and heights, so that many are coplanar.
+            let angle = (chance(k, 0) * 4.0).floor() * 0.7;
+            let turn = glam::DQuat::from_rotation_x(angle) * glam::DQuat::from_rotation_y(angle * 1.3);
+            let height = (chance(k, 1) * 5.0).floor();
+            let within = turn * DVec3::new(10.0 * chance(k, 2), 10.0 * chance(k, 3), height);
+            let polygon = quad(within + DVec3::splat(500.0), turn, 0.3 + chance(k, 0));
+            polygons.push(if k % 3 == 0 { polygon.reversed() } else { polygon });
+        }
+        let scene = scene(polygons, Sides::Front);
+        let tolerance = DISTANCE_TOLERANCE * scene.bounds().diagonal();
+        let mut coplanar_pairs = 0;
+        for a in scene.surfaces() {
+            for b in scene.surfaces() {
+                let facet = a.polygon.facet();
+                let farthest = b.polygon.facet().vertices.iter().map(|v| facet.height(*v).abs()).fold(0.0, f64::max);
+                assert!(a.plane != b.plane || farthest <= 3.0 * tolerance);
+                assert!(a.plane == b.plane || farthest > 1e-9);
+                coplanar_pairs += u32::from(a.plane == b.plane);
+            }
+        }
+        assert!(coplanar_pairs > 3000, "{coplanar_pairs}");
+    }
+
+    #[test]
+    fn twins_share_a_plane_and_surfaces_alone_get_their_backs() {
+        let (lone, sheet) = (quad(DVec3::ZERO, glam::DQuat::IDENTITY, 1.0), quad(DVec3::Z, glam::DQuat::from_rotation_x(1.0), 1.0));
+        // The back of the sheet starts at another corner.
+        let mut corners: Vec<[f64; 3]> = sheet.reversed().vertices().collect();
+        corners.rotate_left(1);
+        let back = Polygon::new(&corners).unwrap();
+        let all = vec![sheet.clone(), lone, back];
+
+        let front = scene(all.clone(), Sides::Front);
+        let twins = |scene: &Scene| scene.surfaces().iter().map(|s| s.twin.map(|twin| twin.0)).collect::<Vec<_>>();
+        assert_eq!(twins(&front), [Some(2), None, Some(0)]);
+        assert_eq!(front.surfaces().iter().map(|s| s.plane).collect::<Vec<_>>(), [0, 1, 0]);
+
+        let both = scene(all, Sides::Both);
+        assert_eq!(twins(&both), [Some(3), Some(2), Some(1), Some(0)]);
+        assert_eq!(both.surfaces().iter().map(|s| (s.plane, s.face)).collect::<Vec<_>>(), [(0, 0), (1, 1), (1, 1), (0, 2)]);
+        assert_eq!(both.surfaces()[2].polygon.normal(), [0.0, 0.0, -1.0]);
+
+        // What has both sides already is left as it is.
+        let again = scene(both.surfaces().iter().map(|s| s.polygon.clone()).collect(), Sides::Both);
+        assert_eq!((twins(&again), again.surfaces().len()), (twins(&both), 4));
     }
 }

@@ -1,9 +1,306 @@
 //! The main algorithm on one screen: refine, gather, push-pull, good enough?
 
+mod error_estimate;
+mod lamps;
+mod light_paths;
 mod options;
+mod plan;
 mod report;
 mod solution;
 
-pub use options::{OptionsError, RunOptions, SolveOptions, Strategy};
+use std::sync::atomic::AtomicU64;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+pub use options::{OptionsError, RunOptions, SolveOptions, Strategy, Sweep};
 pub use report::{Counts, Energy, ErrorReport, SolveReport, StageTimes, StoppedBy};
 pub use solution::Solution;
+
+use error_estimate::{ErrorEstimate, ErrorSampler};
+use plan::{Plan, Verdict};
+
+use crate::geometry::sampling;
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::links::{LinkSet, RefineContext, RefineEnd, RefineLimits, Refinement};
+use crate::progress::{Observer, Progress, Stage};
+use crate::reconstruct::{GatherScratch, PointGather};
+use crate::scene::{Scene, SurfaceId};
+use crate::sweep::{self, Emission, Exposure, Radiosity, sampled_exposed_point, sweep_in_place};
+use crate::transmittance::Rays;
+
+/// No solve sweeps more often in a row: at reflectance 0.999 the change has fallen by e^-20 by then.
+const MAX_SWEEPS: u32 = 20_000;
+
+/// Solves `scene` in the current rayon pool.
+pub(crate) fn solve(
+    scene: Scene,
+    options: &SolveOptions,
+    run: &RunOptions,
+    rays: &Rays<'_>,
+    observer: &dyn Observer,
+) -> (Solution, SolveReport) {
+    let start = Instant::now();
+    let mut solver = Solver::new(&scene, options, rays, observer);
+    let deadline = run.time_s.map(|seconds| start + std::time::Duration::from_secs_f64(seconds));
+    let mut plan = Plan::new(&scene, options);
+
+    // Rounds: refine step by step, each step with the brightness that the one before has found; then look how good it is.
+    let stopped_by = 'rounds: loop {
+        let ended = solver.refine_in_steps(&plan, run, deadline);
+        solver.regather_leaves();
+        loop {
+            solver.estimate_error(&plan);
+            if let Some(limit) = solver.limit(ended, deadline) {
+                break 'rounds limit;
+            }
+            match solver.error.as_ref().map_or(Verdict::Exhausted, |error| plan.judge(error)) {
+                Verdict::GoodEnough => break 'rounds StoppedBy::Error,
+                Verdict::Exhausted => break 'rounds StoppedBy::Exhausted,
+                Verdict::LookCloser | Verdict::MoreRays => {}
+                Verdict::Refine => break,
+            }
+        }
+    };
+    solver.finish(scene.clone(), &plan, stopped_by)
+}
+
+/// The state of a solve between stages.
+struct Solver<'a> {
+    scene: &'a Scene,
+    options: &'a SolveOptions,
+    rays: &'a Rays<'a>,
+    observer: &'a dyn Observer,
+    hierarchy: Hierarchy,
+    refinement: Refinement,
+    links: LinkSet,
+    exposure: Exposure,
+    radiosity: Radiosity,
+    /// Of the values as they stand; `None` before the first estimate, and where the last one was cut short.
+    error: Option<ErrorEstimate>,
+    report: SolveReport,
+}
+
+impl<'a> Solver<'a> {
+    fn new(scene: &'a Scene, options: &'a SolveOptions, rays: &'a Rays<'a>, observer: &'a dyn Observer) -> Self {
+        let start = Instant::now();
+        let hierarchy = Hierarchy::new(scene);
+        let mut exposure = Exposure::default();
+        exposure.grow(scene, &hierarchy, rays, options.seed);
+        let radiosity = Radiosity::emitted(scene, &hierarchy, &exposure);
+        let mut report = SolveReport { backend: rays.description(), ..SolveReport::default() };
+        report.time_s.build = start.elapsed().as_secs_f64();
+        let (refinement, links) = (Refinement::new(), LinkSet::default());
+        Self { scene, options, rays, observer, hierarchy, refinement, links, exposure, radiosity, error: None, report }
+    }
+
+    fn progress(&self, stage: Stage) {
+        let elements = (self.hierarchy.len() - self.hierarchy.cluster_count()) as u64;
+        let error = self.error.map(|error| error.claimed);
+        let round = self.report.counts.rounds as u32;
+        self.observer.progress(&Progress { stage, round, fraction: None, links: self.refinement.links(), elements, error });
+    }
+
+    /// Refines to the tolerances of a round, one after the other.
+    fn refine_in_steps(&mut self, plan: &Plan, run: &RunOptions, deadline: Option<Instant>) -> RefineEnd {
+        for tolerance in plan.tolerances() {
+            // Pairs that slept because their source was dark wake once light has come there.
+            loop {
+                let ended = self.refine(plan, tolerance, run, deadline);
+                self.sweep(deadline);
+                if ended != RefineEnd::Content {
+                    return ended;
+                }
+                if !self.dormant_pair_is_lit() {
+                    break;
+                }
+            }
+        }
+        RefineEnd::Content
+    }
+
+    /// The limit that ends the solve now, if there is one and the error is still too large.
+    fn limit(&self, ended: RefineEnd, deadline: Option<Instant>) -> Option<StoppedBy> {
+        if self.observer.cancelled() {
+            return Some(StoppedBy::Cancelled);
+        }
+        if self.error.is_some_and(|error| error.claimed <= self.options.error) {
+            return None;
+        }
+        match ended {
+            RefineEnd::MaxLinks => Some(StoppedBy::MaxLinks),
+            RefineEnd::Memory => Some(StoppedBy::Memory),
+            RefineEnd::Stopped => Some(StoppedBy::Time),
+            RefineEnd::Content => deadline.filter(|&deadline| Instant::now() >= deadline).map(|_| StoppedBy::Time),
+        }
+    }
+
+    /// Refines until the oracle is content at `tolerance`.
+    fn refine(&mut self, plan: &Plan, tolerance: f64, run: &RunOptions, deadline: Option<Instant>) -> RefineEnd {
+        let start = Instant::now();
+        self.report.counts.rounds += 1;
+        self.progress(Stage::Refine);
+        let oracle = plan.oracle(tolerance);
+        let context = RefineContext {
+            scene: self.scene,
+            rays: self.rays,
+            oracle: &*oracle,
+            radiosity: self.radiosity.values(),
+            form_factor_accuracy: self.options.form_factor_accuracy,
+            rays_per_link: self.options.rays_per_link,
+            rays_per_light_link: self.options.rays_per_light_link,
+            seed: self.options.seed,
+            form_factor_nanoseconds: AtomicU64::new(0),
+        };
+        let (observer, round) = (self.observer, self.report.counts.rounds as u32);
+        let limits = RefineLimits {
+            max_links: self.options.max_links.unwrap_or(u64::from(u32::MAX)),
+            max_bytes: run.memory_bytes.unwrap_or(u64::MAX),
+            stop: &|links, elements| {
+                observer.progress(&Progress { stage: Stage::Refine, round, fraction: None, links, elements, error: None });
+                observer.cancelled() || deadline.is_some_and(|deadline| Instant::now() >= deadline)
+            },
+        };
+        let end = self.refinement.refine(&mut self.hierarchy, &context, &limits);
+        self.report.time_s.form_factor += context.form_factor_nanoseconds.into_inner() as f64 * 1e-9;
+        self.links = self.refinement.link_set(&self.hierarchy);
+        self.exposure.grow(self.scene, &self.hierarchy, self.rays, self.options.seed);
+        self.radiosity.grow(&self.hierarchy);
+        self.report.time_s.refine += start.elapsed().as_secs_f64();
+        end
+    }
+
+    /// Whether a pair that sleeps because its source was dark must be looked at again.
+    fn dormant_pair_is_lit(&self) -> bool {
+        self.links.dormant().iter().any(|pair| self.radiosity.of(pair.source).iter().any(|&b| b > 0.0))
+    }
+
+    /// Gathers over the links and push-pulls until what is still to come is below the tolerance.
+    fn sweep(&mut self, deadline: Option<Instant>) {
+        self.progress(Stage::Gather);
+        let mut previous = f64::INFINITY;
+        for _ in 0..MAX_SWEEPS {
+            let start = Instant::now();
+            let change = match self.options.sweep {
+                Sweep::Jacobi => {
+                    let irradiance = sweep::gather(&self.links, &self.exposure, &self.radiosity);
+                    let gathered = Instant::now();
+                    let emission = Emission::Materials;
+                    let change =
+                        sweep::push_pull(self.scene, &self.hierarchy, &self.exposure, emission, irradiance, &mut self.radiosity);
+                    self.report.time_s.push_pull += gathered.elapsed().as_secs_f64();
+                    self.report.time_s.gather += (gathered - start).as_secs_f64();
+                    change
+                }
+                Sweep::InPlace => {
+                    let change = sweep_in_place(self.scene, &self.hierarchy, &self.links, &self.exposure, &mut self.radiosity);
+                    self.report.time_s.gather += start.elapsed().as_secs_f64();
+                    change
+                }
+            };
+            self.report.counts.iterations += 1;
+            self.report.energy.residual = change.largest;
+
+            let to_come = change.estimate_to_come(previous);
+            previous = change.largest;
+            let late = self.observer.cancelled() || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+            if to_come <= self.options.sweep_tolerance * change.brightest || !change.largest.is_finite() || late {
+                break;
+            }
+        }
+    }
+
+    /// Takes the radiosity of every leaf anew, by the gather at its centre, or where it is exposed.
+    fn regather_leaves(&mut self) {
+        if self.options.leaf_rays == 0 || self.observer.cancelled() {
+            return;
+        }
+        let start = Instant::now();
+        let gather = self.gather(self.options.leaf_rays);
+        let channels = self.scene.channels();
+        let leaves: Vec<NodeId> = self.hierarchy.ids().filter(|&node| self.hierarchy.is_leaf(node)).collect();
+        let mut values = vec![0.0; leaves.len() * channels];
+        values.par_chunks_mut(channels).zip(&leaves).for_each_init(GatherScratch::default, |scratch, (value, &leaf)| {
+            let surface = SurfaceId(self.hierarchy.node(leaf).surface);
+            match sampled_exposed_point(self.scene, &self.hierarchy, &self.exposure, self.rays, leaf, self.options.seed) {
+                Some(point) => gather.radiosity_at(point, surface, scratch, value),
+                None => value.copy_from_slice(self.radiosity.of(leaf)),
+            }
+        });
+        for (value, &leaf) in values.chunks(channels).zip(&leaves) {
+            self.radiosity.of_mut(leaf).copy_from_slice(value);
+        }
+        self.radiosity.pull(&self.hierarchy, &self.exposure);
+        self.report.time_s.gather += start.elapsed().as_secs_f64();
+    }
+
+    /// Estimates the error of the values that a user would get now.
+    fn estimate_error(&mut self, plan: &Plan) {
+        self.error = None;
+        if self.observer.cancelled() {
+            return;
+        }
+        let start = Instant::now();
+        self.progress(Stage::Error);
+        let seed = sampling::hash(self.options.seed, u64::MAX);
+        let sampler = ErrorSampler::new(self.gather(plan.point_rays()), &self.exposure, plan.error_effort(), seed);
+        self.error = Some(sampler.estimate());
+        self.report.time_s.error += start.elapsed().as_secs_f64();
+    }
+
+    fn gather(&self, budget: u32) -> PointGather<'_> {
+        PointGather {
+            scene: self.scene,
+            hierarchy: &self.hierarchy,
+            links: &self.links,
+            radiosity: &self.radiosity,
+            rays: self.rays,
+            budget,
+            least_chance: 1.0,
+            seed: self.options.seed,
+        }
+    }
+
+    fn finish(self, scene: Scene, plan: &Plan, stopped_by: StoppedBy) -> (Solution, SolveReport) {
+        let mut report = self.report;
+        report.energy = Energy {
+            residual: report.energy.residual,
+            ..report::energy(&scene, &self.hierarchy, &self.links, &self.exposure, &self.radiosity)
+        };
+        report.error = ErrorReport {
+            requested: self.options.error,
+            estimate: self.error.map_or(f64::INFINITY, |error| error.claimed),
+            confidence: error_estimate::CONFIDENCE,
+            measured: self.error.map_or(f64::INFINITY, |error| error.measured),
+        };
+        report.stopped_by = stopped_by;
+        report.converged = stopped_by == StoppedBy::Error;
+        report.time_s.visibility = self.rays.seconds();
+        report.counts = Counts {
+            surfaces: scene.surfaces().len() as u64,
+            clusters: self.hierarchy.cluster_count() as u64,
+            elements: (self.hierarchy.len() - self.hierarchy.cluster_count()) as u64,
+            links: self.links.len() as u64,
+            dormant: self.links.dormant().len() as u64,
+            rays: self.rays.cast(),
+            ..report.counts
+        };
+        report.skipped = vec![
+            ("pairs behind one another".to_owned(), self.refinement.behind),
+            ("pairs with a black receiver".to_owned(), self.refinement.black),
+            ("pairs with a dark source".to_owned(), report.counts.dormant),
+            ("segments in a scene where nothing occludes".to_owned(), self.rays.spared()),
+        ];
+        let solution = Solution {
+            scene,
+            options: self.options.clone(),
+            hierarchy: self.hierarchy,
+            links: self.links,
+            exposure: self.exposure,
+            radiosity: self.radiosity,
+            point_rays: plan.point_rays(),
+        };
+        report.memory_bytes = solution.memory_bytes();
+        (solution, report)
+    }
+}

@@ -55,8 +55,31 @@ pub enum OptionsError {
         range: &'static str,
     },
     /// `--set` names no option.
-    #[error("unknown option '{0}'")]
+    #[error("unknown option '{0}'; choose one of {list}", list = SolveOptions::KEYS.join(", "))]
     UnknownKey(String),
+}
+
+/// How radiosities are iterated over the links.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sweep {
+    /// Every node gathers from the sweep before: parallel.
+    #[default]
+    Jacobi,
+    /// Every node gathers from what was just reflected (Gauss-Seidel): fewer sweeps, one thread.
+    InPlace,
+}
+
+impl FromStr for Sweep {
+    type Err = OptionsError;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        match name {
+            "jacobi" => Ok(Self::Jacobi),
+            "in-place" => Ok(Self::InPlace),
+            _ => Err(OptionsError::OutOfRange { option: "sweep", value: name.to_owned(), range: "jacobi or in-place" }),
+        }
+    }
 }
 
 /// What decides the answer: kept in the solution.
@@ -70,32 +93,129 @@ pub struct SolveOptions {
     pub seed: u64,
     /// Stop refining at this many links.
     pub max_links: Option<u64>,
+    /// Tolerance of the oracle in units of the root mean square of the reflected radiosity; above 0. Follows from `error` if `None`.
+    pub tolerance: Option<f64>,
+    /// Visibility rays to a point, 1 to 2^20. Follows from `error` if `None`.
+    pub point_rays: Option<u32>,
+    /// Visibility rays for a link from a surface that reflects only, 1 to 1024.
+    pub rays_per_link: u32,
+    /// Visibility rays for a link from a lamp, 1 to 1024.
+    pub rays_per_light_link: u32,
+    /// Rays with which the radiosity of each leaf is taken anew at its centre after the sweeps, at most 2^20; 0 leaves the leaves alone.
+    pub leaf_rays: u32,
+    /// Relative accuracy of the links' form factors, 0 to 1; 0 takes them exactly.
+    pub form_factor_accuracy: f64,
+    /// The largest element of [`Strategy::Uniform`] in m^2; above 0.
+    pub element_area: Option<f64>,
+    /// Elements of this part of the area of all surfaces are not split, 0 to 1.
+    pub min_element: f64,
+    /// How radiosities are iterated.
+    pub sweep: Sweep,
+    /// Sweeps end when all changes that are still to come add up to less than this part of the largest reflected radiosity; above 0,
+    /// below 1.
+    pub sweep_tolerance: f64,
 }
 
 impl Default for SolveOptions {
     fn default() -> Self {
-        Self { error: 0.02, strategy: Strategy::Default, seed: 0, max_links: None }
+        Self {
+            error: 0.02,
+            strategy: Strategy::Default,
+            seed: 0,
+            max_links: None,
+            tolerance: None,
+            point_rays: None,
+            rays_per_link: 4,
+            rays_per_light_link: 9,
+            leaf_rays: 16,
+            form_factor_accuracy: 0.02,
+            element_area: None,
+            min_element: 1e-8,
+            sweep: Sweep::Jacobi,
+            sweep_tolerance: 1e-3,
+        }
     }
 }
 
 impl SolveOptions {
+    /// The keys that [`SolveOptions::set`] knows.
+    pub const KEYS: [&'static str; 14] = [
+        "error",
+        "strategy",
+        "seed",
+        "max_links",
+        "tolerance",
+        "point_rays",
+        "rays_per_link",
+        "rays_per_light_link",
+        "leaf_rays",
+        "form_factor_accuracy",
+        "element_area",
+        "min_element",
+        "sweep",
+        "sweep_tolerance",
+    ];
+
     /// Rejects values outside their range; never clamps.
     ///
     /// # Errors
     /// [`OptionsError::OutOfRange`] names the option and its range.
     pub fn validate(&self) -> Result<(), OptionsError> {
-        if self.error.is_nan() || self.error <= 0.0 || self.error >= 1.0 {
-            return Err(OptionsError::OutOfRange { option: "error", value: self.error.to_string(), range: "above 0 and below 1" });
-        }
-        Ok(())
+        let check = |option: &'static str, value: f64, legal: bool, range: &'static str| {
+            if legal { Ok(()) } else { Err(OptionsError::OutOfRange { option, value: value.to_string(), range }) }
+        };
+        let rays = |option, value: u32, most: u32, range| check(option, f64::from(value), (1..=most).contains(&value), range);
+        let positive = |option, value: Option<f64>| {
+            check(option, value.unwrap_or(1.0), value.is_none_or(|value| value.is_finite() && value > 0.0), "a number above 0")
+        };
+        check("error", self.error, self.error > 0.0 && self.error < 1.0, "above 0 and below 1")?;
+        check("max_links", 0.0, self.max_links != Some(0), "at least 1")?;
+        positive("tolerance", self.tolerance)?;
+        positive("element_area", self.element_area)?;
+        rays("point_rays", self.point_rays.unwrap_or(1), 1 << 20, "1 to 1048576")?;
+        rays("rays_per_link", self.rays_per_link, 1024, "1 to 1024")?;
+        rays("rays_per_light_link", self.rays_per_light_link, 1024, "1 to 1024")?;
+        check("leaf_rays", f64::from(self.leaf_rays), self.leaf_rays <= 1 << 20, "0 to 1048576")?;
+        check("form_factor_accuracy", self.form_factor_accuracy, (0.0..=1.0).contains(&self.form_factor_accuracy), "0 to 1")?;
+        check("min_element", self.min_element, (0.0..=1.0).contains(&self.min_element), "0 to 1")?;
+        check(
+            "sweep_tolerance",
+            self.sweep_tolerance,
+            self.sweep_tolerance > 0.0 && self.sweep_tolerance < 1.0,
+            "above 0 and below 1",
+        )
     }
 
-    /// Sets one option from text, as `--set key=value` does.
+    /// Sets one option from text, as `--set key=value` does; see [`SolveOptions::KEYS`].
     ///
     /// # Errors
     /// [`OptionsError`] for an unknown key or a value that does not parse or is out of range.
-    pub fn set(&mut self, key: &str, _value: &str) -> Result<(), OptionsError> {
-        Err(OptionsError::UnknownKey(key.to_owned()))
+    pub fn set(&mut self, key: &str, value: &str) -> Result<(), OptionsError> {
+        fn parse<T: FromStr>(option: &'static str, value: &str, range: &'static str) -> Result<T, OptionsError> {
+            value.trim().parse().map_err(|_| OptionsError::OutOfRange { option, value: value.to_owned(), range })
+        }
+        const NUMBER: &str = "a number";
+        const COUNT: &str = "a whole number, not negative";
+        let Some(key) = Self::KEYS.into_iter().find(|known| *known == key) else {
+            return Err(OptionsError::UnknownKey(key.to_owned()));
+        };
+        match key {
+            "error" => self.error = parse(key, value, NUMBER)?,
+            "strategy" => self.strategy = value.trim().parse()?,
+            "seed" => self.seed = parse(key, value, COUNT)?,
+            "max_links" => self.max_links = Some(parse(key, value, COUNT)?),
+            "tolerance" => self.tolerance = Some(parse(key, value, NUMBER)?),
+            "point_rays" => self.point_rays = Some(parse(key, value, COUNT)?),
+            "rays_per_link" => self.rays_per_link = parse(key, value, COUNT)?,
+            "rays_per_light_link" => self.rays_per_light_link = parse(key, value, COUNT)?,
+            "leaf_rays" => self.leaf_rays = parse(key, value, COUNT)?,
+            "form_factor_accuracy" => self.form_factor_accuracy = parse(key, value, NUMBER)?,
+            "element_area" => self.element_area = Some(parse(key, value, NUMBER)?),
+            "min_element" => self.min_element = parse(key, value, NUMBER)?,
+            "sweep" => self.sweep = value.trim().parse()?,
+            _ => self.sweep_tolerance = parse(key, value, NUMBER)?,
+        }
+        self.validate()
     }
 }
 

@@ -2,6 +2,11 @@
 
 use serde::Serialize;
 
+use crate::hierarchy::Hierarchy;
+use crate::links::LinkSet;
+use crate::scene::Scene;
+use crate::sweep::{Exposure, Radiosity};
+
 /// Why refinement ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -49,7 +54,7 @@ pub struct Counts {
 pub struct ErrorReport {
     /// What was asked for.
     pub requested: f64,
-    /// The claim: an upper confidence limit of the measured error.
+    /// The claim: an upper confidence limit of the measured error; infinite where nothing was, or can be, estimated.
     pub estimate: f64,
     /// The probability with which the claim holds, as far as the estimate's own statistics tell.
     pub confidence: f64,
@@ -110,4 +115,31 @@ pub struct SolveReport {
     pub converged: bool,
     /// Why refinement ended.
     pub stopped_by: StoppedBy,
+}
+
+/// Where the power goes, by the links: what arrives nowhere has escaped.
+pub(super) fn energy(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure, radiosity: &Radiosity) -> Energy {
+    let mut energy = Energy::default();
+    let mut left = 0.0;
+    for node in hierarchy.ids() {
+        let area = hierarchy.area(node);
+        if hierarchy.is_leaf(node)
+            && let Some(surface) = hierarchy.surface_of(node)
+        {
+            let exposed = area * exposure.of(node);
+            energy.emitted += exposed * scene.material_of(surface).exitance.iter().sum::<f64>();
+            left += exposed * radiosity.of(node).iter().sum::<f64>();
+        }
+        for link in links.of(node) {
+            let surface = hierarchy.surface_of(node).map(|surface| scene.material_of(surface));
+            for (channel, b) in radiosity.of(link.source).iter().enumerate() {
+                let arrived = area * link.occluded_form_factor() * b;
+                let reflectance = surface.map_or(0.0, |material| material.reflectance[channel]);
+                energy.absorbed += (1.0 - reflectance) * arrived;
+                left -= arrived;
+            }
+        }
+    }
+    energy.escaped = left;
+    energy
 }

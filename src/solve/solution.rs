@@ -3,7 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::SolveOptions;
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::links::LinkSet;
 use crate::scene::Scene;
+use crate::sweep::{Exposure, Radiosity};
 
 /// The answer: scene, hierarchy, links, radiosities and the options they were found with.
 ///
@@ -12,6 +15,11 @@ use crate::scene::Scene;
 pub struct Solution {
     pub(crate) scene: Scene,
     pub(crate) options: SolveOptions,
+    pub(crate) hierarchy: Hierarchy,
+    pub(crate) links: LinkSet,
+    pub(crate) exposure: Exposure,
+    pub(crate) radiosity: Radiosity,
+    pub(crate) point_rays: u32,
 }
 
 impl Solution {
@@ -25,13 +33,39 @@ impl Solution {
         &self.options
     }
 
+    /// Clusters, surfaces and elements.
+    pub fn hierarchy(&self) -> &Hierarchy {
+        &self.hierarchy
+    }
+
+    /// The links between them.
+    pub fn links(&self) -> &LinkSet {
+        &self.links
+    }
+
+    /// The radiosity of every node.
+    pub fn radiosity(&self) -> &Radiosity {
+        &self.radiosity
+    }
+
+    /// Visibility rays that a value at a point takes.
+    pub fn point_rays(&self) -> u32 {
+        self.point_rays
+    }
+
     /// Visits the leaves of the hierarchy: polygon (counter-clockwise), surface index, radiosity per channel in W/m^2.
     pub fn for_each_leaf(&self, mut visit: impl FnMut(&[[f64; 3]], u32, &[f32])) {
-        let black = vec![0.0; self.scene.channels()];
-        for (index, surface) in self.scene.surfaces().iter().enumerate() {
-            let vertices: Vec<_> = surface.polygon.vertices().collect();
-            visit(&vertices, index as u32, &black);
+        let is_leaf = |node: &NodeId| self.hierarchy.is_leaf(*node);
+        for node in self.hierarchy.ids().filter(is_leaf) {
+            let vertices: Vec<[f64; 3]> = self.hierarchy.facet(node).vertices.iter().map(|vertex| vertex.to_array()).collect();
+            let radiosity: Vec<f32> = self.radiosity.of(node).iter().map(|&b| b as f32).collect();
+            visit(&vertices, self.hierarchy.node(node).surface, &radiosity);
         }
+    }
+
+    /// Bytes that hierarchy, links and radiosities take.
+    pub fn memory_bytes(&self) -> u64 {
+        self.hierarchy.memory_bytes() + self.links.memory_bytes() + size_of_val(self.radiosity.values()) as u64
     }
 
     /// Checks everything that later stages rely on: ids in range, trees well formed, numbers finite.
@@ -39,6 +73,23 @@ impl Solution {
     /// # Errors
     /// Says what is wrong.
     pub fn validate(&self) -> Result<(), String> {
+        self.scene.validate()?;
+        self.options.validate().map_err(|error| error.to_string())?;
+        self.hierarchy.validate(&self.scene)?;
+        self.links.validate(&self.hierarchy)?;
+        let channels = self.scene.channels();
+        if self.radiosity.channels() != channels || self.radiosity.values().len() != channels * self.hierarchy.len() {
+            return Err("the radiosities do not fit the hierarchy".to_owned());
+        }
+        if self.exposure.len() != self.hierarchy.len() || !self.exposure.is_valid() {
+            return Err("the exposures do not fit the hierarchy".to_owned());
+        }
+        if self.radiosity.values().iter().any(|b| !b.is_finite() || *b < 0.0) {
+            return Err("a radiosity is negative or not finite".to_owned());
+        }
+        if self.point_rays == 0 || self.point_rays > 1 << 20 {
+            return Err("the number of rays to a point is out of range".to_owned());
+        }
         Ok(())
     }
 }

@@ -1,1 +1,75 @@
-//! (being written)
+//! What is computed over links: gather and push-pull, by Jacobi sweeps or in place.
+
+mod exposure;
+mod gather;
+mod in_place;
+mod push_pull;
+mod radiosity;
+
+pub use exposure::Exposure;
+pub(crate) use exposure::sampled_exposed_point;
+pub(crate) use gather::gather;
+pub(crate) use in_place::sweep_in_place;
+pub(crate) use push_pull::push_pull;
+pub use radiosity::Radiosity;
+
+use crate::hierarchy::NodeId;
+use crate::scene::{Scene, SurfaceId};
+
+/// The largest ratio of successive changes that is believed: sweeps converge, because no scene reflects more than it receives.
+const MAX_RATIO: f64 = 0.9999;
+
+/// What a sweep changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Change {
+    /// The largest change of any leaf's radiosity, in W/m^2.
+    pub largest: f64,
+    /// The largest reflected radiosity `rho H` of any leaf, in W/m^2.
+    pub brightest: f64,
+}
+
+impl Change {
+    /// What all later sweeps will change together, in W/m^2: changes fall like a geometric series whose ratio the last two tell.
+    ///
+    /// Infinite after the first sweep. `previous` is the largest change of the sweep before.
+    pub fn estimate_to_come(&self, previous: f64) -> f64 {
+        if previous.is_infinite() && self.largest > 0.0 {
+            return f64::INFINITY;
+        }
+        let ratio = (self.largest / previous).min(MAX_RATIO);
+        if self.largest == 0.0 { 0.0 } else { self.largest * ratio / (1.0 - ratio) }
+    }
+}
+
+/// What leaves send out of their own.
+#[derive(Clone, Copy)]
+pub(crate) enum Emission<'a> {
+    /// The exitances of the materials.
+    Materials,
+    /// A value per node and channel, of either sign: sweeps then solve for a correction to radiosities instead of radiosities.
+    Residual(&'a [f64]),
+}
+
+/// What push-pull does at the leaves.
+struct Reflection<'a> {
+    scene: &'a Scene,
+    emission: Emission<'a>,
+}
+
+impl Reflection<'_> {
+    /// Sets `B = E + rho H` of a leaf in every channel.
+    fn reflect(&self, leaf: NodeId, surface: u32, irradiance: &[f64], radiosity: &mut [f64], change: &mut Change) {
+        let material = self.scene.material_of(SurfaceId(surface));
+        for (channel, b) in radiosity.iter_mut().enumerate() {
+            let reflected = material.reflectance[channel] * irradiance[channel];
+            let new = match self.emission {
+                // Links are unbiased samples: in the dark their noise may take the irradiance below zero.
+                Emission::Materials => material.exitance[channel] + reflected.max(0.0),
+                Emission::Residual(residual) => residual[leaf.index() * irradiance.len() + channel] + reflected,
+            };
+            change.largest = change.largest.max((new - *b).abs());
+            change.brightest = change.brightest.max(reflected.abs());
+            *b = new;
+        }
+    }
+}

@@ -1,1 +1,93 @@
-//! (being written)
+//! How much of the light between two places arrives: visibility of given sample pairs, by rays.
+//!
+//! The places and the kernel at them are the caller's business; here are only the rays, and the count of them.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use crate::scene::Scene;
+use crate::visibility::{Hit, Ray, Segment, Visibility};
+
+/// Asks a visibility backend, and counts and times what was asked.
+///
+/// Where nothing can occlude anything, because every surface has all others in front of it, no segment is asked.
+pub(crate) struct Rays<'a> {
+    backend: &'a dyn Visibility,
+    nothing_occludes: bool,
+    cast: AtomicU64,
+    spared: AtomicU64,
+    nanoseconds: AtomicU64,
+}
+
+impl<'a> Rays<'a> {
+    pub fn new(backend: &'a dyn Visibility, scene: &Scene) -> Self {
+        Self {
+            backend,
+            nothing_occludes: nothing_occludes(scene),
+            cast: AtomicU64::new(0),
+            spared: AtomicU64::new(0),
+            nanoseconds: AtomicU64::new(0),
+        }
+    }
+
+    /// Sets `occluded[i]` to whether anything lies on `segments[i]`.
+    pub fn occluded(&self, segments: &[Segment], occluded: &mut Vec<bool>) {
+        occluded.clear();
+        occluded.resize(segments.len(), false);
+        if self.nothing_occludes {
+            self.spared.fetch_add(segments.len() as u64, Ordering::Relaxed);
+            return;
+        }
+        let start = Instant::now();
+        self.backend.occluded(segments, occluded);
+        self.note(segments.len(), start);
+    }
+
+    /// Sets `hits[i]` to the first surface that `rays[i]` meets.
+    pub fn first_hits(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        hits.resize(rays.len(), None);
+        let start = Instant::now();
+        self.backend.first_hits(rays, hits);
+        self.note(rays.len(), start);
+    }
+
+    fn note(&self, rays: usize, start: Instant) {
+        self.cast.fetch_add(rays as u64, Ordering::Relaxed);
+        self.nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    }
+
+    /// Rays cast so far.
+    pub fn cast(&self) -> u64 {
+        self.cast.load(Ordering::Relaxed)
+    }
+
+    /// Segments answered without a ray, because nothing can occlude.
+    pub fn spared(&self) -> u64 {
+        self.spared.load(Ordering::Relaxed)
+    }
+
+    /// Seconds spent in the backend, added over threads.
+    pub fn seconds(&self) -> f64 {
+        self.nanoseconds.load(Ordering::Relaxed) as f64 * 1e-9
+    }
+
+    /// Name and version of the backend.
+    pub fn description(&self) -> String {
+        self.backend.description()
+    }
+}
+
+/// Whether every surface has every other in front of its plane or in it: then all see each other (a convex room seen from inside, or
+/// polygons that face each other across an empty space).
+///
+/// O(n^2) at worst, but the first pair that fails ends it.
+fn nothing_occludes(scene: &Scene) -> bool {
+    let tolerance = 1e-9 * scene.bounds().diagonal();
+    let surfaces = scene.surfaces();
+    surfaces.iter().all(|surface| {
+        let front = surface.polygon.facet();
+        surface.twin.is_none()
+            && surfaces.iter().all(|other| other.polygon.facet().vertices.iter().all(|&vertex| front.height(vertex) >= -tolerance))
+    })
+}

@@ -1,16 +1,36 @@
 //! Who sees whom: occlusion of segments and first hits of rays, by a choice of backends.
 //!
 //! # The contract
+//! A triangle **blocks** a segment if
+//! - the segment passes through it, from either side;
+//! - it lies in neither `from_plane` nor `to_plane`: what lies in the plane of an end surface cannot hide anything from it;
+//! - the two ends lie on different sides of its plane, each farther from it than [`OccluderMesh::contact_tolerance`]: so both
+//!   ends are excluded, and a surface that an end touches does not block, from whatever angle it is seen.
+//!
+//! Triangles without area block nothing, not even where they are.
+//!
 //! Every backend, asked through [`Visibility`],
-//! - may be asked from many threads at once and gives the same answer to the same question, always;
-//! - excludes both ends of a segment;
-//! - ignores triangles in the plane of either end (`from_plane`, `to_plane`): coplanar surfaces cannot block;
-//! - occludes from both sides of a triangle;
-//! - answers "occluded" to a segment that is not finite or has no length, before the native code sees it.
+//! - may be asked from many threads at once, and gives the same answer to the same question, always and in any company;
+//! - answers "occluded" to a segment that is not finite (its ends, or their difference) or has no length, and "nothing" to a ray
+//!   that is not finite or has no direction, before any native code sees it;
+//! - works on the thread that asks. Callers cut large batches into pieces of about a thousand and give these to their threads.
+//!
+//! # How exact the answers are
+//! The sides of planes, and with them contact, are decided in f64 by every backend: a closed convex surface never hides its
+//! inside from itself, wherever it stands. Whether a segment passes through a triangle is decided in f64 by
+//! [`Backend::BruteForce`] and in f32 by the others, in a frame around the occluders: there edges are known to about 1e-7 of the
+//! size of the scene, so a segment that passes an edge more closely than this may go either way, and what is thinner than this,
+//! or nearer than this to an end, may be missed.
 
 mod backend;
 mod brute_force;
+#[cfg(has_embree)]
+mod embree;
+#[cfg(feature = "embree4-sys")]
+mod embree4_sys;
 mod mesh;
+mod obvhs;
+mod occluders;
 
 pub use backend::{Backend, VisibilityError, build};
 pub use mesh::OccluderMesh;
@@ -45,9 +65,10 @@ pub struct Ray {
 /// The first triangle that a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// The surface that the triangle belongs to, by [`OccluderMesh`]; seen from either side.
+    /// The surface that the triangle belongs to, by [`OccluderMesh`]; seen from either side. Where several triangles lie at the
+    /// same distance it is that of any of them, always the same.
     pub surface: u32,
-    /// In lengths of the ray's direction, positive.
+    /// In lengths of the ray's direction, positive; to f64 precision the distance of the triangle's plane.
     pub distance: f64,
 }
 
@@ -56,9 +77,10 @@ pub trait Visibility: Send + Sync {
     /// Name and version of what answers, as in `embree 3.13.5`.
     fn description(&self) -> String;
 
-    /// Sets `occluded[i]` to whether anything lies on the open segment `segments[i]`. Both slices have the same length.
+    /// Sets `occluded[i]` to whether any triangle blocks `segments[i]`. Of slices of different lengths the longer one's rest is
+    /// left.
     fn occluded(&self, segments: &[Segment], occluded: &mut [bool]);
 
-    /// Sets `hits[i]` to the first triangle on `rays[i]`, from either side. Both slices have the same length.
+    /// Sets `hits[i]` to the first triangle that blocks `rays[i]`, a segment without a far end. Lengths as in [`Self::occluded`].
     fn first_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]);
 }

@@ -1,0 +1,37 @@
+# The commands that people and CI run. `make` alone lists them.
+.PHONY: help setup demo test lint bench test-debian13
+
+# Rust's own installer puts cargo there; a fresh shell may not have it in PATH yet.
+export PATH := $(PATH):$(HOME)/.cargo/bin
+
+help:
+	@echo 'make demo           set up, build, light the furnished room, leave a picture and a report in out/'
+	@echo 'make test           set up, run all tests'
+	@echo 'make lint           formatting and clippy, warnings are errors'
+	@echo 'make bench          run the benchmarks (minutes)'
+	@echo 'make test-debian13  run the tests in a Debian 13 root, which has Embree 4 (needs root and debootstrap)'
+
+setup:
+	@scripts/setup.sh
+
+demo: setup
+	@mkdir -p out
+	cargo build --release --locked
+	cargo run --quiet --release --locked -- solve scenes/room.obj \
+	    --error 0.05 --image out/room.png --image out/room.exr --report out/report.json
+	@echo
+	@echo 'picture   out/room.png (to look at), out/room.exr (linear radiance)'
+	@echo 'report    out/report.json'
+
+test: setup
+	cargo test --locked
+
+lint: setup
+	cargo fmt --check
+	cargo clippy --locked --all-targets -- -D warnings
+
+bench: setup
+	cargo bench --locked
+
+test-debian13:
+	scripts/test-debian13.sh

@@ -1,0 +1,191 @@
+//! The command line as it is typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+const EXIT_CODES: &str = "\
+Exit codes:
+    0  done
+    1  the machine failed (disk full, no threads)
+    2  the command line asks for something impossible; nothing was done
+    3  an input file is bad
+    4  a limit ended the solve before the requested error was reached; results are written
+    5  the memory budget ended the solve; results are written
+  130  interrupted; what there is, is written
+
+Messages go to stderr, only asked-for data to stdout.";
+
+/// Hierarchical radiosity: lights polygonal scenes, and tells how wrong the answer can be.
+#[derive(Debug, Parser)]
+#[command(name = "patchlight", version, after_help = EXIT_CODES, subcommand_required = true, arg_required_else_help = true)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Light a scene, and write what is asked for
+    #[command(after_help = EXIT_CODES)]
+    Solve(Box<SolveArguments>),
+    /// Evaluate a solution at points
+    #[command(after_help = EXIT_CODES)]
+    Sample(SampleArguments),
+    /// Take a picture of a solution
+    #[command(after_help = EXIT_CODES)]
+    Render(RenderArguments),
+    /// Write the elements of a solution with their radiosities
+    #[command(after_help = EXIT_CODES)]
+    Export(ExportArguments),
+    /// Tell what is in a scene or a solution, what was repaired and what is suspicious
+    #[command(after_help = EXIT_CODES)]
+    Info(InfoArguments),
+}
+
+/// `patchlight solve`.
+#[derive(Debug, Args)]
+pub struct SolveArguments {
+    /// The scene, an OBJ file
+    pub scene: PathBuf,
+    /// Write the solution: scene, hierarchy, links, radiosities and options in one file
+    #[arg(short, long, value_name = "SOLUTION")]
+    pub output: Option<PathBuf>,
+    /// Relative error asked for, in the root mean square over all surfaces [default: 0.02]
+    #[arg(long, value_name = "E")]
+    pub error: Option<f64>,
+    /// How pairs are refined: default, hanrahan91 or uniform
+    #[arg(long, value_name = "NAME")]
+    pub strategy: Option<String>,
+    /// Which sides of a face emit and receive: front or both [default: front]
+    #[arg(long, value_name = "SIDES")]
+    pub sides: Option<String>,
+    /// Seed of every random choice [default: 0]
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Stop refining at this many links
+    #[arg(long, value_name = "N")]
+    pub max_links: Option<u64>,
+    /// Stop when the solution would take more than this many GB (1e9 bytes)
+    #[arg(long, value_name = "GB")]
+    pub memory: Option<f64>,
+    /// Stop after this many seconds
+    #[arg(long, value_name = "S")]
+    pub time: Option<f64>,
+    /// What is said about the error: none or estimate [default: estimate]
+    #[arg(long, value_name = "KIND")]
+    pub bounds: Option<String>,
+    /// Set any option by its key, as in --set error=0.01; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Take a picture: .png to look at, .exr with linear radiances; may be repeated, to have it in both
+    #[arg(long, value_name = "FILE")]
+    pub image: Vec<PathBuf>,
+    #[command(flatten)]
+    pub picture: PictureArguments,
+    /// Evaluate at the points of this CSV file (x,y,z,nx,ny,nz), '-' for stdin
+    #[arg(long, value_name = "P.csv", requires = "values")]
+    pub points: Option<PathBuf>,
+    /// Write the values at the points, '-' for stdout
+    #[arg(long, value_name = "V.csv", requires = "points")]
+    pub values: Option<PathBuf>,
+    /// Write what the run tells about itself as JSON, '-' for stdout
+    #[arg(long, value_name = "R.json")]
+    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub run: RunArguments,
+}
+
+/// `patchlight sample`.
+#[derive(Debug, Args)]
+pub struct SampleArguments {
+    /// A solution that 'patchlight solve -o' wrote
+    pub solution: PathBuf,
+    /// Points: a CSV file with the header x,y,z,nx,ny,nz, '-' for stdin
+    pub points: PathBuf,
+    /// Write the values, '-' for stdout
+    #[arg(short, long, value_name = "V.csv", default_value = "-")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub run: RunArguments,
+}
+
+/// `patchlight render`.
+#[derive(Debug, Args)]
+pub struct RenderArguments {
+    /// A solution that 'patchlight solve -o' wrote
+    pub solution: PathBuf,
+    /// The picture: .png to look at, .exr with linear radiances; may be repeated, to have it in both
+    #[arg(short, long, value_name = "FILE", required = true)]
+    pub output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub picture: PictureArguments,
+    #[command(flatten)]
+    pub run: RunArguments,
+}
+
+/// `patchlight export`.
+#[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// A solution that 'patchlight solve -o' wrote
+    pub solution: PathBuf,
+    /// The file: .ply
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// `patchlight info`.
+#[derive(Debug, Args)]
+pub struct InfoArguments {
+    /// A scene (OBJ) or a solution
+    pub file: PathBuf,
+    /// Which sides of a scene's faces emit and receive: front or both
+    #[arg(long, value_name = "SIDES", default_value = "front")]
+    pub sides: String,
+}
+
+/// How pictures are taken.
+#[derive(Debug, Args)]
+pub struct PictureArguments {
+    /// 'eye=x,y,z target=x,y,z up=x,y,z fov=degrees'; what is left out is chosen to show the scene
+    #[arg(long, value_name = "CAMERA")]
+    pub camera: Option<String>,
+    /// Width and height in pixels [default: 960x720]
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<String>,
+    /// PNG: auto, or the exposure value EV; radiances are multiplied by 2^EV [default: auto]
+    #[arg(long, value_name = "EV", allow_hyphen_values = true)]
+    pub exposure: Option<String>,
+    /// EXR: radiance (W/m^2/sr) or radiosity (W/m^2) [default: radiance]
+    #[arg(long, value_name = "QUANTITY")]
+    pub quantity: Option<String>,
+}
+
+/// How the run goes.
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// Who answers visibility: auto, embree, obvhs, brute-force or embree4-sys [default: auto]
+    #[arg(long, value_name = "NAME")]
+    pub backend: Option<String>,
+    /// Worker threads; 0 takes one per core; never changes the answer [default: 0]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// What is said on stderr while the work goes on; auto: a bar on a terminal, else only the key figures at the end
+    #[arg(long, value_name = "HOW", value_enum, default_value_t = ProgressKind::Auto)]
+    pub progress: ProgressKind,
+}
+
+/// What is said while the work goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProgressKind {
+    /// A bar on a terminal, else only the key figures at the end
+    Auto,
+    /// A line now and then
+    Plain,
+    /// A JSON object on each line
+    Json,
+    /// Nothing but warnings and errors
+    None,
+}

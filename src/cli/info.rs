@@ -1,0 +1,46 @@
+//! `patchlight info`: what is in a scene or a solution, what was repaired, what is suspicious.
+
+use std::path::Path;
+
+use patchlight::inspect::{DEFAULT_POINTS, inspect};
+use patchlight::output::is_solution_file;
+use patchlight::pipeline::PipelineError;
+use patchlight::scene::SceneSummary;
+use patchlight::scene::import::{Diagnostics, ImportOptions, read_scene};
+use patchlight::solve::Solution;
+use patchlight::visibility::{self, Backend, OccluderMesh};
+
+use super::arguments::InfoArguments;
+use super::exit::{Exit, Failure};
+use super::files;
+use super::request::parse_sides;
+
+/// Tells what is in a file.
+pub fn info(arguments: &InfoArguments) -> Result<Exit, Failure> {
+    let sides = parse_sides(&arguments.sides)?;
+    let path = &arguments.file;
+    let text = if is_solution_file(path) {
+        describe_solution(path, &files::read_solution(path)?)
+    } else {
+        describe_scene(path, &ImportOptions { sides })?
+    };
+    files::to_stdout(|writer| writer.write_all(text.as_bytes()))?;
+    Ok(Exit::Done)
+}
+
+fn describe_scene(path: &Path, options: &ImportOptions) -> Result<String, Failure> {
+    let mut imported = read_scene(path, options).map_err(Failure::bad_input)?;
+    let mesh = OccluderMesh::of_scene(&imported.scene);
+    let visibility = visibility::build(Backend::Auto, &mesh).map_err(PipelineError::from)?;
+    let inspection = inspect(&imported.scene, visibility.as_ref(), DEFAULT_POINTS);
+    inspection.suspicions(&imported.file, &imported.lines).into_iter().for_each(|found| imported.diagnostics.push(found));
+    Ok(format!("{}: scene\n{}", path.display(), SceneSummary::new(&imported.scene, &imported.diagnostics)))
+}
+
+fn describe_solution(path: &Path, solution: &Solution) -> String {
+    let mut leaves = 0_u64;
+    solution.for_each_leaf(|_, _, _| leaves += 1);
+    let summary = SceneSummary::new(solution.scene(), &Diagnostics::default());
+    let options = serde_json::to_string(solution.options()).unwrap_or_default();
+    format!("{}: solution\n{summary}leaves       {leaves}\noptions      {options}\n", path.display())
+}

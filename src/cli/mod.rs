@@ -1,0 +1,50 @@
+//! `patchlight`: typed text becomes [arguments], arguments become a validated [request], a request becomes calls of the library.
+//!
+//! Messages go to stderr, nothing but asked-for data to stdout. All that can be known to be wrong is found before the long work starts.
+
+mod arguments;
+mod exit;
+mod files;
+mod info;
+mod interrupt;
+mod process;
+mod progress;
+mod request;
+mod results;
+mod solve;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use arguments::{Arguments, Command};
+use exit::{Exit, Failure};
+
+/// Runs the command line and says how it went.
+pub fn run() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(message) => {
+            // Help and version are asked for and no error; whether they can be written changes nothing.
+            let _ = message.print();
+            return if message.use_stderr() { Exit::Usage } else { Exit::Done }.into();
+        }
+    };
+    match execute(arguments.command) {
+        Ok(exit) => exit.into(),
+        Err(failure) => {
+            progress::say(format_args!("error: {}", failure.message));
+            failure.exit.into()
+        }
+    }
+}
+
+fn execute(command: Command) -> Result<Exit, Failure> {
+    match command {
+        Command::Solve(arguments) => solve::solve(request::SolveRequest::new(*arguments)?),
+        Command::Sample(arguments) => results::sample(request::SampleRequest::new(arguments)?),
+        Command::Render(arguments) => results::render(request::RenderRequest::new(arguments)?),
+        Command::Export(arguments) => results::export(request::ExportRequest::new(arguments)?),
+        Command::Info(arguments) => info::info(&arguments),
+    }
+}

@@ -1,0 +1,175 @@
+//! What is said on stderr while the work goes on.
+
+use std::fmt;
+use std::io::{IsTerminal, Write};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use patchlight::progress::{Observer, Progress, Stage};
+use serde_json::json;
+
+use super::arguments::ProgressKind;
+use super::interrupt;
+
+/// One line on stderr. That nobody listens is no error.
+pub fn say(line: fmt::Arguments<'_>) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// How the user wants to be told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Voice {
+    /// A bar, then the key figures.
+    Bar,
+    /// A line now and then, then the key figures.
+    Plain,
+    /// Only the key figures.
+    Summary,
+    /// JSON, one object a line.
+    Json,
+    /// Only warnings and errors.
+    None,
+}
+
+impl Voice {
+    /// What `kind` means on this terminal.
+    pub fn new(kind: ProgressKind) -> Self {
+        match kind {
+            ProgressKind::Auto if std::io::stderr().is_terminal() => Self::Bar,
+            ProgressKind::Auto => Self::Summary,
+            ProgressKind::Plain => Self::Plain,
+            ProgressKind::Json => Self::Json,
+            ProgressKind::None => Self::None,
+        }
+    }
+
+    /// Tells a key figure.
+    pub fn figure(self, name: &str, text: fmt::Arguments<'_>) {
+        match self {
+            Self::None => {}
+            Self::Json => say(format_args!("{}", json!({ "event": "figure", "name": name, "text": text.to_string() }))),
+            _ => say(format_args!("{name:<9} {text}")),
+        }
+    }
+
+    /// Warns.
+    pub fn warn(self, text: fmt::Arguments<'_>) {
+        match self {
+            Self::Json => say(format_args!("{}", json!({ "event": "warning", "text": text.to_string() }))),
+            _ => say(format_args!("warning: {text}")),
+        }
+    }
+
+    /// At most one message in this time, unless the stage changes.
+    fn interval(self) -> Duration {
+        match self {
+            Self::Bar => Duration::from_millis(50),
+            Self::Json => Duration::from_millis(500),
+            _ => Duration::from_secs(2),
+        }
+    }
+}
+
+/// Passes progress on, and interrupts that come while it lives.
+pub struct Watcher {
+    voice: Voice,
+    start: Instant,
+    last: Mutex<Option<(Instant, Stage)>>,
+    bar: Option<ProgressBar>,
+    interrupts_before: usize,
+}
+
+impl Watcher {
+    /// Watches from now on; interrupts that came before were for others.
+    pub fn new(voice: Voice) -> Self {
+        let bar = (voice == Voice::Bar).then(|| {
+            let bar = ProgressBar::new(1000);
+            bar.enable_steady_tick(Duration::from_millis(120));
+            bar
+        });
+        Self { voice, start: Instant::now(), last: Mutex::new(None), bar, interrupts_before: interrupt::count() }
+    }
+}
+
+impl Drop for Watcher {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Observer for Watcher {
+    fn progress(&self, progress: &Progress) {
+        // Whoever comes while another thread talks says nothing: the next report follows soon.
+        let Ok(mut last) = self.last.try_lock() else { return };
+        let now = Instant::now();
+        let new_stage = last.is_none_or(|(_, stage)| stage != progress.stage);
+        if !new_stage && last.is_some_and(|(time, _)| now - time < self.voice.interval()) {
+            return;
+        }
+        *last = Some((now, progress.stage));
+        match (self.voice, &self.bar) {
+            (Voice::Bar, Some(bar)) => {
+                let template =
+                    if progress.fraction.is_some() { "{spinner} {elapsed} {bar:24} {msg}" } else { "{spinner} {elapsed} {msg}" };
+                if let Ok(style) = ProgressStyle::with_template(template) {
+                    bar.set_style(style);
+                }
+                bar.set_position((1000.0 * progress.fraction.unwrap_or(0.0)) as u64);
+                bar.set_message(describe(progress));
+            }
+            (Voice::Plain, _) => say(format_args!("{:>8.1} s  {}", self.start.elapsed().as_secs_f64(), describe(progress))),
+            (Voice::Json, _) => {
+                let time_s = self.start.elapsed().as_secs_f64();
+                say(format_args!("{}", json!({ "event": "progress", "time_s": time_s, "progress": progress })));
+            }
+            _ => {}
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        interrupt::count() > self.interrupts_before
+    }
+}
+
+/// A progress report in words.
+fn describe(progress: &Progress) -> String {
+    let mut text = match progress.stage {
+        Stage::Build => "building",
+        Stage::Refine => "refining",
+        Stage::Gather => "gathering",
+        Stage::Error => "estimating the error",
+        Stage::Sample => "evaluating points",
+        Stage::Render => "taking the picture",
+    }
+    .to_owned();
+    if progress.round > 0 {
+        text += &format!(", round {}", progress.round);
+    }
+    if let Some(fraction) = progress.fraction {
+        text += &format!(" {:.0}%", 100.0 * fraction);
+    }
+    if progress.links > 0 {
+        text += &format!(", {} links, {} elements", progress.links, progress.elements);
+    }
+    if let Some(error) = progress.error {
+        text += &format!(", error {:.2}%", 100.0 * error);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn progress_is_told_in_words() {
+        let mut progress =
+            Progress { stage: Stage::Refine, round: 3, fraction: None, links: 12, elements: 34, error: Some(0.0312) };
+        assert_eq!(describe(&progress), "refining, round 3, 12 links, 34 elements, error 3.12%");
+        progress = Progress { stage: Stage::Render, round: 0, fraction: Some(0.5), links: 0, elements: 0, error: None };
+        assert_eq!(describe(&progress), "taking the picture 50%");
+    }
+}

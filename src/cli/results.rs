@@ -1,0 +1,101 @@
+//! What is made from a solution: values at points, pictures, exports.
+
+use patchlight::output::{
+    Destination, ExportFormat, ImageFormat, Points, Provenance, write_ply, write_png, write_solution, write_values,
+};
+use patchlight::pipeline::Evaluator;
+use patchlight::reconstruct::{Image, Values};
+
+use super::exit::{Exit, Failure};
+use super::files::{self, Sink};
+use super::interrupt;
+use super::progress::{Voice, Watcher};
+use super::request::{ExportRequest, PictureRequest, RenderRequest, SampleRequest};
+
+/// `patchlight sample`.
+pub fn sample(request: SampleRequest) -> Result<Exit, Failure> {
+    interrupt::listen();
+    let points = files::read_points(&request.points)?;
+    let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
+    request.voice.figure("backend", format_args!("{}", evaluator.backend()));
+    let Some(values) = values_at(&evaluator, &points, request.voice) else { return Ok(Exit::Cancelled) };
+    write_values_to(&request.output, &points, &values, request.voice)?;
+    Ok(Exit::Done)
+}
+
+/// Values at points; `None` if interrupted.
+pub fn values_at(evaluator: &Evaluator, points: &Points, voice: Voice) -> Option<Values> {
+    evaluator.values_at(&points.surface_points(), &Watcher::new(voice))
+}
+
+/// Writes values, and tells how many points lie on no surface.
+pub fn write_values_to(sink: &Sink, points: &Points, values: &Values, voice: Voice) -> Result<(), Failure> {
+    sink.write(|mut writer| write_values(&mut writer, points, values))?;
+    if values.missed > 0 {
+        voice.warn(format_args!("{} of {} points lie on no surface; their values are empty", values.missed, points.len()));
+    }
+    voice.figure("wrote", format_args!("{} ({} points)", sink.name(), points.len()));
+    Ok(())
+}
+
+/// `patchlight render`.
+pub fn render(request: RenderRequest) -> Result<Exit, Failure> {
+    interrupt::listen();
+    let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
+    request.voice.figure("backend", format_args!("{}", evaluator.backend()));
+    let Some(image) = take_picture(&evaluator, &request.picture, request.voice)? else { return Ok(Exit::Cancelled) };
+    write_picture(&image, &request.picture, &Provenance::new(evaluator.solution().options()), request.voice)?;
+    Ok(Exit::Done)
+}
+
+/// Takes a picture; `None` if interrupted.
+pub fn take_picture(evaluator: &Evaluator, request: &PictureRequest, voice: Voice) -> Result<Option<Image>, Failure> {
+    let (width, height) = request.size;
+    let camera = request.camera.apply_to(evaluator.default_camera(width, height)).map_err(Failure::usage)?;
+    voice.figure("camera", format_args!("{camera}, {width}x{height}"));
+    Ok(evaluator.render(&camera, &Watcher::new(voice))?)
+}
+
+/// Writes a picture to all files that are asked for.
+pub fn write_picture(image: &Image, request: &PictureRequest, provenance: &Provenance, voice: Voice) -> Result<(), Failure> {
+    for (destination, format) in &request.files {
+        let path = destination.path().display();
+        match format {
+            ImageFormat::Exr => {
+                #[cfg(not(feature = "openexr"))]
+                use patchlight::output::write_exr;
+                #[cfg(feature = "openexr")]
+                use patchlight::output::write_openexr as write_exr;
+                destination.write(|file| write_exr(file, image, request.quantity, provenance))?;
+                voice.figure("wrote", format_args!("{path} ({} in {})", request.quantity.name(), request.quantity.unit()));
+            }
+            ImageFormat::Png => {
+                let mut exposure = 0.0;
+                destination.write(|file| {
+                    exposure = write_png(file, image, request.exposure, provenance)?;
+                    Ok(())
+                })?;
+                voice.figure("wrote", format_args!("{path} (exposure EV {exposure:.2})"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Writes a solution.
+pub fn write_solution_to(destination: &Destination, evaluator: &Evaluator, voice: Voice) -> Result<(), Failure> {
+    let solution = evaluator.solution();
+    destination.write(|file| write_solution(file, solution, &Provenance::new(solution.options())))?;
+    voice.figure("wrote", format_args!("{}", destination.path().display()));
+    Ok(())
+}
+
+/// `patchlight export`.
+pub fn export(request: ExportRequest) -> Result<Exit, Failure> {
+    let solution = files::read_solution(&request.solution)?;
+    let provenance = Provenance::new(solution.options());
+    match request.format {
+        ExportFormat::Ply => request.destination.write(|file| write_ply(file, &solution, &provenance))?,
+    }
+    Ok(Exit::Done)
+}

@@ -1,0 +1,169 @@
+//! `patchlight solve`: read, solve, write what is asked for, tell how it went.
+
+use std::time::Instant;
+
+use patchlight::output::{CpuReport, Provenance, RunReport, SceneReport, write_report};
+use patchlight::pipeline;
+use patchlight::scene::Scene;
+use patchlight::scene::import::{ImportOptions, read_scene};
+use patchlight::solve::SolveReport;
+
+use super::exit::{Exit, Failure};
+use super::progress::{Voice, Watcher, say};
+use super::request::SolveRequest;
+use super::{files, interrupt, process, results};
+
+/// Warnings that are printed one by one; `patchlight info` prints all.
+const PRINTED_WARNINGS: usize = 20;
+
+/// Solves, and writes what is asked for.
+pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
+    let start = Instant::now();
+    let voice = request.voice;
+    interrupt::listen();
+
+    // Everything that is read, before the long work.
+    let points = request.points.as_ref().map(|(path, _)| files::read_points(path)).transpose()?;
+    let imported = read_scene(&request.scene, &ImportOptions { sides: request.sides }).map_err(Failure::bad_input)?;
+    let (scene, warnings) = (imported.scene, imported.diagnostics.warnings());
+    warnings.iter().take(PRINTED_WARNINGS).for_each(|warning| voice.warn(format_args!("{warning}")));
+    if warnings.len() > PRINTED_WARNINGS {
+        let more = warnings.len() - PRINTED_WARNINGS;
+        voice.warn(format_args!("{more} more; 'patchlight info {}' prints all", request.scene.display()));
+    }
+    let scene_report = describe_scene(&scene, &request);
+    let load_s = start.elapsed().as_secs_f64();
+
+    // The solve. What an interrupt or a limit leaves is a solution as well, and is written.
+    let cpu_before = process::cpu_seconds();
+    let (evaluator, report) = pipeline::solve(scene, &request.options, &request.run, &Watcher::new(voice))?;
+    let cpu_solved = process::cpu_seconds();
+    let provenance = Provenance::new(&request.options);
+    let mut run_report = RunReport::of_solve(provenance.software(), scene_report, &request.options, &report);
+    tell_key_figures(voice, &run_report, &report);
+    let mut ending = Ending::new(Exit::of_solve(report.stopped_by, report.converged));
+
+    // What is asked for. The solution first: everything else can be made from it again.
+    let mut output_s = 0.0;
+    let mut timed = |work: &mut dyn FnMut() -> Result<(), Failure>| {
+        let start = Instant::now();
+        let result = work();
+        output_s += start.elapsed().as_secs_f64();
+        result
+    };
+    let sampling = Instant::now();
+    if let Some(destination) = &request.solution {
+        ending.note(timed(&mut || results::write_solution_to(destination, &evaluator, voice)));
+    }
+    if let (Some((_, sink)), Some(points)) = (&request.points, &points) {
+        match results::values_at(&evaluator, points, voice) {
+            Some(values) => ending.note(timed(&mut || results::write_values_to(sink, points, &values, voice))),
+            None => ending.cancel(voice, &sink.name()),
+        }
+    }
+    if let Some(picture) = &request.picture {
+        match results::take_picture(&evaluator, picture, voice) {
+            Ok(Some(image)) => ending.note(timed(&mut || results::write_picture(&image, picture, &provenance, voice))),
+            Ok(None) => ending.cancel(voice, "the picture"),
+            Err(failure) => ending.note(Err(failure)),
+        }
+    }
+    let sample_s = sampling.elapsed().as_secs_f64() - output_s;
+
+    // The report, last: it tells about all of the above.
+    let cpu_now = process::cpu_seconds();
+    let between = |from: Option<f64>, to: Option<f64>| Some(to? - from?);
+    run_report.threads = if request.run.threads > 0 { request.run.threads } else { available_threads() };
+    run_report.warnings = warnings;
+    run_report.time_s.load = load_s;
+    run_report.time_s.sample = sample_s;
+    run_report.time_s.output = output_s;
+    run_report.time_s.total = start.elapsed().as_secs_f64();
+    run_report.cpu_s = CpuReport { total: cpu_now, solve: between(cpu_before, cpu_solved), sample: between(cpu_solved, cpu_now) };
+    run_report.memory.peak_resident_bytes = process::peak_resident_bytes();
+    tell_time(voice, &run_report);
+    if let Some(sink) = &request.report {
+        ending.note(sink.write(|mut writer| write_report(&mut writer, &run_report)));
+    }
+    ending.finish()
+}
+
+fn available_threads() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn describe_scene(scene: &Scene, request: &SolveRequest) -> SceneReport {
+    let bounds = scene.bounds();
+    SceneReport {
+        file: request.scene.clone(),
+        channels: scene.channels(),
+        materials: scene.materials().len(),
+        surfaces: scene.surfaces().len(),
+        area_m2: scene.surfaces().iter().map(|surface| surface.polygon.area()).sum(),
+        min: bounds.min(),
+        max: bounds.max(),
+    }
+}
+
+/// What matters most, on a few lines.
+fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
+    let scene = &run.scene;
+    let channels = if scene.channels == 1 { "1 channel".to_owned() } else { format!("{} channels", scene.channels) };
+    voice.figure("scene", format_args!("{}: {} surfaces, {channels}", scene.file.display(), scene.surfaces));
+    voice.figure("backend", format_args!("{}", report.backend));
+    let counts = &report.counts;
+    voice.figure("solution", format_args!("{} elements, {} links, {} rays", counts.elements, counts.links, counts.rays));
+    let error = &report.error;
+    let reached = if report.converged { "reached" } else { "not reached" };
+    voice.figure(
+        "error",
+        format_args!(
+            "{:.2}% claimed with {:.0}% confidence; {:.2}% asked for: {reached} (stopped by {})",
+            100.0 * error.estimate,
+            100.0 * error.confidence,
+            100.0 * run.options.error,
+            stopped_by_name(report)
+        ),
+    );
+}
+
+/// The name that the report uses.
+fn stopped_by_name(report: &SolveReport) -> String {
+    serde_json::to_value(report.stopped_by).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+fn tell_time(voice: Voice, run: &RunReport) {
+    let time = &run.time_s;
+    let cpu = run.cpu_s.total.map_or(String::new(), |seconds| format!(", {seconds:.2} CPU-s"));
+    voice.figure(
+        "time",
+        format_args!("{:.2} s{cpu}: load {:.2}, sample {:.2}, output {:.2}", time.total, time.load, time.sample, time.output),
+    );
+}
+
+/// How the run ends: one failure does not keep the other results from being written.
+struct Ending {
+    exit: Exit,
+    failures: Vec<Failure>,
+}
+
+impl Ending {
+    fn new(exit: Exit) -> Self {
+        Self { exit, failures: Vec::new() }
+    }
+
+    fn note(&mut self, result: Result<(), Failure>) {
+        self.failures.extend(result.err());
+    }
+
+    fn cancel(&mut self, voice: Voice, left_out: &str) {
+        voice.warn(format_args!("{left_out} is not written: interrupted"));
+        self.exit = Exit::Cancelled;
+    }
+
+    fn finish(mut self) -> Result<Exit, Failure> {
+        let last = self.failures.pop();
+        self.failures.iter().for_each(|failure| say(format_args!("error: {}", failure.message)));
+        last.map_or(Ok(self.exit), Err)
+    }
+}

@@ -1,0 +1,346 @@
+//! The refinement loop: pairs are worked in waves until every one is linked, dormant or proved invisible.
+//!
+//! A wave's pairs are decided in parallel; those that may be linked have their visibility asked in one batch per chunk, and are decided
+//! once more with it; splits make the next wave. Order and random numbers come from ids, so threads cannot change a bit.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::oracle::{Candidate, Decision, RefinementOracle};
+use super::sample_pairs::{sampled_blocked_form_factor, sampled_pairs, sampled_transmittance};
+use super::{Link, LinkSet, Pair};
+use crate::form_factor::{estimate_exchange, exact_exchange, point_to_polygon};
+use crate::geometry::{Facet, sampling};
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::scene::{Scene, SurfaceId};
+use crate::transmittance::Rays;
+use crate::visibility::Segment;
+
+/// What refinement looks at: everything but the hierarchy, which grows.
+pub(crate) struct RefineContext<'a> {
+    pub scene: &'a Scene,
+    pub rays: &'a Rays<'a>,
+    pub oracle: &'a dyn RefinementOracle,
+    /// `scene.channels()` radiosities per node; nodes that are newer take their nearest older ancestor's.
+    pub radiosity: &'a [f64],
+    /// Relative accuracy of form factors; 0 asks for exact ones.
+    pub form_factor_accuracy: f64,
+    /// Visibility rays for a link between reflecting surfaces.
+    pub rays_per_link: u32,
+    /// Visibility rays for a link from a lamp.
+    pub rays_per_light_link: u32,
+    pub seed: u64,
+    /// Spent on form factors of links, added over threads.
+    pub form_factor_nanoseconds: AtomicU64,
+}
+
+/// Where refinement ends though the oracle wants more.
+pub(crate) struct RefineLimits<'a> {
+    pub max_links: u64,
+    pub max_bytes: u64,
+    /// Asked once a wave, with links and elements so far.
+    pub stop: &'a (dyn Fn(u64, u64) -> bool + Sync),
+}
+
+/// How a round of refinement ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RefineEnd {
+    /// The oracle is content.
+    Content,
+    /// The largest number of links was reached: the remaining pairs were linked as they stand.
+    MaxLinks,
+    /// The memory budget was reached: the remaining pairs were linked as they stand.
+    Memory,
+    /// `stop` said so: the remaining pairs were linked as they stand.
+    Stopped,
+}
+
+/// What is known of every pair so far.
+#[derive(Clone, Debug)]
+pub(crate) struct Refinement {
+    linked: Vec<(NodeId, Link)>,
+    dormant: Vec<Pair>,
+    /// Pairs that were dropped, by reason.
+    pub behind: u64,
+    pub black: u64,
+}
+
+/// What becomes of a pair of a wave.
+enum Outcome {
+    /// One is behind the other: no light can pass.
+    Behind,
+    /// The receiver reflects nothing: gathering would be in vain.
+    Black,
+    /// The source is dark so far.
+    Dormant,
+    Linked(Link),
+    Split(Decision),
+    /// Waits for its visibility; `segments` of the chunk's batch are its own.
+    Asked {
+        form_factor: f64,
+        segments: u32,
+    },
+}
+
+/// Nodes are near each other if their radii together exceed this part of their distance. Then the kernel may be huge at a single sample,
+/// and the visibilities share the exact form factor: a small bias instead of a large noise.
+const NEAR: f64 = 1.5;
+
+/// Pairs of a wave that are decided, and ask for visibility, together: about a thousand segments.
+const CHUNK: usize = 256;
+
+impl Refinement {
+    /// One dormant pair, (root, root), which covers everything.
+    pub fn new() -> Self {
+        let everything = Pair { receiver: NodeId::ROOT, source: NodeId::ROOT };
+        Self { linked: Vec::new(), dormant: vec![everything], behind: 0, black: 0 }
+    }
+
+    /// How many links there are.
+    pub fn links(&self) -> u64 {
+        self.linked.len() as u64
+    }
+
+    /// The links by receiver.
+    pub fn link_set(&self, hierarchy: &Hierarchy) -> LinkSet {
+        LinkSet::new(hierarchy.len(), &self.linked, self.dormant.clone())
+    }
+
+    /// Decides every pair anew, and refines those with which the oracle is not content.
+    pub fn refine(&mut self, hierarchy: &mut Hierarchy, context: &RefineContext<'_>, limits: &RefineLimits<'_>) -> RefineEnd {
+        // Links with which the oracle is not content any more are split; dormant pairs are asked again.
+        let decide = |(receiver, link): &(NodeId, Link)| {
+            let pair = Pair { receiver: *receiver, source: link.source };
+            context.oracle.decide(&context.candidate(hierarchy, pair, link.form_factor, Some(f64::from(link.seen))))
+        };
+        let decisions: Vec<Decision> = self.linked.par_iter().map(decide).collect();
+        let mut wave = std::mem::take(&mut self.dormant);
+        let mut kept = Vec::with_capacity(self.linked.len());
+        for (placed, decision) in std::mem::take(&mut self.linked).into_iter().zip(decisions) {
+            match decision {
+                Decision::Link => kept.push(placed),
+                split => push_children(hierarchy, Pair { receiver: placed.0, source: placed.1.source }, split, &mut wave),
+            }
+        }
+        self.linked = kept;
+
+        // Wave after wave: decide, ask, decide again, split.
+        let mut end = RefineEnd::Content;
+        while !wave.is_empty() {
+            if end == RefineEnd::Content {
+                end = self.limit_reached(hierarchy, wave.len(), limits);
+            }
+            let outcomes: Vec<Vec<Outcome>> =
+                wave.par_chunks(CHUNK).map(|pairs| context.decide_chunk(hierarchy, pairs, end == RefineEnd::Content)).collect();
+            let mut next = Vec::new();
+            for (pair, outcome) in wave.iter().zip(outcomes.into_iter().flatten()) {
+                match outcome {
+                    Outcome::Behind => self.behind += 1,
+                    Outcome::Black => self.black += 1,
+                    Outcome::Dormant => self.dormant.push(*pair),
+                    Outcome::Linked(link) => self.linked.push((pair.receiver, link)),
+                    Outcome::Split(decision) => push_children(hierarchy, *pair, decision, &mut next),
+                    Outcome::Asked { .. } => unreachable!("a chunk answers all it asks"),
+                }
+            }
+            wave = next;
+        }
+        end
+    }
+
+    fn limit_reached(&self, hierarchy: &Hierarchy, waiting: usize, limits: &RefineLimits<'_>) -> RefineEnd {
+        let links = self.linked.len() + waiting;
+        let bytes = (links * size_of::<(NodeId, Link)>()) as u64 + hierarchy.memory_bytes();
+        if links as u64 > limits.max_links {
+            RefineEnd::MaxLinks
+        } else if bytes > limits.max_bytes {
+            RefineEnd::Memory
+        } else if (limits.stop)(links as u64, (hierarchy.len() - hierarchy.cluster_count()) as u64) {
+            RefineEnd::Stopped
+        } else {
+            RefineEnd::Content
+        }
+    }
+}
+
+/// Appends the pairs that take the place of `pair`, making elements where there are none yet.
+fn push_children(hierarchy: &mut Hierarchy, pair: Pair, decision: Decision, pairs: &mut Vec<Pair>) {
+    let split = if decision == Decision::SplitReceiver { pair.receiver } else { pair.source };
+    if hierarchy.is_leaf(split) {
+        hierarchy.split(split);
+    }
+    pairs.extend(hierarchy.children(split).map(|child| match decision {
+        Decision::SplitReceiver => Pair { receiver: child, ..pair },
+        _ => Pair { source: child, ..pair },
+    }));
+}
+
+impl RefineContext<'_> {
+    /// Decides the pairs of a chunk: first without visibility, then, for those that come through, with it.
+    fn decide_chunk(&self, hierarchy: &Hierarchy, pairs: &[Pair], may_split: bool) -> Vec<Outcome> {
+        // Decide by geometry and brightness, and collect the segments of those that would be linked.
+        let (mut segments, mut kernels) = (Vec::new(), Vec::new());
+        let mut outcomes: Vec<Outcome> =
+            pairs.iter().map(|&pair| self.decide_unseen(hierarchy, pair, may_split, &mut segments, &mut kernels)).collect();
+        let mut occluded = Vec::new();
+        self.rays.occluded(&segments, &mut occluded);
+
+        // Decide again, with the part that gets through.
+        let mut first = 0;
+        for (&pair, outcome) in pairs.iter().zip(&mut outcomes) {
+            let Outcome::Asked { form_factor, segments } = *outcome else { continue };
+            let own = first..first + segments as usize;
+            first = own.end;
+            let (deciding, valued) = (own.start..own.start + segments as usize / 2, own.start + segments as usize / 2..own.end);
+            let seen = sampled_transmittance(&kernels[deciding.clone()], &occluded[deciding]);
+            let (receiver, source) = (hierarchy.node(pair.receiver), hierarchy.node(pair.source));
+            let near = receiver.radius + source.radius > NEAR * receiver.centroid.distance(source.centroid);
+            let transmittance = if near || form_factor <= 0.0 {
+                sampled_transmittance(&kernels[valued.clone()], &occluded[valued])
+            } else {
+                1.0 - sampled_blocked_form_factor(source.area, &kernels[valued.clone()], &occluded[valued]) / form_factor
+            };
+            let decision = if may_split {
+                self.oracle.decide(&self.candidate(hierarchy, pair, form_factor, Some(seen)))
+            } else {
+                Decision::Link
+            };
+            *outcome = match decision {
+                Decision::Link => Outcome::Linked(Link {
+                    form_factor,
+                    source: pair.source,
+                    transmittance: transmittance as f32,
+                    seen: seen as f32,
+                }),
+                split => Outcome::Split(split),
+            };
+        }
+        outcomes
+    }
+
+    /// Decides a pair without visibility; a pair that would be linked leaves its segments in the batch.
+    fn decide_unseen(
+        &self,
+        hierarchy: &Hierarchy,
+        pair: Pair,
+        may_split: bool,
+        segments: &mut Vec<Segment>,
+        kernels: &mut Vec<f64>,
+    ) -> Outcome {
+        // Clusters neither gather nor emit: the larger one is split until surfaces meet surfaces.
+        let (Some(receiver_surface), Some(source_surface)) =
+            (hierarchy.surface_of(pair.receiver), hierarchy.surface_of(pair.source))
+        else {
+            let source_first = !hierarchy.is_cluster(pair.receiver)
+                || (hierarchy.is_cluster(pair.source) && hierarchy.area(pair.source) > hierarchy.area(pair.receiver));
+            return Outcome::Split(if source_first { Decision::SplitSource } else { Decision::SplitReceiver });
+        };
+        let (receiver, source) = (hierarchy.facet(pair.receiver), hierarchy.facet(pair.source));
+        let (receiver_plane, source_plane) = (self.plane(receiver_surface), self.plane(source_surface));
+        if receiver_plane == source_plane || behind(&receiver, &source) || behind(&source, &receiver) {
+            return Outcome::Behind;
+        }
+        if self.scene.material_of(receiver_surface).reflectance.iter().all(|&rho| rho == 0.0) {
+            return Outcome::Black;
+        }
+        if self.radiosity_of(hierarchy, pair.source).iter().all(|&b| b == 0.0) {
+            return Outcome::Dormant;
+        }
+
+        // Is it little enough, by a cheap form factor?
+        if may_split {
+            let cheap = quick_form_factor(&receiver, &source);
+            let decision = self.oracle.decide(&self.candidate(hierarchy, pair, cheap, None));
+            if decision != Decision::Link {
+                return Outcome::Split(decision);
+            }
+        }
+
+        // It is: take the form factor with care, and ask for visibility.
+        let start = Instant::now();
+        let exchange = if self.form_factor_accuracy > 0.0 {
+            estimate_exchange(&receiver, &source, self.form_factor_accuracy).value
+        } else {
+            exact_exchange(&receiver, &source)
+        };
+        self.form_factor_nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        let is_lamp = self.scene.material_of(source_surface).emits();
+        let count = 2 * if is_lamp { self.rays_per_light_link } else { self.rays_per_link };
+        let seed = sampling::hash(self.seed, u64::from(pair.receiver.0) << 32 | u64::from(pair.source.0));
+        sampled_pairs((&receiver, receiver_plane), (&source, source_plane), count, seed, segments, kernels);
+        Outcome::Asked { form_factor: (exchange / receiver.area).clamp(0.0, 1.0), segments: count }
+    }
+
+    fn plane(&self, surface: SurfaceId) -> u32 {
+        self.scene.surface(surface).plane
+    }
+
+    /// The numbers that an oracle sees.
+    fn candidate(&self, hierarchy: &Hierarchy, pair: Pair, form_factor: f64, transmittance: Option<f64>) -> Candidate {
+        let (receiver, source) = (hierarchy.node(pair.receiver), hierarchy.node(pair.source));
+        let radiosity = self.radiosity_of(hierarchy, pair.source);
+        let reflectance = &self.scene.material_of(SurfaceId(receiver.surface)).reflectance;
+        let reflected_radiosity = reflectance.iter().zip(radiosity).map(|(rho, b)| rho * b).fold(0.0, f64::max);
+        Candidate {
+            form_factor,
+            transmittance,
+            reflected_radiosity,
+            source_variation: self.variation(hierarchy, pair.source),
+            receiver_area: receiver.area,
+            receiver_radius: receiver.radius,
+            source_area: source.area,
+            source_radius: source.radius,
+            distance: receiver.centroid.distance(source.centroid),
+        }
+    }
+
+    /// The radiosity of a node, or of its nearest ancestor that is old enough to have one.
+    fn radiosity_of(&self, hierarchy: &Hierarchy, node: NodeId) -> &[f64] {
+        let channels = self.scene.channels();
+        let known = self.radiosity.len() / channels;
+        let mut node = node;
+        while node.index() >= known {
+            node = hierarchy.node(node).parent;
+        }
+        &self.radiosity[node.index() * channels..][..channels]
+    }
+
+    /// How much B varies over a node, relative to B: measured between its children, else guessed as half of what is reflected.
+    fn variation(&self, hierarchy: &Hierarchy, node: NodeId) -> f64 {
+        let brightest = |radiosity: &[f64]| radiosity.iter().copied().fold(0.0, f64::max);
+        let mean = brightest(self.radiosity_of(hierarchy, node));
+        if mean <= 0.0 {
+            return 0.0;
+        }
+        let known = self.radiosity.len() / self.scene.channels();
+        let measured = hierarchy.children(node).filter(|child| child.index() < known);
+        match measured.map(|child| (brightest(self.radiosity_of(hierarchy, child)) - mean).abs()).reduce(f64::max) {
+            Some(difference) => difference / mean,
+            None => {
+                let surface = SurfaceId(hierarchy.node(node).surface);
+                let emitted = brightest(&self.scene.material_of(surface).exitance);
+                UNKNOWN_VARIATION * (1.0 - emitted / mean).clamp(0.0, 1.0)
+            }
+        }
+    }
+}
+
+/// The variation of reflected light over a surface that was not split yet.
+const UNKNOWN_VARIATION: f64 = 0.5;
+
+/// Whether all of `polygon` is behind `front`, or in its plane.
+fn behind(front: &Facet<'_>, polygon: &Facet<'_>) -> bool {
+    let tolerance = 1e-12 * (front.radius + polygon.radius);
+    polygon.vertices.iter().all(|&vertex| front.height(vertex) <= tolerance)
+}
+
+/// A form factor good enough to decide by: at the receiver's centroid, or the largest at its corners where the centroid sees nothing.
+fn quick_form_factor(receiver: &Facet<'_>, source: &Facet<'_>) -> f64 {
+    let at_centroid = point_to_polygon(receiver.centroid, receiver.normal, source);
+    if at_centroid > 0.0 {
+        return at_centroid;
+    }
+    receiver.vertices.iter().map(|&vertex| point_to_polygon(vertex, receiver.normal, source)).fold(0.0, f64::max)
+}

@@ -1,0 +1,61 @@
+//! OpenEXR images: linear 32-bit floats, nothing lost.
+
+use std::io::{self, Seek, Write};
+
+use ::exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, LayerAttributes, SmallVec, Text, WritableImage};
+
+use super::{Provenance, Quantity};
+use crate::reconstruct::Image;
+
+/// Writes `image` as OpenEXR: 32-bit float, ZIP-compressed scan lines. The channel is `Y` where there is one, `R`, `G`, `B` where there are
+/// three, else they are numbered from 0 with leading zeros, so that they sort. The attribute `software` holds name and version, `comments`
+/// one line each for software, quantity, unit and options.
+///
+/// # Errors
+/// What the writer says, and [`io::ErrorKind::InvalidInput`] for an image that is not [well formed](Image::is_well_formed).
+pub fn write_exr(writer: &mut (impl Write + Seek), image: &Image, quantity: Quantity, provenance: &Provenance) -> io::Result<()> {
+    if !image.is_well_formed() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the image has more or fewer values than pixels and channels"));
+    }
+    let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = channel_names(image.channels)
+        .into_iter()
+        .enumerate()
+        .map(|(channel, name)| AnyChannel::new(name.as_str(), FlatSamples::F32(channel_samples(image, channel, quantity))))
+        .collect();
+
+    // Everything in attributes that the format knows: own attributes would be written in the order of a hash table.
+    let attributes = LayerAttributes {
+        software_name: Some(Text::from(provenance.software())),
+        comments: Some(Text::from(comments(quantity, provenance).as_str())),
+        ..LayerAttributes::default()
+    };
+    let size = (image.width as usize, image.height as usize);
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
+    ::exr::prelude::Image::from_layer(layer).write().non_parallel().to_buffered(writer).map_err(|error| match error {
+        ::exr::error::Error::Io(error) => error,
+        other => io::Error::other(other.to_string()),
+    })
+}
+
+/// What both EXR writers state.
+pub(super) fn comments(quantity: Quantity, provenance: &Provenance) -> String {
+    provenance.statements(quantity).map(|(key, text)| format!("{key}: {text}")).join("\n")
+}
+
+/// One channel of the image, row after row.
+pub(super) fn channel_samples(image: &Image, channel: usize, quantity: Quantity) -> Vec<f32> {
+    let scale = quantity.per_radiance();
+    image.pixels().map(|pixel| pixel[channel] * scale).collect()
+}
+
+/// `Y` for one channel, `R`, `G`, `B` for three, else numbers from 0 with leading zeros, so that they sort.
+pub(super) fn channel_names(channels: usize) -> Vec<String> {
+    match channels {
+        1 => vec!["Y".to_owned()],
+        3 => ["R", "G", "B"].map(str::to_owned).to_vec(),
+        _ => {
+            let digits = (channels - 1).to_string().len();
+            (0..channels).map(|channel| format!("{channel:0digits$}")).collect()
+        }
+    }
+}

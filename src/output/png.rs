@@ -1,0 +1,169 @@
+//! Pictures to look at: 8-bit sRGB, exposed and tone-mapped.
+//!
+//! A pixel's radiance is multiplied by `2^EV`, compressed by a tone curve, and encoded with the sRGB transfer function (IEC 61966-2-1).
+//!
+//! The tone curve leaves values up to [`SHOULDER`] as they are, so that most of the picture stays true to the radiances, and bends what
+//! is brighter towards 1 (white) without ever reaching it:
+//!
+//! ```text
+//! f(x) = x                                x <= s
+//! f(x) = 1 - (1-s)^2 / (x + 1 - 2 s)      x >  s       value and slope continuous at s
+//! ```
+//!
+//! It is applied to the largest channel of a pixel, and the others keep their ratio to it, so that colours keep their hue; very bright
+//! pixels then fade towards white, as on film, instead of becoming flat patches of saturated colour.
+
+use std::io::{self, Write};
+
+use super::{Provenance, Quantity};
+use crate::reconstruct::Image;
+
+/// Where the tone curve leaves the straight line, in linear light.
+pub const SHOULDER: f32 = 0.5;
+
+/// How fast bright colours fade to white: at `x` the curve has taken `x - f(x)` away, and the colour keeps `1 / (1 + FADE (x - f(x)))`.
+const FADE: f32 = 0.15;
+
+/// The linear value that the average of a picture (geometric mean of the luminances) is exposed to: lighter than the 18% of a
+/// photographer's grey card, since rooms have white walls and the shoulder keeps the lamps.
+const KEY: f64 = 0.22;
+
+/// How much light a picture gets.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Exposure {
+    /// As [`auto_exposure`] finds.
+    #[default]
+    Auto,
+    /// Fixed: radiances are multiplied by `2^EV`, so at 0 a radiance of 1 W/m^2/sr is the display's white before the tone curve.
+    Ev(f64),
+}
+
+/// The exposure value that brings the geometric mean of the pixels' luminances to 0.22; 0 for a black picture.
+///
+/// Pixels in which nothing is hit or that are black do not count, lamps count like everything else.
+pub fn auto_exposure(image: &Image) -> f64 {
+    let (mut sum, mut count) = (0.0, 0_u64);
+    for luminance in image.pixels().map(|pixel| f64::from(luminance(pixel))).filter(|y| y.is_normal() && *y > 0.0) {
+        sum += luminance.log2();
+        count += 1;
+    }
+    if count == 0 { 0.0 } else { KEY.log2() - sum / count as f64 }
+}
+
+/// Writes `image` as PNG: grey for one channel, sRGB for three, else grey from the mean of the channels. Text chunks state software, quantity,
+/// unit, options and exposure. Returns the exposure value that was used.
+///
+/// # Errors
+/// What the writer says, and [`io::ErrorKind::InvalidInput`] for an image that is not [well formed](Image::is_well_formed).
+pub fn write_png(writer: impl Write, image: &Image, exposure: Exposure, provenance: &Provenance) -> io::Result<f64> {
+    if !image.is_well_formed() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the image has more or fewer values than pixels and channels"));
+    }
+    let ev = match exposure {
+        Exposure::Auto => auto_exposure(image),
+        Exposure::Ev(ev) => ev,
+    };
+    let scale = ev.exp2() as f32;
+
+    // Expose, bend, encode.
+    let coloured = image.channels == 3;
+    let mut bytes = Vec::with_capacity(image.width as usize * image.height as usize * if coloured { 3 } else { 1 });
+    for pixel in image.pixels() {
+        if let &[r, g, b] = pixel {
+            bytes.extend(tone_map([r * scale, g * scale, b * scale]).map(encode_srgb));
+        } else {
+            let [grey, ..] = tone_map([luminance(pixel) * scale; 3]);
+            bytes.push(encode_srgb(grey));
+        }
+    }
+
+    let mut encoder = ::png::Encoder::new(writer, image.width, image.height);
+    encoder.set_color(if coloured { ::png::ColorType::Rgb } else { ::png::ColorType::Grayscale });
+    encoder.set_depth(::png::BitDepth::Eight);
+    encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
+    let title = |key: &str| key[..1].to_uppercase() + &key[1..];
+    for (key, text) in provenance.statements(Quantity::Radiance) {
+        encoder.add_text_chunk(title(key), text).map_err(into_io)?;
+    }
+    let exposure = format!("EV {ev:.4}: radiance times 2^EV, shoulder above {SHOULDER}, sRGB");
+    encoder.add_text_chunk("Exposure".to_owned(), exposure).map_err(into_io)?;
+    let mut writer = encoder.write_header().map_err(into_io)?;
+    writer.write_image_data(&bytes).and_then(|()| writer.finish()).map_err(into_io)?;
+    Ok(ev)
+}
+
+fn into_io(error: ::png::EncodingError) -> io::Error {
+    match error {
+        ::png::EncodingError::IoError(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+/// Rec. 709 luminance for three channels, else the mean.
+fn luminance(pixel: &[f32]) -> f32 {
+    match pixel {
+        &[r, g, b] => 0.2126 * r + 0.7152 * g + 0.0722 * b,
+        _ => pixel.iter().sum::<f32>() / pixel.len() as f32,
+    }
+}
+
+/// The tone curve; 0 for what is not a number.
+fn tone_map(colour: [f32; 3]) -> [f32; 3] {
+    let colour = colour.map(|c| if c > 0.0 { c.min(1e6) } else { 0.0 });
+    let peak = colour.into_iter().fold(0.0, f32::max);
+    if peak <= SHOULDER {
+        return colour;
+    }
+    let bent = 1.0 - (1.0 - SHOULDER).powi(2) / (peak + 1.0 - 2.0 * SHOULDER);
+    let kept = 1.0 / (1.0 + FADE * (peak - bent));
+    colour.map(|c| bent + (c / peak * bent - bent) * kept)
+}
+
+/// Linear light in [0, 1] to 8 bits, rounded.
+fn encode_srgb(linear: f32) -> u8 {
+    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    (255.0 * encoded.clamp(0.0, 1.0)).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curve_is_straight_then_bends_smoothly_and_stays_below_white() {
+        let f = |x: f32| tone_map([x; 3])[0];
+        assert_eq!((f(0.0), f(0.25), f(SHOULDER)), (0.0, 0.25, SHOULDER));
+        let slope = (f(SHOULDER + 1e-3) - f(SHOULDER)) / 1e-3;
+        assert!((slope - 1.0).abs() < 0.01, "{slope}");
+        let mut previous = 0.0;
+        for x in (0..4000).map(|k| k as f32 * 0.005) {
+            assert!(f(x) >= previous && f(x) < 1.0);
+            previous = f(x);
+        }
+        assert_eq!((f(f32::NAN), f(-1.0)), (0.0, 0.0));
+        assert!(f(f32::INFINITY) <= 1.0);
+    }
+
+    #[test]
+    fn bright_colours_keep_their_order_and_fade_to_white() {
+        let [r, g, b] = tone_map([4.0, 2.0, 1.0]);
+        assert!(r > g && g > b && r < 1.0);
+        let [r, _, b] = tone_map([4000.0, 2000.0, 1000.0]);
+        assert!(r - b < 0.01, "{r} {b}");
+    }
+
+    #[test]
+    fn srgb_agrees_with_the_standard_at_its_landmarks() {
+        assert_eq!([0.0, 1.0, 0.5, 0.18, 0.002].map(encode_srgb), [0, 255, 188, 118, 7]);
+    }
+
+    #[test]
+    fn auto_exposure_brings_a_flat_picture_to_the_key() {
+        for radiance in [1e-6, 1.0, 37.0, 1e6] {
+            let image = Image { radiance: vec![radiance; 48], ..Image::black(4, 4, 3) };
+            let exposed = f64::from(radiance) * auto_exposure(&image).exp2();
+            assert!((exposed - KEY).abs() < 1e-5, "{exposed}");
+        }
+        assert_eq!(auto_exposure(&Image::black(4, 4, 3)), 0.0);
+    }
+}

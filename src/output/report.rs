@@ -1,0 +1,171 @@
+//! What a run tells about itself, as JSON.
+//!
+//! The schema has a number, [`REPORT_SCHEMA`]: fields may be added under the same number, none is renamed or removed. Times are wall-clock
+//! seconds, except `visibility` and `form_factor`, which are added over the threads and are parts of the other stages. A number that
+//! is not known or not finite is `null`.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use crate::solve::{Counts, Energy, SolveOptions, SolveReport, StageTimes, StoppedBy};
+
+/// The version of the schema.
+pub const REPORT_SCHEMA: u32 = 1;
+
+/// A report as it is written.
+#[derive(Clone, Debug, Serialize)]
+pub struct RunReport {
+    /// [`REPORT_SCHEMA`].
+    pub schema: u32,
+    /// Name and version of the software.
+    pub software: String,
+    /// What was solved.
+    pub scene: SceneReport,
+    /// What was asked for, as far as it decides the answer.
+    pub options: SolveOptions,
+    /// Worker threads that were used.
+    pub threads: usize,
+    /// Name and version of the backend that answered.
+    pub backend: String,
+    /// Seconds by stage.
+    pub time_s: Timing,
+    /// CPU seconds.
+    pub cpu_s: CpuReport,
+    /// How much of everything there is.
+    pub counts: Counts,
+    /// Bytes.
+    pub memory: MemoryReport,
+    /// The claimed error.
+    pub error: ErrorFigures,
+    /// Where the power goes, in W, all channels added.
+    pub energy: Energy,
+    /// What was not done.
+    pub skipped: Vec<SkippedWork>,
+    /// Whether the requested error is reached.
+    pub converged: bool,
+    /// Why refinement ended.
+    pub stopped_by: StoppedBy,
+    /// What was repaired or looks suspicious in the scene.
+    pub warnings: Vec<String>,
+}
+
+/// What was solved.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct SceneReport {
+    /// The file.
+    pub file: PathBuf,
+    /// Channels.
+    pub channels: usize,
+    /// Materials.
+    pub materials: usize,
+    /// Surfaces, each with one side.
+    pub surfaces: usize,
+    /// Area of all surfaces in m^2.
+    pub area_m2: f64,
+    /// Lower corner of the bounds in metres.
+    pub min: [f64; 3],
+    /// Upper corner of the bounds in metres.
+    pub max: [f64; 3],
+}
+
+/// Seconds by stage.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Timing {
+    /// Reading the scene.
+    pub load: f64,
+    /// The stages of the solve.
+    #[serde(flatten)]
+    pub solve: StageTimes,
+    /// Values at points and pictures.
+    pub sample: f64,
+    /// Writing files, without this report.
+    pub output: f64,
+    /// From the start of the program to this report.
+    pub total: f64,
+}
+
+/// CPU seconds of the process, all threads added.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct CpuReport {
+    /// From the start of the program to this report.
+    pub total: Option<f64>,
+    /// The solve alone.
+    pub solve: Option<f64>,
+    /// Values at points and pictures alone.
+    pub sample: Option<f64>,
+}
+
+/// Bytes.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct MemoryReport {
+    /// The solution: hierarchy, links, radiosities.
+    pub solution_bytes: u64,
+    /// The most that the process held in memory at one time.
+    pub peak_resident_bytes: Option<u64>,
+}
+
+/// The claimed error in the norm of [`SolveOptions::error`].
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct ErrorFigures {
+    /// What was asked for.
+    pub requested: f64,
+    /// The claim: an upper confidence limit of the measured error.
+    pub estimate: f64,
+    /// The probability with which the claim holds.
+    pub confidence: f64,
+    /// The measured error itself.
+    pub measured: f64,
+    /// A proven bound, where one was asked for.
+    pub bound: Option<f64>,
+}
+
+/// Work that was not done.
+#[derive(Clone, Debug, Serialize)]
+pub struct SkippedWork {
+    /// What, in words.
+    pub what: String,
+    /// How much of it.
+    pub count: u64,
+}
+
+impl RunReport {
+    /// The part of the report that the solve itself knows; the caller fills in the rest.
+    pub fn of_solve(software: &str, scene: SceneReport, options: &SolveOptions, report: &SolveReport) -> Self {
+        let error = &report.error;
+        Self {
+            schema: REPORT_SCHEMA,
+            software: software.to_owned(),
+            scene,
+            options: options.clone(),
+            threads: 0,
+            backend: report.backend.clone(),
+            time_s: Timing { solve: report.time_s, ..Timing::default() },
+            cpu_s: CpuReport::default(),
+            counts: report.counts,
+            memory: MemoryReport { solution_bytes: report.memory_bytes, peak_resident_bytes: None },
+            error: ErrorFigures {
+                requested: error.requested,
+                estimate: error.estimate,
+                confidence: error.confidence,
+                measured: error.measured,
+                bound: None,
+            },
+            energy: report.energy,
+            skipped: report.skipped.iter().map(|(what, count)| SkippedWork { what: what.clone(), count: *count }).collect(),
+            converged: report.converged,
+            stopped_by: report.stopped_by,
+            warnings: Vec::new(),
+        }
+    }
+}
+
+/// Writes the report as indented JSON.
+///
+/// # Errors
+/// What the writer says.
+pub fn write_report(writer: &mut impl Write, report: &RunReport) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *writer, report)?;
+    writeln!(writer)
+}

@@ -1,0 +1,299 @@
+//! A view that shows the scene when none is asked for.
+//!
+//! Eyes are tried inside the scene and around it. A view is judged by the front faces that a coarse grid of rays meets: how much of the
+//! picture they fill, how much of the scene's area they are, how many different surfaces there are to see. Back faces (the wall that a camera outside of a closed room would
+//! look at, the inside of furniture), things right before the lens and pictures of nothing but a light lose. So a closed room is seen
+//! from inside, a box with an open front through its opening, a scene without walls from outside. About 2e5 rays; a heuristic.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use super::Camera;
+use crate::scene::{Scene, SurfaceId};
+use crate::visibility::{Hit, Ray, Visibility};
+
+/// Eyes that are tried inside the bounds of the scene.
+const INSIDE_EYES: u32 = 400;
+
+/// Rays over the sphere that find out whether an eye stands free.
+const SPHERE_RAYS: u32 = 48;
+
+/// Eyes whose views are judged.
+const KEPT_EYES: usize = 40;
+
+/// Directions around the up axis in which a view from inside may look.
+const YAWS: u32 = 16;
+
+/// Columns and rows of the grid of rays that judges a view.
+const GRID: (u32, u32) = (16, 12);
+
+/// Vertical field of view in degrees from inside a room: about that of a 20 mm lens.
+const INSIDE_FIELD_OF_VIEW: f64 = 62.0;
+
+/// Vertical field of view in degrees from outside.
+const OUTSIDE_FIELD_OF_VIEW: f64 = 40.0;
+
+impl Camera {
+    /// A camera that shows `scene`; `visibility` must be of that scene. The same for the same scene and size, whatever the backend, as
+    /// far as the backends agree.
+    ///
+    /// Up is y or z, whichever the floors and the light that falls on them speak for.
+    pub fn default_view(scene: &Scene, visibility: &dyn Visibility, width: u32, height: u32) -> Self {
+        let survey = Survey { scene, visibility, up: guess_up(scene), total_area: total_area(scene) };
+        let pitches_inside = [-4.0, -14.0];
+
+        // From inside: eyes that stand free, most open space first, each looking around.
+        let mut best: Option<(f64, Self)> = None;
+        let mut judge = |camera: Self| {
+            let score = survey.score(&camera);
+            if best.as_ref().is_none_or(|(previous, _)| score > *previous) {
+                best = Some((score, camera));
+            }
+        };
+        let size = |camera: Self| Self { width, height, ..camera };
+        for eye in survey.free_eyes() {
+            for pitch in pitches_inside {
+                (0..YAWS).for_each(|yaw| judge(size(survey.look_around(eye, f64::from(yaw) / f64::from(YAWS), pitch))));
+            }
+        }
+
+        // From outside: from the front of each side and from the corners, level and from above, far enough away to see all of it.
+        for yaw in 0..8 {
+            for pitch in [0.0, -15.0, -35.0] {
+                judge(survey.look_from_outside(f64::from(yaw) / 8.0, pitch, width, height));
+            }
+        }
+        let (_, camera) = best.expect("views from outside are always judged");
+        camera
+    }
+}
+
+/// Which way is up: y or z. Floors face it, and light falls against it.
+fn guess_up(scene: &Scene) -> DVec3 {
+    let votes_for = |up: DVec3| -> f64 {
+        let (mut floor, mut area, mut falling, mut power) = (0.0, 0.0, 0.0, 0.0);
+        for (index, surface) in scene.surfaces().iter().enumerate() {
+            let along = DVec3::from(surface.polygon.normal()).dot(up);
+            let emitted: f64 = scene.material_of(SurfaceId(index as u32)).exitance.iter().sum::<f64>() * surface.polygon.area();
+            area += surface.polygon.area();
+            power += emitted;
+            // Within about 25 degrees of level: stairs and ramps count, walls do not.
+            if along > 0.9 {
+                floor += surface.polygon.area();
+            }
+            falling += emitted * (-along).max(0.0);
+        }
+        floor / area + if power > 0.0 { falling / power } else { 0.0 }
+    };
+    if votes_for(DVec3::Z) > votes_for(DVec3::Y) { DVec3::Z } else { DVec3::Y }
+}
+
+fn total_area(scene: &Scene) -> f64 {
+    scene.surfaces().iter().map(|surface| surface.polygon.area()).sum()
+}
+
+/// What the search for a view looks at.
+struct Survey<'a> {
+    scene: &'a Scene,
+    visibility: &'a dyn Visibility,
+    up: DVec3,
+    total_area: f64,
+}
+
+impl Survey<'_> {
+    /// Two horizontal directions, at right angles to each other and to up.
+    fn level(&self) -> (DVec3, DVec3) {
+        if self.up == DVec3::Z { (DVec3::X, DVec3::Y) } else { (DVec3::Z, DVec3::X) }
+    }
+
+    /// The direction at `yaw` (a part of the full turn) and `pitch` (degrees above level).
+    fn direction(&self, yaw: f64, pitch: f64) -> DVec3 {
+        let (first, second) = self.level();
+        let (sin, cos) = (std::f64::consts::TAU * yaw).sin_cos();
+        let (rise, run) = pitch.to_radians().sin_cos();
+        run * (cos * first + sin * second) + rise * self.up
+    }
+
+    /// Where a ray arrives, and what it sees there.
+    fn look(&self, rays: &[Ray]) -> Vec<Seen> {
+        let mut hits = vec![None; rays.len()];
+        self.visibility.first_hits(rays, &mut hits);
+        rays.iter().zip(hits).map(|(ray, hit)| self.seen(ray, hit)).collect()
+    }
+
+    fn seen(&self, ray: &Ray, hit: Option<Hit>) -> Seen {
+        let Some(Hit { surface, distance }) = hit else { return Seen::Nothing };
+        let id = SurfaceId(surface);
+        let surface = self.scene.surface(id);
+        let cos = -DVec3::from(ray.direction).dot(DVec3::from(surface.polygon.normal()));
+        if cos <= 0.0 && surface.twin.is_none() {
+            return Seen::Back;
+        }
+        Seen::Front { surface: id, distance, cos: cos.abs(), emits: self.scene.material_of(id).emits() }
+    }
+
+    /// Eyes inside the bounds that see no back faces and have air around them, most front faces first, then most air.
+    fn free_eyes(&self) -> Vec<DVec3> {
+        let bounds = self.scene.bounds();
+        let (extent, diagonal) = (bounds.extent(), bounds.diagonal());
+        let sphere: Vec<DVec3> = (0..SPHERE_RAYS).map(|k| fibonacci_direction(k, SPHERE_RAYS)).collect();
+        let mut eyes: Vec<(f64, DVec3)> = (0..INSIDE_EYES)
+            .filter_map(|k| {
+                // Halton points; above the middle, as a person stands in a room.
+                let unit = DVec3::new(radical_inverse(k + 1, 2), radical_inverse(k + 1, 3), radical_inverse(k + 1, 5));
+                let squeezed = DVec3::splat(0.04) + 0.92 * unit;
+                let height = 0.45 + 0.3 * unit;
+                let part = squeezed * (DVec3::ONE - self.up) + height * self.up;
+                let eye = bounds.min + part * extent;
+
+                let rays: Vec<Ray> = sphere.iter().map(|&direction| ray(eye, direction)).collect();
+                let seen = self.look(&rays);
+                let share = |wanted: fn(&Seen) -> bool| seen.iter().filter(|s| wanted(s)).count() as f64 / f64::from(SPHERE_RAYS);
+                let nearest = seen.iter().filter_map(Seen::distance).fold(f64::INFINITY, f64::min);
+                let back = share(|s| matches!(s, Seen::Back));
+                if back > 0.1 || nearest < 0.02 * diagonal {
+                    return None;
+                }
+                let front = share(|s| matches!(s, Seen::Front { .. }));
+                let air = seen.iter().filter_map(Seen::distance).sum::<f64>() / f64::from(SPHERE_RAYS);
+                Some((front - 2.0 * back + 0.5 * (air / diagonal), eye))
+            })
+            .collect();
+        eyes.sort_by(|a, b| b.0.total_cmp(&a.0));
+
+        // Half of them are the best; the others are spread over the rest, since corners have less air but the better view.
+        let best = eyes.len().min(KEPT_EYES / 2);
+        let step = ((eyes.len() - best) / (KEPT_EYES / 2)).max(1);
+        let spread = eyes[best..].iter().step_by(step).take(KEPT_EYES / 2);
+        eyes[..best].iter().chain(spread).map(|&(_, eye)| eye).collect()
+    }
+
+    /// From `eye`, in a direction.
+    fn look_around(&self, eye: DVec3, yaw: f64, pitch: f64) -> Camera {
+        let diagonal = self.scene.bounds().diagonal();
+        self.camera(eye, eye + 0.5 * diagonal * self.direction(yaw, pitch), INSIDE_FIELD_OF_VIEW)
+    }
+
+    /// Towards the centre of the scene, from where all of its bounds are in the picture and just fill it.
+    fn look_from_outside(&self, yaw: f64, pitch: f64, width: u32, height: u32) -> Camera {
+        let bounds = self.scene.bounds();
+        let (centre, half) = (bounds.centre(), 0.5 * bounds.extent());
+        let forward = self.direction(yaw, pitch);
+        let right = forward.cross(self.up).normalize();
+        let above = right.cross(forward);
+        let tan_up = (0.5 * OUTSIDE_FIELD_OF_VIEW).to_radians().tan();
+        let tan_right = tan_up * f64::from(width) / f64::from(height);
+        let distance = (0..8)
+            .map(|corner| {
+                let sign = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                let corner = half * DVec3::new(sign(0), sign(1), sign(2));
+                (corner.dot(above).abs() / tan_up).max(corner.dot(right).abs() / tan_right) - corner.dot(forward)
+            })
+            .fold(0.0, f64::max);
+        self.camera(centre - 1.01 * distance * forward, centre, OUTSIDE_FIELD_OF_VIEW).with_size(width, height)
+    }
+
+    fn camera(&self, eye: DVec3, target: DVec3, field_of_view_degrees: f64) -> Camera {
+        // Positions that people may read and type again: to a ten-thousandth of the scene at most, so all digits after it are dropped.
+        let scale = 10.0_f64.powf((1e4 / self.scene.bounds().diagonal()).log10().ceil());
+        let rounded = |point: DVec3| ((point * scale).round() / scale).to_array();
+        Camera {
+            eye: rounded(eye),
+            target: rounded(target),
+            up: self.up.to_array(),
+            field_of_view_degrees,
+            width: GRID.0,
+            height: GRID.1,
+        }
+    }
+
+    /// How good a picture is: 0 shows nothing, below 0 mostly what it should not.
+    fn score(&self, camera: &Camera) -> f64 {
+        // A coarse grid over the picture, whatever its size.
+        let Ok(rays) = camera.rays() else { return f64::NEG_INFINITY };
+        let (columns, rows) = GRID;
+        let step = (f64::from(camera.width) / f64::from(columns), f64::from(camera.height) / f64::from(rows));
+        let rays: Vec<Ray> = (0..rows * columns)
+            .map(|k| rays.through((f64::from(k % columns) + 0.5) * step.0, (f64::from(k / columns) + 0.5) * step.1))
+            .collect();
+        let half_height = (0.5 * camera.field_of_view_degrees).to_radians().tan();
+        let pixel = 2.0 * half_height / f64::from(rows) * (2.0 * half_height * step.0 / step.1 / f64::from(rows));
+        let forward = (DVec3::from(camera.target) - DVec3::from(camera.eye)).normalize();
+        let near = 0.13 * self.scene.bounds().diagonal();
+
+        // What each ray sees, as shares of the picture; and the area of front faces that the picture shows.
+        let mut seen_of: BTreeMap<SurfaceId, f64> = BTreeMap::new();
+        let (mut front, mut light, mut back, mut close, mut area) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for (ray, seen) in rays.iter().zip(self.look(&rays)) {
+            match seen {
+                Seen::Nothing => {}
+                Seen::Back => back += 1.0,
+                Seen::Front { surface, distance, cos, emits } => {
+                    *seen_of.entry(surface).or_default() += 1.0;
+                    let solid_angle = pixel * DVec3::from(ray.direction).dot(forward).powi(3);
+                    area += solid_angle * distance * distance / cos.max(0.1);
+                    front += 1.0;
+                    light += f64::from(u8::from(emits));
+                    close += f64::from(u8::from(distance < near));
+                }
+            }
+        }
+        let all = f64::from(rows * columns);
+        let shown = (area / self.total_area).min(1.0);
+        let lights = if light > 0.0 { 0.05 - (light / all - 0.25).max(0.0) } else { 0.0 };
+        // The entropy of what is where in the picture: 0 for a single wall, 1 if every ray met another surface.
+        let variety = seen_of.values().map(|count| count / all * (all / count).ln()).sum::<f64>() / all.ln();
+        front / all * (0.4 + shown) + 0.6 * variety + lights - 2.0 * back / all - close / all
+    }
+}
+
+impl Camera {
+    /// The same view in another size.
+    #[must_use]
+    pub fn with_size(self, width: u32, height: u32) -> Self {
+        Self { width, height, ..self }
+    }
+}
+
+/// What a ray meets first.
+enum Seen {
+    Nothing,
+    Back,
+    Front { surface: SurfaceId, distance: f64, cos: f64, emits: bool },
+}
+
+impl Seen {
+    fn distance(&self) -> Option<f64> {
+        match self {
+            Self::Front { distance, .. } => Some(*distance),
+            _ => None,
+        }
+    }
+}
+
+fn ray(origin: DVec3, direction: DVec3) -> Ray {
+    Ray { origin: origin.to_array(), direction: direction.to_array(), origin_plane: crate::visibility::NO_PLANE }
+}
+
+/// The digits of `index` in `base`, mirrored behind the point: low-discrepancy numbers in [0, 1).
+fn radical_inverse(mut index: u32, base: u32) -> f64 {
+    let (mut value, mut digit) = (0.0, 1.0);
+    while index > 0 {
+        digit /= f64::from(base);
+        value += digit * f64::from(index % base);
+        index /= base;
+    }
+    value
+}
+
+/// One of `count` directions spread evenly over the sphere.
+fn fibonacci_direction(k: u32, count: u32) -> DVec3 {
+    let z = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
+    let (sin, cos) = (f64::from(k) * std::f64::consts::PI * (3.0 - 5.0_f64.sqrt())).sin_cos();
+    let radius = (1.0 - z * z).sqrt();
+    DVec3::new(radius * cos, radius * sin, z)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,233 @@
+//! The gather at a point: `B(x) = E + rho * sum over links of F(x -> s) V(x, s) B_s`.
+//!
+//! The links are those of all nodes above the point. The form factor to each source is taken at the point, exactly; visibility is asked
+//! again, with a budget of rays shared over the sources by what they carry. A ray brings the radiosity of the leaf where it ends, so a
+//! source that is not equally bright is no error. A source that carries much or is near is split, into its children or, where it has
+//! none, its polygon.
+//!
+//! Cost: one form factor a link and piece, and about `budget` segments. The result is an estimate; its noise falls with the number of
+//! rays, its bias is that of the leaves' radiosities.
+
+use glam::DVec3;
+
+use crate::form_factor::{kernel, point_to_polygon};
+use crate::geometry::{Facet, Part, sampling};
+use crate::hierarchy::{Hierarchy, NodeId, for_each_piece};
+use crate::links::LinkSet;
+use crate::scene::{Scene, SurfaceId};
+use crate::sweep::Radiosity;
+use crate::transmittance::Rays;
+use crate::visibility::Segment;
+
+/// A piece gets so many rays at most; what carries more is split.
+const MAX_RAYS: f64 = 8.0;
+
+/// A near piece is split down to so many rays: few enough to bind the place where a ray is cast to what it carries.
+const NEAR_RAYS: f64 = 2.0;
+
+/// A piece is near if its radius exceeds this part of its distance: over it the kernel varies by more than a few tenths.
+const NEAR: f64 = 0.75;
+
+/// A polygon is split so many times at most, below the elements that it has.
+const MAX_SPLITS: u32 = 8;
+
+/// Gathers at points over the links of a solution.
+#[derive(Clone, Copy)]
+pub(crate) struct PointGather<'a> {
+    pub scene: &'a Scene,
+    pub hierarchy: &'a Hierarchy,
+    pub links: &'a LinkSet,
+    pub radiosity: &'a Radiosity,
+    pub rays: &'a Rays<'a>,
+    /// Visibility rays a point.
+    pub budget: u32,
+    /// A piece that carries less than its share gets a ray with this probability at least: 1 for values, less for pictures, where many
+    /// points are seen and a little more noise at each is no harm.
+    pub least_chance: f64,
+    pub seed: u64,
+}
+
+/// Memory that a gather reuses from point to point.
+#[derive(Default)]
+pub(crate) struct GatherScratch {
+    pieces: Vec<Piece>,
+    strong: Vec<Piece>,
+    segments: Vec<Segment>,
+    /// What each ray weighs: a form factor, all of a piece's together about the piece's.
+    weights: Vec<f64>,
+    /// The leaf where each ray ends.
+    met: Vec<NodeId>,
+    occluded: Vec<bool>,
+}
+
+/// A piece of a source as it is seen from the point.
+#[derive(Clone, Copy)]
+struct Piece {
+    /// Whose radiosity it has.
+    node: NodeId,
+    /// The part of the node's polygon, where it was split below the elements.
+    part: Option<Part>,
+    form_factor: f64,
+    /// `F max_c rho_c B_c`.
+    carried: f64,
+    near: bool,
+    /// The part that gets through by what the link has seen, 0 to 1.
+    expected: f64,
+    rays: u32,
+    /// The probability with which the rays are cast.
+    chance: f64,
+}
+
+/// A point on a surface, with what is asked of it again and again.
+struct Receiver<'a> {
+    point: DVec3,
+    normal: DVec3,
+    plane: u32,
+    reflectance: &'a [f64],
+}
+
+impl PointGather<'_> {
+    /// The radiosity at `point` of `surface`, by channel, in W/m^2.
+    pub fn radiosity_at(&self, point: DVec3, surface: SurfaceId, scratch: &mut GatherScratch, radiosity: &mut [f64]) {
+        let material = self.scene.material_of(surface);
+        let place = self.scene.surface(surface);
+        let normal = place.polygon.facet().normal;
+        let receiver = Receiver { point, normal, plane: place.plane, reflectance: &material.reflectance };
+        self.irradiance(&receiver, self.hierarchy.leaf_at(surface, point), scratch, radiosity);
+        for (channel, value) in radiosity.iter_mut().enumerate() {
+            // Noise may take the irradiance below zero where all is dark.
+            *value = material.exitance[channel] + material.reflectance[channel] * value.max(0.0);
+        }
+    }
+
+    /// The irradiance H at a point of `leaf`, by channel, in W/m^2.
+    fn irradiance(&self, receiver: &Receiver<'_>, leaf: NodeId, scratch: &mut GatherScratch, irradiance: &mut [f64]) {
+        irradiance.fill(0.0);
+        self.collect_sources(receiver, leaf, scratch);
+        let total: f64 = scratch.pieces.iter().map(|piece| piece.carried).sum();
+        if total <= 0.0 {
+            return;
+        }
+        let share = total / f64::from(self.budget.max(1));
+        self.split_strong_sources(receiver, share, scratch);
+        self.aim(receiver, share, scratch);
+        self.rays.occluded(&scratch.segments, &mut scratch.occluded);
+
+        // Each piece brings its form factor times its mean radiosity, corrected by what each ray finds in its place. A piece to which a ray
+        // was not certain brings what was expected of it, corrected by what the ray found if it was cast: no bias either way.
+        let mut ray = 0;
+        for piece in &scratch.pieces {
+            let mean = self.radiosity.of(piece.node);
+            let seen = if piece.rays == 0 { piece.expected } else { piece.expected + (1.0 - piece.expected) / piece.chance };
+            irradiance.iter_mut().zip(mean).for_each(|(h, b)| *h += piece.form_factor * seen * b);
+            for _ in 0..piece.rays {
+                let (weight, met) = (scratch.weights[ray], scratch.met[ray]);
+                if scratch.occluded[ray] {
+                    irradiance.iter_mut().zip(mean).for_each(|(h, b)| *h -= weight * b);
+                } else if met != piece.node {
+                    irradiance.iter_mut().zip(mean).zip(self.radiosity.of(met)).for_each(|((h, b), met)| *h += weight * (met - b));
+                }
+                ray += 1;
+            }
+        }
+    }
+
+    /// The sources of all links above the point that the point can see.
+    fn collect_sources(&self, receiver: &Receiver<'_>, leaf: NodeId, scratch: &mut GatherScratch) {
+        scratch.pieces.clear();
+        let mut node = Some(leaf);
+        while let Some(above) = node {
+            scratch.pieces.extend(self.links.of(above).iter().filter_map(|link| {
+                let expected = f64::from(0.5 * (link.seen + link.transmittance)).clamp(0.0, 1.0);
+                self.piece(receiver, link.source, None, &self.hierarchy.facet(link.source), expected)
+            }));
+            node = self.hierarchy.parent(above);
+        }
+    }
+
+    /// A source, or a part of one, as seen from the point; `None` if nothing of it can arrive.
+    fn piece(&self, receiver: &Receiver<'_>, node: NodeId, part: Option<Part>, facet: &Facet<'_>, expected: f64) -> Option<Piece> {
+        let form_factor = point_to_polygon(receiver.point, receiver.normal, facet);
+        let brightest = receiver.reflectance.iter().zip(self.radiosity.of(node)).map(|(rho, b)| rho * b).fold(0.0, f64::max);
+        let carried = form_factor * brightest;
+        let near = facet.radius * facet.radius > NEAR * NEAR * receiver.point.distance_squared(facet.centroid);
+        (carried > 0.0).then_some(Piece { node, part, form_factor, carried, near, expected, rays: 0, chance: 1.0 })
+    }
+
+    /// Splits what carries more than its share, until no piece does.
+    fn split_strong_sources(&self, receiver: &Receiver<'_>, share: f64, scratch: &mut GatherScratch) {
+        let is_strong = |piece: &Piece| {
+            let splits = piece.part.map_or(0, |part| u32::from(part.splits));
+            piece.carried > share * if piece.near { NEAR_RAYS } else { MAX_RAYS } && splits < MAX_SPLITS
+        };
+        let GatherScratch { pieces, strong, .. } = scratch;
+        strong.clear();
+        pieces.retain(|piece| {
+            let keep = !is_strong(piece);
+            if !keep {
+                strong.push(*piece);
+            }
+            keep
+        });
+        while let Some(piece) = strong.pop() {
+            let mut place = |part: Option<Piece>| match part {
+                Some(part) if is_strong(&part) => strong.push(part),
+                Some(part) => pieces.push(part),
+                None => {}
+            };
+            if piece.part.is_none() && !self.hierarchy.is_leaf(piece.node) {
+                let children = self.hierarchy.children(piece.node);
+                children.for_each(|child| place(self.piece(receiver, child, None, &self.hierarchy.facet(child), piece.expected)));
+            } else {
+                let whole = self.hierarchy.facet(piece.node);
+                let splits = piece.part.map_or(1, |part| part.splits + 1);
+                let facet = piece.part.as_ref().map_or(whole, |part| part.facet(whole.normal));
+                for_each_piece(&facet, |corners| {
+                    let part = Part::new(corners, splits);
+                    place(self.piece(receiver, piece.node, Some(part), &part.facet(whole.normal), piece.expected));
+                });
+            }
+        }
+    }
+
+    /// Lays the rays to every piece: as many as it carries shares; where it carries less than one, a single ray by chance.
+    fn aim(&self, receiver: &Receiver<'_>, share: f64, scratch: &mut GatherScratch) {
+        let GatherScratch { pieces, segments, weights, met, .. } = scratch;
+        segments.clear();
+        weights.clear();
+        met.clear();
+        let at_point =
+            receiver.point.to_array().iter().fold(self.seed, |seed, coordinate| sampling::hash(seed, coordinate.to_bits()));
+        for (index, piece) in pieces.iter_mut().enumerate() {
+            let seed = sampling::hash(at_point, index as u64);
+            piece.rays = (piece.carried / share).ceil().clamp(1.0, MAX_RAYS) as u32;
+            piece.chance = (piece.carried / share).clamp(self.least_chance, 1.0);
+            if sampling::unit(sampling::hash(seed, 1)) >= piece.chance {
+                piece.rays = 0;
+                continue;
+            }
+            let whole = self.hierarchy.facet(piece.node);
+            let facet = piece.part.as_ref().map_or(whole, |part| part.facet(whole.normal));
+            let to_plane = self.scene.surface(SurfaceId(self.hierarchy.node(piece.node).surface)).plane;
+            let first = weights.len();
+            for ray in 0..piece.rays {
+                let [u, v, ..] = sampling::sobol_4d(ray, seed);
+                let (leaf, y) = match piece.part {
+                    None => self.hierarchy.point_in_leaf(piece.node, u, v),
+                    Some(_) => (piece.node, facet.point_at(u, v)),
+                };
+                let (from, to) = (receiver.point.to_array(), y.to_array());
+                segments.push(Segment { from, to, from_plane: receiver.plane, to_plane });
+                weights.push(kernel(receiver.point, receiver.normal, y, whole.normal));
+                met.push(leaf);
+            }
+
+            // Far away a ray weighs the area that it stands for times the kernel: no bias for any number of rays. Near by the kernel may
+            // be huge at a single ray; there the rays share the exact form factor, for a bias that is small because near pieces are.
+            let own = &mut weights[first..];
+            let sum: f64 = own.iter().sum();
+            let scale = if piece.near && sum > 0.0 { piece.form_factor / sum } else { facet.area / f64::from(piece.rays) };
+            own.iter_mut().for_each(|weight| *weight *= scale / piece.chance);
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! A picture of the solution: first hits from the backend, and the gather at each of them.
+
+use std::f64::consts::PI;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{CameraRays, GatherScratch, Image, PointGather};
+use crate::progress::{Observer, Progress, Stage};
+use crate::scene::SurfaceId;
+use crate::visibility::{Hit, Ray};
+
+/// Rays through each pixel.
+const SUBSAMPLES: u32 = 4;
+
+/// Visibility rays to a pixel: more than a picture of 8 bits shows would be in vain.
+const RAYS_PER_PIXEL: u32 = 64;
+
+/// A source that carries little gets a ray with this probability at least.
+const LEAST_CHANCE: f64 = 0.125;
+
+/// Radiance `L = B / pi` through the pixels of a camera, black where a back or nothing is met; `None` if the observer cancels.
+pub(crate) fn render(
+    gather: &PointGather<'_>,
+    rays: &CameraRays,
+    width: u32,
+    height: u32,
+    observer: &dyn Observer,
+) -> Option<Image> {
+    let channels = gather.scene.channels();
+    let mut image = Image::black(width, height, channels);
+    let done = AtomicUsize::new(0);
+
+    image.radiance.par_chunks_mut(channels * width as usize).enumerate().for_each_init(
+        || (GatherScratch::default(), vec![0.0; channels], Vec::new()),
+        |(scratch, radiosity, hits), (row, radiance)| {
+            if observer.cancelled() {
+                return;
+            }
+            let subsamples = |column| (0..SUBSAMPLES).map(move |sample| rays.through_pixel(column, row as u32, sample, SUBSAMPLES));
+            let looks: Vec<_> = (0..width).flat_map(subsamples).collect();
+            gather.rays.first_hits(&looks, hits);
+            let place = |(look, hit): (&Ray, &Option<Hit>)| {
+                let (direction, hit) = (DVec3::from(look.direction), hit.as_ref()?);
+                let surface = gather.scene.side_towards(SurfaceId(hit.surface), -direction)?;
+                Some((surface, DVec3::from(look.origin) + hit.distance * direction))
+            };
+            let places: Vec<Option<(SurfaceId, DVec3)>> = looks.iter().zip(hits.iter()).map(place).collect();
+            for (pixel, places) in radiance.chunks_mut(channels).zip(places.chunks(SUBSAMPLES as usize)) {
+                // Where all rays of a pixel meet one surface, one of the points is worth as much as all with a share of the rays each.
+                let one =
+                    places[0].is_some_and(|(first, _)| places.iter().all(|place| place.is_some_and(|(other, _)| other == first)));
+                let shaded = if one { &places[..1] } else { places };
+                let budget = (gather.budget.min(RAYS_PER_PIXEL)).div_ceil(shaded.len() as u32);
+                let gather = PointGather { budget, least_chance: LEAST_CHANCE, ..*gather };
+                for (surface, point) in shaded.iter().flatten() {
+                    gather.radiosity_at(*point, *surface, scratch, radiosity);
+                    for (radiance, radiosity) in pixel.iter_mut().zip(radiosity.iter()) {
+                        *radiance += (radiosity / (PI * shaded.len() as f64)) as f32;
+                    }
+                }
+            }
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            let fraction = Some(done as f64 / f64::from(height));
+            observer.progress(&Progress { stage: Stage::Render, round: 0, fraction, links: 0, elements: 0, error: None });
+        },
+    );
+    (!observer.cancelled()).then_some(image)
+}

@@ -1,0 +1,166 @@
+//! From faces as read to polygons: degenerate and duplicate faces go, concave and non-planar ones are cut.
+//!
+//! Vertices count as the same where their coordinates are equal; files that repeat vertices for every face write the same digits.
+//! Cost: O(n) expected for n corners.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::cut::{Cut, convex_pieces};
+use super::obj::ObjFile;
+use super::{Diagnostic, DiagnosticKind, Diagnostics};
+use crate::geometry::{Aabb, Polygon};
+
+/// Corners off their plane by no more than this fraction of the scene's diagonal are there by rounding: files give six or seven digits.
+const PLANE_TOLERANCE: f64 = 1e-6;
+
+/// Polygons with the index of their material and the 0-based number of their face, and how many faces were dropped here.
+pub(super) struct Assembled {
+    pub polygons: Vec<(Polygon, u32, u32)>,
+    pub dropped: usize,
+}
+
+/// Makes convex planar polygons of the faces, in their order.
+pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics) -> Assembled {
+    let mut ids: HashMap<[u64; 3], u32> = HashMap::with_capacity(obj.vertices);
+    let mut polygons = Vec::with_capacity(obj.faces.len());
+    let mut dropped = 0;
+    let mut flattened = (0_usize, 0.0_f64);
+    let rounding = PLANE_TOLERANCE * Aabb::around(obj.corners.iter().copied()).diagonal();
+
+    // The faces so far by their corners: one for each of the two windings, as an index into `obj.faces`.
+    let mut seen: HashMap<Vec<u32>, [Option<usize>; 2]> = HashMap::with_capacity(obj.faces.len());
+    for (index, face) in obj.faces.iter().enumerate() {
+        let line = obj.lines[face.number as usize];
+        let mut note = |kind, text: String| diagnostics.push(Diagnostic::new(kind, text).at(file, line).face(face.number + 1));
+
+        // Corners that follow themselves add nothing.
+        let mut corners: Vec<(u32, DVec3)> = Vec::with_capacity(face.end - face.start);
+        for &corner in &obj.corners[face.start..face.end] {
+            let next = ids.len() as u32;
+            let id = *ids.entry(position_key(corner)).or_insert(next);
+            if corners.last().is_none_or(|last| last.0 != id) {
+                corners.push((id, corner));
+            }
+        }
+        while corners.len() > 1 && corners[0].0 == corners[corners.len() - 1].0 {
+            corners.pop();
+        }
+        if corners.len() < 3 {
+            dropped += 1;
+            note(DiagnosticKind::DegenerateFace, "dropped: it has fewer than three different corners".to_owned());
+            continue;
+        }
+
+        // A convex face keeps its corners in the order of the file. What is changed is changed in an order that does not depend on the
+        // winding, so that the two sides of a sheet stay the same.
+        let (key, side) = unwound(&corners);
+        let mut pieces = convex_pieces(&corners.iter().map(|corner| corner.1).collect::<Vec<_>>(), rounding);
+        if pieces.cut != Cut::Whole || pieces.flattened > 0.0 {
+            let by_id: HashMap<u32, DVec3> = corners.iter().copied().collect();
+            pieces = convex_pieces(&key.iter().map(|id| by_id[id]).collect::<Vec<_>>(), rounding);
+            if side == 1 {
+                pieces.polygons = pieces.polygons.iter().map(Polygon::reversed).collect();
+            }
+        }
+        if pieces.polygons.is_empty() {
+            dropped += 1;
+            note(DiagnosticKind::DegenerateFace, "dropped: it has no area".to_owned());
+            continue;
+        }
+
+        // Same corners, same winding: a duplicate. Same corners, opposite winding: the other side of a sheet.
+        let sides = seen.entry(key).or_default();
+        if let Some(earlier) = sides[side] {
+            let earlier = &obj.faces[earlier];
+            let but = if earlier.material == face.material { "" } else { " with another material" };
+            let (number, line) = (earlier.number + 1, obj.lines[earlier.number as usize]);
+            dropped += 1;
+            note(DiagnosticKind::DuplicateFace, format!("dropped: it repeats face {number} of line {line}{but}"));
+            continue;
+        }
+        sides[side] = Some(index);
+        if let Some(earlier) = sides[1 - side] {
+            let number = obj.faces[earlier].number + 1;
+            note(DiagnosticKind::Sheet, format!("is the back of face {number}: both together are a sheet with two sides"));
+        }
+
+        if pieces.flattened > 0.0 {
+            flattened = (flattened.0 + 1, flattened.1.max(pieces.flattened));
+        }
+        let count = pieces.polygons.len();
+        match pieces.cut {
+            Cut::Whole => {}
+            Cut::Concave => note(DiagnosticKind::ConcaveFace, format!("is concave: cut into {count} convex pieces")),
+            Cut::NonPlanar(distance) => {
+                let text = format!("is not planar (its corners lie up to {distance:.2e} off): cut into {count} triangles");
+                note(DiagnosticKind::NonPlanarFace, text);
+            }
+        }
+        if pieces.crossing {
+            note(DiagnosticKind::CrossingFace, "crosses itself: its pieces may not be what was meant".to_owned());
+        }
+        polygons.extend(pieces.polygons.into_iter().map(|polygon| (polygon, face.material, face.number)));
+    }
+
+    if flattened.0 > 0 {
+        let text = format!("{} faces were flattened, by at most {:.1e}: rounded digits", flattened.0, flattened.1);
+        diagnostics.push(Diagnostic::new(DiagnosticKind::Flattened, text).at(file, 0));
+    }
+    Assembled { polygons, dropped }
+}
+
+/// Equal for equal positions; adding 0 makes -0 and 0 the same.
+fn position_key(position: DVec3) -> [u64; 3] {
+    position.to_array().map(|x| (x + 0.0).to_bits())
+}
+
+/// The corners' ids in an order that does not depend on where the face starts nor on its winding, and 1 if it is the reverse, else 0.
+fn unwound(corners: &[(u32, DVec3)]) -> (Vec<u32>, usize) {
+    let forwards: Vec<u32> = corners.iter().map(|corner| corner.0).collect();
+    let backwards: Vec<u32> = forwards.iter().rev().copied().collect();
+    let (forwards, backwards) = (smallest_rotation(&forwards), smallest_rotation(&backwards));
+    if forwards <= backwards { (forwards, 0) } else { (backwards, 1) }
+}
+
+/// The rotation of a cycle that comes first in lexicographic order, in O(n) (Y. Shiloach, J. Algorithms 2, 1981).
+fn smallest_rotation(cycle: &[u32]) -> Vec<u32> {
+    let count = cycle.len();
+    let (mut one, mut other, mut same) = (0, 1, 0);
+    while one < count && other < count && same < count {
+        let (a, b) = (cycle[(one + same) % count], cycle[(other + same) % count]);
+        if a == b {
+            same += 1;
+            continue;
+        }
+        // No rotation that starts inside of the longer run can be the smallest.
+        if a > b {
+            one += same + 1
+        } else {
+            other += same + 1
+        }
+        if one == other {
+            other += 1;
+        }
+        same = 0;
+    }
+    let start = one.min(other);
+    cycle[start..].iter().chain(&cycle[..start]).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rotations_match_the_obvious_search() {
+        for seed in 0..2000_u32 {
+            let count = 1 + seed as usize % 9;
+            let cycle: Vec<u32> = (0..count as u32).map(|k| (seed.wrapping_mul(2_654_435_761) >> (3 * k % 29)) % 3).collect();
+            let obvious = (0..count).map(|k| [&cycle[k..], &cycle[..k]].concat()).min().unwrap();
+            assert_eq!(smallest_rotation(&cycle), obvious, "{cycle:?}");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! How hard to try for a requested error, and what to do when it is not reached.
+
+use super::error_estimate::{ErrorEffort, ErrorEstimate};
+use super::{SolveOptions, Strategy};
+use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
+use crate::scene::{Scene, SurfaceId};
+
+/// What a round left to be done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// The claimed error is at most the requested one.
+    GoodEnough,
+    /// The error may well be small enough, but the estimate is too noisy to claim it: look at more points.
+    LookCloser,
+    /// Values at points are too noisy: more rays to each.
+    MoreRays,
+    /// Another round of refinement, to a finer tolerance.
+    Refine,
+    /// More effort would not help, or is not allowed.
+    Exhausted,
+}
+
+/// Tolerance and rays of the next round.
+pub(super) struct Plan {
+    options: SolveOptions,
+    total_area: f64,
+    /// What the reflected radiosity may be on average, in W/m^2: sets the scale of tolerances.
+    expected_radiosity: f64,
+    tolerance: f64,
+    point_rays: u32,
+    error_points: usize,
+    /// Samples of the residual for each ray over the hemisphere.
+    residual_weight: f64,
+    refinements: u32,
+    looks: u32,
+}
+
+/// The first steps of the first round take tolerances 16 and 4 times as large.
+const FIRST_STEPS: [f64; 3] = [16.0, 4.0, 1.0];
+
+/// Rounds after which refining once more would not help either.
+const MAX_REFINEMENTS: u32 = 8;
+
+/// Looks at more points after which the estimate will not get better.
+const MAX_LOOKS: u32 = 16;
+
+/// The part of the requested error that is aimed at: the claim lies above what is measured.
+const AIM: f64 = 0.7;
+
+/// A look closer is worth it if what is measured is below this part of what is requested.
+const PROMISING: f64 = 0.85;
+
+/// Points at which the error is sampled at first, and at most.
+const ERROR_POINTS: std::ops::RangeInclusive<usize> = 384..=24_576;
+
+/// Samples of the residual for each ray over the hemisphere, and the `1 - rho` up to which that is enough: noise in the residual of the whole
+/// scene is amplified by `1 / (1 - rho)`.
+const RESIDUAL_WEIGHT: f64 = 0.5;
+const USUAL_REFLECTANCE_GAP: f64 = 0.35;
+
+/// How tolerance and rays follow from the error: a power law through what the Cornell box needs for [`AIM`] times 2% and 1%.
+const TOLERANCE_AT_2_PERCENT: f64 = 0.15;
+const TOLERANCE_POWER: f64 = 1.8;
+const RAYS_AT_2_PERCENT: f64 = 160.0;
+const RAYS_POWER: f64 = 1.8;
+
+/// The most rays to a point.
+const MAX_POINT_RAYS: u32 = 1 << 16;
+
+impl Plan {
+    pub fn new(scene: &Scene, options: &SolveOptions) -> Self {
+        let surfaces =
+            || (0..scene.surfaces().len() as u32).map(|id| (scene.surface(SurfaceId(id)), scene.material_of(SurfaceId(id))));
+        let total_area: f64 = surfaces().map(|(surface, _)| surface.polygon.area()).sum();
+        let mean_over_area = |value: &dyn Fn(usize) -> f64| {
+            surfaces().enumerate().map(|(index, (surface, _))| surface.polygon.area() * value(index)).sum::<f64>() / total_area
+        };
+        let of = |index: usize| scene.material_of(SurfaceId(index as u32));
+        let exitance = mean_over_area(&|index| of(index).exitance.iter().copied().fold(0.0, f64::max));
+        let reflectance = mean_over_area(&|index| of(index).reflectance.iter().copied().fold(0.0, f64::max)).min(0.999);
+        Self {
+            options: options.clone(),
+            total_area,
+            expected_radiosity: exitance * reflectance / (1.0 - reflectance),
+            tolerance: options.tolerance.unwrap_or(TOLERANCE_AT_2_PERCENT * (options.error / 0.02).powf(TOLERANCE_POWER)),
+            point_rays: options
+                .point_rays
+                .unwrap_or((RAYS_AT_2_PERCENT * (0.02 / options.error).powf(RAYS_POWER)).clamp(16.0, 8192.0) as u32),
+            error_points: *ERROR_POINTS.start(),
+            residual_weight: RESIDUAL_WEIGHT * (USUAL_REFLECTANCE_GAP / (1.0 - reflectance)).powi(2).clamp(1.0, 256.0),
+            refinements: 0,
+            looks: 0,
+        }
+    }
+
+    /// The tolerances of this round's steps, falling.
+    pub fn tolerances(&self) -> Vec<f64> {
+        if self.refinements == 0 && self.options.strategy != Strategy::Uniform {
+            FIRST_STEPS.iter().map(|factor| factor * self.tolerance).collect()
+        } else {
+            vec![self.tolerance]
+        }
+    }
+
+    /// The oracle of the chosen strategy at `tolerance`.
+    pub fn oracle(&self, tolerance: f64) -> Box<dyn RefinementOracle> {
+        let min_area = self.options.min_element * self.total_area;
+        match self.options.strategy {
+            Strategy::Default => Box::new(AreaWeighted {
+                tolerance: tolerance * self.expected_radiosity,
+                reference_area: 1e-3 * self.total_area,
+                min_area,
+            }),
+            Strategy::Hanrahan91 => Box::new(BrightnessWeighted { tolerance: tolerance * self.expected_radiosity, min_area }),
+            Strategy::Uniform => Box::new(Uniform { element_area: self.options.element_area.unwrap_or(self.total_area) }),
+        }
+    }
+
+    /// Visibility rays to a point.
+    pub fn point_rays(&self) -> u32 {
+        self.point_rays
+    }
+
+    /// How hard the error estimate tries: its own noise must stay well below the error that is asked for.
+    pub fn error_effort(&self) -> ErrorEffort {
+        let rays = (1.2 / self.options.error.powf(1.2)).clamp(64.0, 2048.0) as u32;
+        ErrorEffort {
+            points: self.error_points,
+            hemisphere_rays: rays,
+            lamp_rays: rays / 2,
+            residual_samples: (self.residual_weight * (self.error_points * rays as usize) as f64) as usize,
+        }
+    }
+
+    /// Looks at the error that was reached, and sees to what is worst: noise of the estimate, noise at the points, or the links.
+    pub fn judge(&mut self, error: &ErrorEstimate) -> Verdict {
+        let requested = self.options.error;
+        if error.claimed <= requested {
+            return Verdict::GoodEnough;
+        }
+        self.looks += 1;
+        if self.looks > MAX_LOOKS {
+            return Verdict::Exhausted;
+        }
+        if error.measured < PROMISING * requested && self.error_points < *ERROR_POINTS.end() {
+            self.error_points *= 2;
+            return Verdict::LookCloser;
+        }
+        let excess = error.measured.max(0.5 * error.claimed) / (AIM * requested);
+        if error.gather_noise > 0.7 * error.measured && self.options.point_rays.is_none() && self.point_rays < MAX_POINT_RAYS {
+            let factor = excess.powf(RAYS_POWER).clamp(1.5, 8.0);
+            self.point_rays = (f64::from(self.point_rays) * factor).min(f64::from(MAX_POINT_RAYS)) as u32;
+            return Verdict::MoreRays;
+        }
+        self.refinements += 1;
+        if self.options.tolerance.is_some() || self.options.strategy == Strategy::Uniform || self.refinements >= MAX_REFINEMENTS {
+            return Verdict::Exhausted;
+        }
+        self.tolerance *= excess.powf(-TOLERANCE_POWER).clamp(0.1, 0.6);
+        Verdict::Refine
+    }
+}

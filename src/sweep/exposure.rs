@@ -1,0 +1,154 @@
+//! Which part of a node is exposed: not covered by something that stands on it.
+//!
+//! The floor under a box is part of the floor's polygon, yet no light comes from there or arrives. Were its darkness averaged into the
+//! floor around it, that darkness would count twice: in the radiosity, and in the visibility of the covered part. So radiosities are
+//! means over the exposed part, form factors and visibilities are of the whole, and what a node gathers is divided by its exposure.
+//!
+//! A point is covered if a ray that leaves it by the cosine first meets a back. Such points are found by sampling.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::{Frame, sampling};
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::scene::{Scene, SurfaceId};
+use crate::transmittance::Rays;
+use crate::visibility::{Hit, Ray};
+
+/// The exposed part of every node, 0 to 1.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Exposure {
+    by_node: Vec<f32>,
+}
+
+/// Rays that look whether a surface is covered anywhere.
+const SURFACE_SAMPLES: u32 = 64;
+
+/// Rays for a piece of a surface that is covered in part.
+const PIECE_SAMPLES: u32 = 16;
+
+impl Exposure {
+    /// The exposed part of a node, 0 to 1.
+    pub fn of(&self, node: NodeId) -> f64 {
+        f64::from(self.by_node[node.index()])
+    }
+
+    /// Turns the irradiance of the whole node into that of its exposed part, where all of it arrives.
+    pub(crate) fn concentrate(&self, node: NodeId, irradiance: &mut [f64]) {
+        let exposure = self.of(node);
+        if exposure > 0.0 && exposure < 1.0 {
+            irradiance.iter_mut().for_each(|h| *h /= exposure);
+        }
+    }
+
+    /// Takes new nodes for as exposed as their parents.
+    pub(crate) fn inherit(&mut self, hierarchy: &Hierarchy) {
+        for node in self.by_node.len()..hierarchy.len() {
+            let parent = hierarchy.node(NodeId(node as u32)).parent;
+            self.by_node.push(self.by_node[parent.index()]);
+        }
+    }
+
+    /// How many nodes it knows.
+    pub(crate) fn len(&self) -> usize {
+        self.by_node.len()
+    }
+
+    /// Whether all are parts of a whole.
+    pub(crate) fn is_valid(&self) -> bool {
+        self.by_node.iter().all(|exposure| (0.0..=1.0).contains(exposure))
+    }
+
+    /// Looks at nodes that are new. Pieces of a surface on which nothing seems to stand are exposed.
+    pub(crate) fn grow(&mut self, scene: &Scene, hierarchy: &Hierarchy, rays: &Rays<'_>, seed: u64) {
+        let known = self.by_node.len();
+        self.by_node.resize(hierarchy.len(), 1.0);
+
+        // Parents come first, so level by level: a level ends before the first node whose parent is not looked at yet.
+        let mut start = known.max(hierarchy.cluster_count());
+        while start < hierarchy.len() {
+            let parent = |node: usize| hierarchy.node(NodeId(node as u32)).parent;
+            let end = (start..hierarchy.len()).find(|&node| parent(node).index() >= start).unwrap_or(hierarchy.len());
+            let level: Vec<f32> = (start..end)
+                .into_par_iter()
+                .map(|node| {
+                    let surface = hierarchy.node_of(SurfaceId(hierarchy.node(NodeId(node as u32)).surface));
+                    if surface.index() == node {
+                        sampled_exposure(scene, hierarchy, rays, surface, SURFACE_SAMPLES, seed)
+                    } else if self.of(surface) == 1.0 {
+                        1.0
+                    } else {
+                        sampled_exposure(scene, hierarchy, rays, NodeId(node as u32), PIECE_SAMPLES, seed)
+                    }
+                })
+                .collect();
+            self.by_node[start..end].copy_from_slice(&level);
+            start = end;
+        }
+
+        // What was split takes the mean of its pieces.
+        for node in hierarchy.ids().rev().filter(|&node| !hierarchy.is_leaf(node)) {
+            let exposed: f64 = hierarchy.children(node).map(|child| hierarchy.area(child) * self.of(child)).sum();
+            let area: f64 = hierarchy.children(node).map(|child| hierarchy.area(child)).sum();
+            self.by_node[node.index()] = ((exposed / area) as f32).min(1.0);
+        }
+    }
+}
+
+/// A point of `node` that is exposed, as far as one ray from it tells: the centroid where all is exposed, else the first of
+/// [`PIECE_SAMPLES`] sampled points that is; `None` if none is.
+pub(crate) fn sampled_exposed_point(
+    scene: &Scene,
+    hierarchy: &Hierarchy,
+    exposure: &Exposure,
+    rays: &Rays<'_>,
+    node: NodeId,
+    seed: u64,
+) -> Option<DVec3> {
+    match exposure.of(node) {
+        1.0 => Some(hierarchy.facet(node).centroid),
+        0.0 => None,
+        _ => {
+            sampled_points(scene, hierarchy, rays, node, PIECE_SAMPLES, seed).find_map(|(point, exposed)| exposed.then_some(point))
+        }
+    }
+}
+
+fn sampled_exposure(scene: &Scene, hierarchy: &Hierarchy, rays: &Rays<'_>, node: NodeId, samples: u32, seed: u64) -> f32 {
+    let exposed = sampled_points(scene, hierarchy, rays, node, samples, seed).filter(|(_, exposed)| *exposed).count();
+    exposed as f32 / samples as f32
+}
+
+/// Points of a node, uniform by area, each with whether a ray that leaves it by the cosine does not meet a back.
+fn sampled_points(
+    scene: &Scene,
+    hierarchy: &Hierarchy,
+    rays: &Rays<'_>,
+    node: NodeId,
+    samples: u32,
+    seed: u64,
+) -> impl Iterator<Item = (DVec3, bool)> {
+    let facet = hierarchy.facet(node);
+    let surface = SurfaceId(hierarchy.node(node).surface);
+    let origin_plane = scene.surface(surface).plane;
+    let frame = Frame::around(facet.normal);
+    let seed = sampling::hash(seed, u64::from(node.0) | 1 << 40);
+    let look = |sample| {
+        let [u, v, s, t] = sampling::sobol_4d(sample, seed);
+        let (radius, angle) = (s.sqrt(), TAU * t);
+        let direction = frame.to_world(DVec3::new(radius * angle.cos(), radius * angle.sin(), (1.0 - s).sqrt()));
+        Ray { origin: facet.point_at(u, v).to_array(), direction: direction.to_array(), origin_plane }
+    };
+    let looks: Vec<Ray> = (0..samples).map(look).collect();
+    let mut hits = Vec::new();
+    rays.first_hits(&looks, &mut hits);
+    let is_exposed = |look: &Ray, hit: Option<Hit>| {
+        hit.is_none_or(|hit| scene.side_towards(SurfaceId(hit.surface), -DVec3::from(look.direction)).is_some())
+    };
+    let exposed: Vec<(DVec3, bool)> =
+        looks.iter().zip(hits).map(|(look, hit)| (DVec3::from(look.origin), is_exposed(look, hit))).collect();
+    exposed.into_iter()
+}

@@ -1,0 +1,78 @@
+//! The same input gives the same bytes, for any number of threads.
+#![allow(clippy::print_stdout, reason = "a test tells what it measured")]
+
+#[path = "support/rooms.rs"]
+mod rooms;
+#[path = "support/triangles.rs"]
+mod triangles;
+
+use std::path::Path;
+
+use patchlight::pipeline::solve;
+use patchlight::progress::Silent;
+use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::import::{ImportOptions, read_scene};
+use patchlight::scene::{Scene, SurfaceId};
+use patchlight::solve::{RunOptions, SolveOptions, SolveReport, Strategy, Sweep};
+use rooms::points_of;
+use triangles::Random;
+
+fn cornell() -> Scene {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.obj");
+    read_scene(&file, &ImportOptions::default()).unwrap().scene
+}
+
+/// The solution as bytes, the bits of values at points, and the report without what a clock has a part in.
+fn run(options: &SolveOptions, threads: usize, points: &[SurfacePoint]) -> (Vec<u8>, Vec<u32>, String) {
+    let run = RunOptions { threads, ..RunOptions::default() };
+    let (evaluator, report) = solve(cornell(), options, &run, &Silent).unwrap();
+    let bytes = postcard::to_stdvec(evaluator.solution()).unwrap();
+    let values = evaluator.values_at(points, &Silent).unwrap().radiosity.into_iter().map(f32::to_bits).collect();
+    let report = SolveReport { time_s: Default::default(), ..report };
+    (bytes, values, serde_json::to_string(&report).unwrap())
+}
+
+#[test]
+fn one_two_and_five_threads_give_the_same_bytes() {
+    let points: Vec<SurfacePoint> = points_of(&cornell(), 700, &mut Random(1)).into_iter().map(|(point, _)| point).collect();
+    let options = [
+        SolveOptions { error: 0.05, ..SolveOptions::default() },
+        SolveOptions { error: 0.1, sweep: Sweep::InPlace, ..SolveOptions::default() },
+        SolveOptions { error: 0.1, strategy: Strategy::Hanrahan91, ..SolveOptions::default() },
+        SolveOptions { strategy: Strategy::Uniform, element_area: Some(0.02), ..SolveOptions::default() },
+        SolveOptions { max_links: Some(3000), ..SolveOptions::default() },
+    ];
+    for options in options {
+        let (bytes, values, report) = run(&options, 1, &points);
+        for threads in [2, 5] {
+            let (other_bytes, other_values, other_report) = run(&options, threads, &points);
+            let differing = bytes.iter().zip(&other_bytes).filter(|(a, b)| a != b).count();
+            assert!(bytes == other_bytes, "{threads} threads: {differing} bytes of {} differ, {options:?}", bytes.len());
+            assert!(values == other_values, "{threads} threads: values at points differ, {options:?}");
+            assert_eq!(report, other_report, "{threads} threads: {options:?}");
+        }
+    }
+}
+
+#[test]
+fn another_seed_gives_another_answer_that_is_as_good() {
+    let places = points_of(&cornell(), 700, &mut Random(2));
+    let points: Vec<SurfacePoint> = places.iter().map(|(point, _)| *point).collect();
+    let with_seed = |seed| SolveOptions { error: 0.05, seed, ..SolveOptions::default() };
+    let (bytes, values, _) = run(&with_seed(1), 0, &points);
+    let (other_bytes, other_values, _) = run(&with_seed(2), 0, &points);
+    assert_ne!(bytes, other_bytes);
+
+    // Each claims an error of 5% in the norm of what is reflected, so they differ by 10% in it at most.
+    let scene = cornell();
+    let exitances = places.iter().flat_map(|(_, surface)| scene.material_of(SurfaceId(*surface as u32)).exitance.clone());
+    let (mut difference_sq, mut norm_sq) = (0.0, 0.0);
+    for ((a, b), exitance) in values.iter().zip(&other_values).zip(exitances) {
+        let (a, b) = (f64::from(f32::from_bits(*a)), f64::from(f32::from_bits(*b)));
+        difference_sq += (a - b).powi(2);
+        norm_sq += (a - exitance).powi(2);
+    }
+    let difference = (difference_sq / norm_sq).sqrt();
+    println!("two seeds differ by {difference:.4}");
+    assert!(difference > 0.0 && difference <= 0.1, "{difference}");
+}

@@ -1,0 +1,179 @@
+//! The error that a run claims covers the true one, where the truth is known; and a run that cannot reach what was asked says so.
+//!
+//! The norm is that of `--error`: `||B - B_true|| / ||B_true - E||` over all surfaces, of the values at points.
+#![allow(clippy::print_stdout, reason = "a test tells what it measured")]
+
+#[path = "support/rooms.rs"]
+mod rooms;
+#[path = "support/triangles.rs"]
+mod triangles;
+#[path = "support/two_squares.rs"]
+mod two_squares;
+
+use patchlight::pipeline;
+use patchlight::progress::{Observer, Silent};
+use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::{Scene, SurfaceId};
+use patchlight::solve::{RunOptions, SolveOptions, SolveReport, StoppedBy, Strategy};
+use rooms::{Room, cube, points_of, solve, straight, two_squares, values};
+use triangles::Random;
+use two_squares::TwoSquares;
+
+/// B at a point of a surface, one channel.
+type Truth = dyn Fn(&SurfacePoint, usize) -> f64;
+
+/// A scene with points, uniform by area, and what is known there.
+struct Known {
+    name: &'static str,
+    scene: Scene,
+    points: Vec<SurfacePoint>,
+    /// B and E at each point.
+    truth: Vec<[f64; 2]>,
+}
+
+impl Known {
+    fn new(name: &'static str, (scene, truth): (Scene, Box<Truth>)) -> Self {
+        let places = points_of(&scene, 4000, &mut Random(21));
+        let exitance = |surface: usize| scene.material_of(SurfaceId(surface as u32)).exitance[0];
+        let truth = places.iter().map(|(point, surface)| [truth(point, *surface), exitance(*surface)]).collect();
+        Self { name, points: places.into_iter().map(|(point, _)| point).collect(), truth, scene }
+    }
+
+    /// The true error of a run and its report.
+    fn true_error(&self, options: &SolveOptions) -> (f64, SolveReport) {
+        let (evaluator, report) = solve(self.scene.clone(), options);
+        let (mut error_sq, mut norm_sq) = (0.0, 0.0);
+        for (value, [expected, exitance]) in values(&evaluator, &self.points).into_iter().zip(&self.truth) {
+            error_sq += (value - expected).powi(2);
+            norm_sq += (expected - exitance).powi(2);
+        }
+        ((error_sq / norm_sq).sqrt(), report)
+    }
+}
+
+/// A closed room with a box on a pillar in it, every surface with a reflectance of its own, in which B = 1 everywhere (Kirchhoff).
+fn kirchhoff() -> Scene {
+    let mut random = Random(77);
+    let mut room = Room::default();
+    let mut material = |room: &mut Room, _| {
+        let rho = random.between(0.2, 0.9);
+        room.material(&[rho], &[1.0 - rho])
+    };
+    room.cuboid([0.0; 3], straight(3.0, 2.0, 2.0), true, &mut material);
+    room.cuboid([1.0, 0.5, 0.4], straight(0.6, 0.6, 0.8), false, &mut material);
+    room.cuboid([2.1, 1.1, 0.7], straight(0.5, 0.4, 0.1), false, &mut material);
+    room.scene()
+}
+
+/// Two facing squares: the exact solution; nothing is reflected by the blocker.
+fn squares(blocker: bool) -> (Scene, Box<Truth>) {
+    let exact = TwoSquares::new(blocker);
+    let truth = move |point: &SurfacePoint, surface: usize| {
+        if surface < 2 { exact.at(surface, [point.position[0], point.position[1]]) } else { 0.0 }
+    };
+    (two_squares(blocker), Box::new(truth))
+}
+
+fn scenes() -> Vec<Known> {
+    let uniform = |rho: f64| -> (Scene, Box<Truth>) { (cube(&[rho], &[1.0]), Box::new(move |_, _| 1.0 / (1.0 - rho))) };
+    vec![
+        Known::new("furnace 0.5", uniform(0.5)),
+        Known::new("furnace 0.9", uniform(0.9)),
+        Known::new("kirchhoff", (kirchhoff(), Box::new(|_, _| 1.0))),
+        Known::new("two squares", squares(false)),
+        Known::new("two squares with a blocker", squares(true)),
+    ]
+}
+
+/// Of so many claims, each true with probability 0.977, more than `most_failures` fail with a probability below 0.002.
+fn most_failures(claims: usize) -> usize {
+    let p = 1.0 - 0.977f64;
+    let (mut term, mut below, mut k) = ((1.0 - p).powi(claims as i32), 0.0, 0);
+    loop {
+        below += term;
+        if 1.0 - below < 0.002 {
+            return k;
+        }
+        term *= (claims - k) as f64 / (k + 1) as f64 * p / (1.0 - p);
+        k += 1;
+    }
+}
+
+/// Runs all, counts claims that do not hold, and prints every one.
+fn check(runs: &[(&Known, SolveOptions)]) {
+    let mut failed = Vec::new();
+    for (known, options) in runs {
+        let name = known.name;
+        let (error, report) = known.true_error(options);
+        let claimed = report.error.estimate;
+        println!(
+            "{name}, requested {}, seed {}, max_links {:?}: error {error:.6}, claimed {claimed:.6}, measured {:.6}, {:?}",
+            options.error, options.seed, options.max_links, report.error.measured, report.stopped_by
+        );
+        assert!(!report.converged || claimed <= options.error, "{name}: {report:?}");
+        assert_eq!(report.converged, report.stopped_by == StoppedBy::Error);
+        if error > claimed {
+            failed.push(format!("{name}, requested {}, seed {}: {error:.6} > {claimed:.6}", options.error, options.seed));
+        }
+    }
+    assert!(failed.len() <= most_failures(runs.len()), "{} of {} claims do not hold: {failed:#?}", failed.len(), runs.len());
+}
+
+#[test]
+fn claims_cover_the_truth() {
+    let scenes = scenes();
+    let mut runs = Vec::new();
+    for known in &scenes {
+        for (error, seeds) in [(0.2, 0..3), (0.1, 0..3), (0.05, 0..3), (0.02, 0..1)] {
+            for seed in seeds {
+                runs.push((known, SolveOptions { error, seed, ..SolveOptions::default() }));
+            }
+        }
+    }
+    check(&runs);
+}
+
+#[test]
+fn claims_of_runs_that_a_limit_ends_cover_the_truth() {
+    // With few links the error is large, and the claim must say so.
+    let scenes = scenes();
+    let mut runs = Vec::new();
+    for known in &scenes[2..] {
+        for max_links in [1, 100] {
+            for seed in [0, 1, 2] {
+                let options =
+                    SolveOptions { error: 0.01, max_links: Some(max_links), point_rays: Some(16), seed, ..SolveOptions::default() };
+                runs.push((known, options));
+            }
+        }
+    }
+    check(&runs);
+}
+
+/// Cancels at once.
+struct Cancel;
+
+impl Observer for Cancel {
+    fn cancelled(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn a_run_that_cannot_reach_the_error_says_why() {
+    let scene = || two_squares(true);
+    let hard = SolveOptions { error: 0.002, ..SolveOptions::default() };
+    let stopped_by = |options: &SolveOptions, run: &RunOptions, observer: &dyn Observer| {
+        let (_, report) = pipeline::solve(scene(), options, run, observer).unwrap();
+        assert!(!report.converged, "{report:?}");
+        assert_eq!(report.error.requested, options.error);
+        report.stopped_by
+    };
+    let run = RunOptions::default();
+    assert_eq!(stopped_by(&SolveOptions { max_links: Some(10), ..hard.clone() }, &run, &Silent), StoppedBy::MaxLinks);
+    assert_eq!(stopped_by(&hard, &RunOptions { memory_bytes: Some(2000), ..run.clone() }, &Silent), StoppedBy::Memory);
+    assert_eq!(stopped_by(&hard, &RunOptions { time_s: Some(1e-6), ..run.clone() }, &Silent), StoppedBy::Time);
+    assert_eq!(stopped_by(&hard, &run, &Cancel), StoppedBy::Cancelled);
+    let coarse = SolveOptions { strategy: Strategy::Uniform, point_rays: Some(4), ..hard };
+    assert_eq!(stopped_by(&coarse, &run, &Silent), StoppedBy::Exhausted);
+}

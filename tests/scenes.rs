@@ -1,0 +1,93 @@
+//! The scenes in `scenes/` are what their generator writes, and they are read without any complaint.
+
+use std::path::Path;
+
+use patchlight::inspect::{DEFAULT_POINTS, inspect};
+use patchlight::scene::SceneSummary;
+use patchlight::scene::import::{ImportOptions, Imported, read_scene};
+use patchlight::visibility::{Backend, NO_PLANE, OccluderMesh, Ray, build};
+
+#[path = "../examples/generate_scenes/cornell.rs"]
+mod cornell;
+#[path = "../examples/generate_scenes/furnace.rs"]
+mod furnace;
+#[path = "../examples/generate_scenes/model.rs"]
+mod model;
+#[path = "../examples/generate_scenes/room.rs"]
+mod room;
+#[path = "../examples/generate_scenes/scenes.rs"]
+mod scenes;
+
+fn folder() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes"))
+}
+
+fn read(name: &str) -> (Imported, SceneSummary, patchlight::inspect::Inspection) {
+    let imported = read_scene(&folder().join(name), &ImportOptions::default()).unwrap();
+    let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&imported.scene)).unwrap();
+    let inspection = inspect(&imported.scene, visibility.as_ref(), DEFAULT_POINTS);
+    let mut diagnostics = imported.diagnostics.clone();
+    diagnostics.items.extend(inspection.suspicions(&imported.file, &imported.lines));
+    let summary = SceneSummary::new(&imported.scene, &diagnostics);
+    assert_eq!((&summary.repairs, &summary.suspicions), (&vec![], &vec![]), "{name}:\n{summary}\n{inspection:?}");
+    (imported, summary, inspection)
+}
+
+#[test]
+fn the_committed_scenes_are_those_of_the_generator() {
+    for (name, content) in scenes::all() {
+        let committed = std::fs::read_to_string(folder().join(&name)).unwrap();
+        assert!(committed == content, "scenes/{name} differs; run: cargo run --example generate_scenes");
+    }
+}
+
+#[test]
+fn the_furnace_is_closed_and_shines_pi_watts_a_square_metre() {
+    let (_, summary, inspection) = read("furnace.obj");
+    assert_eq!((summary.surfaces, summary.area, inspection.escaped, inspection.met_back), (6, 6.0, 0, 0));
+    assert!(summary.emitted_power.iter().all(|power| (power / (6.0 * std::f64::consts::PI) - 1.0).abs() < 1e-15));
+}
+
+#[test]
+fn the_cornell_box_has_its_published_measures() {
+    let (imported, summary, inspection) = read("cornell.obj");
+    assert_eq!((summary.faces, summary.emitters, inspection.met_back), (20, 1, 0));
+    assert_eq!(summary.bounds, [[0.0, 0.0, 0.0], [0.556, 0.5488, 0.5592]]);
+    let light = imported.scene.surfaces().iter().find(|s| imported.scene.materials()[s.material as usize].emits()).unwrap();
+    assert!((light.polygon.area() - 0.130 * 0.105).abs() < 1e-15);
+    assert_eq!(light.polygon.normal(), [0.0, -1.0, 0.0]);
+}
+
+/// Directions spread evenly over the sphere (a spiral with the golden angle).
+fn directions(count: u32) -> impl Iterator<Item = [f64; 3]> {
+    (0..count).map(move |k| {
+        let height = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
+        let (sin, cos) = (f64::from(k) * 2.399_963_229_728_653).sin_cos();
+        let radius = (1.0 - height * height).sqrt();
+        [radius * cos, height, radius * sin]
+    })
+}
+
+#[test]
+fn the_room_is_closed_and_nothing_in_it_is_inside_out() {
+    let (imported, summary, inspection) = read("room.obj");
+    assert_eq!(inspection.escaped, 0, "{inspection:?}");
+    assert!((400..=900).contains(&summary.faces), "{}", summary.faces);
+    assert!(summary.emitters >= 2);
+    assert!((summary.bounds[1][0] - summary.bounds[0][0] - 5.16).abs() < 1e-12);
+
+    // Whatever is seen from free points of the room shows its front.
+    let scene = &imported.scene;
+    let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(scene)).unwrap();
+    for origin in [[4.72, 1.62, 3.82], [2.5, 2.3, 0.8], [1.5, 0.2, 3.7], [2.0, 0.2, 2.0], [2.6, 0.9, 1.1], [0.3, 0.75, 0.5]] {
+        let rays: Vec<Ray> = directions(1500).map(|direction| Ray { origin, direction, origin_plane: NO_PLANE }).collect();
+        let mut hits = vec![None; rays.len()];
+        visibility.first_hits(&rays, &mut hits);
+        for (ray, hit) in rays.iter().zip(hits) {
+            let surface = &scene.surfaces()[hit.expect("the room is closed").surface as usize];
+            let cosine: f64 = surface.polygon.normal().iter().zip(ray.direction).map(|(n, d)| n * d).sum();
+            let line = imported.lines[surface.face as usize];
+            assert!(cosine < 0.0 || surface.twin().is_some(), "from {origin:?} the back of the face in line {line} is seen");
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Scenes made on the spot: boxes, squares, spheres, random polygons.
+#![allow(dead_code, reason = "each test and bench uses a part")]
+
+use patchlight::geometry::Polygon;
+use patchlight::pipeline::{self, Evaluator};
+use patchlight::progress::Silent;
+use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::{Material, Scene, Sides};
+use patchlight::solve::{RunOptions, SolveOptions, SolveReport};
+
+use crate::triangles::{Random, add, cross, sub, times, unit};
+
+/// Faces and materials on their way to a scene.
+#[derive(Default)]
+pub struct Room {
+    materials: Vec<Material>,
+    faces: Vec<(Polygon, u32, u32)>,
+}
+
+impl Room {
+    /// Adds a material; the number to name it by.
+    pub fn material(&mut self, reflectance: &[f64], exitance: &[f64]) -> u32 {
+        let name = format!("m{}", self.materials.len());
+        self.materials.push(Material { name, reflectance: reflectance.to_vec(), exitance: exitance.to_vec() });
+        self.materials.len() as u32 - 1
+    }
+
+    /// Adds a face, counter-clockwise seen from the front.
+    pub fn face(&mut self, vertices: &[[f64; 3]], material: u32) {
+        self.faces.push((Polygon::new(vertices).unwrap(), material, self.faces.len() as u32));
+    }
+
+    /// Adds both sides of a sheet.
+    pub fn sheet(&mut self, vertices: &[[f64; 3]], material: u32) {
+        self.face(vertices, material);
+        let reversed: Vec<[f64; 3]> = vertices.iter().rev().copied().collect();
+        self.face(&reversed, material);
+    }
+
+    /// Adds the parallelogram at `corner` with sides `u`, `v`, facing along `u x v`.
+    pub fn quad(&mut self, corner: [f64; 3], u: [f64; 3], v: [f64; 3], material: u32) {
+        self.face(&[corner, add(corner, u), add(add(corner, u), v), add(corner, v)], material);
+    }
+
+    /// Adds the parallelepiped at `corner` with sides `u`, `v`, `w` (right-handed); its faces look in or out. `material(face)` names the
+    /// material of each; faces come in pairs without and with `w`, `u`, `v`.
+    pub fn cuboid(
+        &mut self,
+        corner: [f64; 3],
+        sides: [[f64; 3]; 3],
+        inward: bool,
+        mut material: impl FnMut(&mut Self, usize) -> u32,
+    ) {
+        for axis in 0..3 {
+            let (u, v, w) = (sides[axis], sides[(axis + 1) % 3], sides[(axis + 2) % 3]);
+            let (near, far) = (material(self, 2 * axis), material(self, 2 * axis + 1));
+            let ((nu, nv), (fu, fv)) = if inward { ((u, v), (v, u)) } else { ((v, u), (u, v)) };
+            self.quad(corner, nu, nv, near);
+            self.quad(add(corner, w), fu, fv, far);
+        }
+    }
+
+    pub fn scene(self) -> Scene {
+        let channels = self.materials[0].reflectance.len();
+        Scene::new(channels, self.materials, self.faces, Sides::Front).unwrap()
+    }
+}
+
+/// Sides along the axes.
+pub fn straight(x: f64, y: f64, z: f64) -> [[f64; 3]; 3] {
+    [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]]
+}
+
+/// Sides turned about the vertical axis.
+pub fn turned(x: f64, y: f64, z: f64, angle: f64) -> [[f64; 3]; 3] {
+    let (sin, cos) = angle.sin_cos();
+    [[x * cos, x * sin, 0.0], [-y * sin, y * cos, 0.0], [0.0, 0.0, z]]
+}
+
+/// The closed unit cube seen from inside, all of one material.
+pub fn cube(reflectance: &[f64], exitance: &[f64]) -> Scene {
+    let mut room = Room::default();
+    let material = room.material(reflectance, exitance);
+    room.cuboid([0.0; 3], straight(1.0, 1.0, 1.0), true, |_, _| material);
+    room.scene()
+}
+
+/// Two unit squares that face each other at distance 1: the lower emits 1 and reflects 0.5, the upper reflects 0.7. With `blocker` a
+/// thin black square of half the side hangs in the middle.
+pub fn two_squares(blocker: bool) -> Scene {
+    let mut room = Room::default();
+    let (lower, upper) = (room.material(&[0.5], &[1.0]), room.material(&[0.7], &[0.0]));
+    room.quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], lower);
+    room.quad([0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], upper);
+    if blocker {
+        let black = room.material(&[0.0], &[0.0]);
+        room.sheet(&[[0.25, 0.25, 0.5], [0.75, 0.25, 0.5], [0.75, 0.75, 0.5], [0.25, 0.75, 0.5]], black);
+    }
+    room.scene()
+}
+
+/// Triangles of a sphere-like polyhedron around 0 with corners at distance `radius`: an icosahedron, each side halved `halvings` times.
+pub fn icosphere(radius: f64, halvings: u32) -> Vec<[[f64; 3]; 3]> {
+    let golden = 0.5 * (1.0 + 5f64.sqrt());
+    let mut corners = Vec::new();
+    for (one, phi) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
+        corners.extend([[0.0, one, phi], [one, phi, 0.0], [phi, 0.0, one]]);
+    }
+    let distance = |a: usize, b: usize| sub(corners[a], corners[b]).iter().map(|x| x * x).sum::<f64>();
+    let mut triangles = Vec::new();
+    for a in 0..12 {
+        for b in a + 1..12 {
+            for c in b + 1..12 {
+                if distance(a, b) < 4.1 && distance(b, c) < 4.1 && distance(a, c) < 4.1 {
+                    triangles.push([corners[a], corners[b], corners[c]]);
+                }
+            }
+        }
+    }
+    for _ in 0..halvings {
+        let middle = |a, b| unit(add(a, b));
+        triangles = (triangles.into_iter())
+            .map(|triangle| triangle.map(unit))
+            .flat_map(|[a, b, c]| {
+                let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    let outward = |[a, b, c]: [[f64; 3]; 3]| {
+        let normal = cross(sub(b, a), sub(c, a));
+        if normal.iter().zip(a).map(|(n, x)| n * x).sum::<f64>() > 0.0 { [a, b, c] } else { [a, c, b] }
+    };
+    triangles.into_iter().map(|triangle| outward(triangle.map(|corner| times(unit(corner), radius)))).collect()
+}
+
+/// Solves with options, in one go.
+pub fn solve(scene: Scene, options: &SolveOptions) -> (Evaluator, SolveReport) {
+    let (evaluator, report) = pipeline::solve(scene, options, &RunOptions::default(), &Silent).unwrap();
+    evaluator.solution().validate().unwrap_or_else(|fault| panic!("the solution is not valid: {fault}"));
+    (evaluator, report)
+}
+
+/// The same solution with another number of rays to a point. Asked of the solve itself, its error estimate would take as many, too.
+pub fn with_point_rays(evaluator: &Evaluator, rays: u32) -> Evaluator {
+    let mut fields = serde_json::to_value(evaluator.solution()).unwrap();
+    fields["point_rays"] = rays.into();
+    Evaluator::new(serde_json::from_value(fields).unwrap(), &RunOptions::default()).unwrap()
+}
+
+/// Radiosities at points of known surfaces, in f64.
+pub fn values(evaluator: &Evaluator, points: &[SurfacePoint]) -> Vec<f64> {
+    let values = evaluator.values_at(points, &Silent).unwrap();
+    assert_eq!(values.missed, 0, "points that lie on no surface");
+    values.radiosity.into_iter().map(f64::from).collect()
+}
+
+/// A point of a convex polygon, uniform by area.
+pub fn point_of(polygon: &Polygon, random: &mut Random) -> SurfacePoint {
+    let corners: Vec<[f64; 3]> = polygon.vertices().collect();
+    let twice_area = |k: usize| {
+        let normal = cross(sub(corners[k], corners[0]), sub(corners[k + 1], corners[0]));
+        normal.iter().map(|x| x * x).sum::<f64>().sqrt()
+    };
+    let mut left = 2.0 * polygon.area() * random.unit();
+    let mut k = 1;
+    while k + 2 < corners.len() && left > twice_area(k) {
+        left -= twice_area(k);
+        k += 1;
+    }
+    let (mut s, mut t) = (random.unit(), random.unit());
+    if s + t > 1.0 {
+        (s, t) = (1.0 - s, 1.0 - t);
+    }
+    let position =
+        std::array::from_fn(|i| corners[0][i] + s * (corners[k][i] - corners[0][i]) + t * (corners[k + 1][i] - corners[0][i]));
+    SurfacePoint { position, normal: polygon.normal() }
+}
+
+/// Points of all surfaces, uniform by area, each with its surface.
+pub fn points_of(scene: &Scene, count: usize, random: &mut Random) -> Vec<(SurfacePoint, usize)> {
+    let areas: Vec<f64> = scene.surfaces().iter().map(|surface| surface.polygon.area()).collect();
+    let total: f64 = areas.iter().sum();
+    let mut points = Vec::with_capacity(count);
+    while points.len() < count {
+        let mut left = total * random.unit();
+        let surface = areas
+            .iter()
+            .position(|area| {
+                left -= area;
+                left < 0.0
+            })
+            .unwrap_or(0);
+        points.push((point_of(&scene.surfaces()[surface].polygon, random), surface));
+    }
+    points
+}
+
+/// `random.between` for every channel.
+pub fn channels(random: &mut Random, count: usize, low: f64, high: f64) -> Vec<f64> {
+    (0..count).map(|_| random.between(low, high)).collect()
+}
