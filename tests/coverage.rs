@@ -212,13 +212,14 @@ fn each_pair_once_when_rounds_follow_rounds() {
 #[test]
 fn each_pair_once_where_a_limit_ends_refinement() {
     for max_links in [1, 50, 2000] {
-        let options = SolveOptions { max_links: Some(max_links), ..quick(Strategy::Default, 0.01) };
+        let options = SolveOptions { max_links: Some(max_links), error: 1e-6, ..quick(Strategy::Default, 0.01) };
         let (solution, report) = solve(furnished(4), &options, &RunOptions::default());
         assert_eq!(report.stopped_by, StoppedBy::MaxLinks);
         coverage(&solution);
     }
     let run = RunOptions { memory_bytes: Some(40_000), ..RunOptions::default() };
-    let (solution, report) = solve(furnished(4), &quick(Strategy::Default, 0.01), &run);
+    let options = SolveOptions { error: 1e-6, ..quick(Strategy::Default, 0.01) };
+    let (solution, report) = solve(furnished(4), &options, &run);
     assert_eq!(report.stopped_by, StoppedBy::Memory);
     coverage(&solution);
 }
