@@ -11,7 +11,7 @@ set -eu
 project=$(cd "$(dirname "$0")/.." && pwd)
 work=$project/target/debian13
 root=$work/root
-mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
+mirror=${DEBIAN_MIRROR:-}
 packages=ca-certificates,g++,libembree-dev,libclang1-19,libclang-common-19-dev
 
 # Before root rights: the toolchain and the crates belong to the user.
@@ -37,7 +37,7 @@ if [ ! -e "$work/complete" ]; then
     command -v debootstrap >/dev/null || apt-get install -y debootstrap
     rm -rf "$root"
     mkdir -p "$root"
-    debootstrap --variant=minbase --include="$packages" trixie "$root" "$mirror"
+    debootstrap --variant=minbase --include="$packages" trixie "$root" ${mirror:+"$mirror"}
     touch "$work/complete"
 fi
 

@@ -51,6 +51,7 @@ pub fn solve(
     observer: &dyn Observer,
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
     options.validate()?;
+    run.validate()?;
     let start = Instant::now();
     let pool = thread_pool(run)?;
     let mesh = visibility::OccluderMesh::of_scene(&scene);

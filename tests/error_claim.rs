@@ -10,7 +10,7 @@ mod triangles;
 #[path = "support/two_squares.rs"]
 mod two_squares;
 
-use patchlight::pipeline;
+use patchlight::pipeline::{self, PipelineError};
 use patchlight::progress::{Observer, Silent};
 use patchlight::reconstruct::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
@@ -176,4 +176,13 @@ fn a_run_that_cannot_reach_the_error_says_why() {
     assert_eq!(stopped_by(&hard, &run, &Cancel), StoppedBy::Cancelled);
     let coarse = SolveOptions { strategy: Strategy::Uniform, point_rays: Some(4), ..hard };
     assert_eq!(stopped_by(&coarse, &run, &Silent), StoppedBy::Exhausted);
+}
+
+#[test]
+fn a_time_limit_out_of_range_is_rejected() {
+    for seconds in [-1.0, f64::NAN, f64::INFINITY, 1e300] {
+        let run = RunOptions { time_s: Some(seconds), ..RunOptions::default() };
+        let result = pipeline::solve(kirchhoff(), &SolveOptions::default(), &run, &Silent);
+        assert!(matches!(result, Err(PipelineError::Options(_))), "{seconds}");
+    }
 }

@@ -9,7 +9,7 @@ mod report;
 mod solution;
 
 use std::sync::atomic::AtomicU64;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
@@ -42,7 +42,7 @@ pub(crate) fn solve(
 ) -> (Solution, SolveReport) {
     let start = Instant::now();
     let mut solver = Solver::new(&scene, options, rays, observer);
-    let deadline = run.time_s.map(|seconds| start + std::time::Duration::from_secs_f64(seconds));
+    let deadline = run.time_s.and_then(|seconds| start.checked_add(Duration::from_secs_f64(seconds)));
     let mut plan = Plan::new(&scene, options);
 
     // Rounds: refine step by step, each step with the brightness that the one before has found; then look how good it is.

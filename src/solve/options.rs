@@ -231,3 +231,21 @@ pub struct RunOptions {
     /// Stop when the solution would take more than this many bytes.
     pub memory_bytes: Option<u64>,
 }
+
+impl RunOptions {
+    /// Rejects values outside their range; never clamps.
+    ///
+    /// # Errors
+    /// [`OptionsError::OutOfRange`] for a time limit that is negative, not a number or longer than a million years.
+    pub fn validate(&self) -> Result<(), OptionsError> {
+        const MILLION_YEARS_S: f64 = 3.2e13;
+        match self.time_s {
+            Some(seconds) if !(0.0..MILLION_YEARS_S).contains(&seconds) => Err(OptionsError::OutOfRange {
+                option: "time",
+                value: seconds.to_string(),
+                range: "seconds, not negative, below 3.2e13",
+            }),
+            _ => Ok(()),
+        }
+    }
+}
