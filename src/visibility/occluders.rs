@@ -43,6 +43,7 @@ pub(super) struct Probe {
     pub origin: Vec3,
     pub direction: Vec3,
     /// The t of the distance [`NEAR`], for Embree; the trees of obvhs do without.
+    #[cfg_attr(not(any(has_embree, feature = "embree4-sys")), expect(dead_code, reason = "only Embree is told"))]
     pub near: f32,
     /// Where the traced part starts and ends, as parts of the way from `from` to `to`.
     pub start: f64,
@@ -68,6 +69,7 @@ impl RayFrame {
         Self { centre, scale, tolerance: scale * mesh.contact_tolerance() }
     }
 
+    #[cfg_attr(not(any(has_embree, feature = "embree4-sys")), expect(dead_code, reason = "only Embree is told"))]
     pub(super) fn tolerance(&self) -> f64 {
         self.tolerance
     }
