@@ -14,7 +14,7 @@ use patchlight::reconstruct::SurfacePoint;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Scene, SurfaceId};
 use patchlight::solve::{RunOptions, SolveOptions, SolveReport, Strategy, Sweep};
-use rooms::points_of;
+use rooms::{crowded, points_of};
 use triangles::Random;
 
 fn cornell() -> Scene {
@@ -23,18 +23,30 @@ fn cornell() -> Scene {
 }
 
 /// The solution as bytes, the bits of values at points, and the report without what a clock has a part in.
-fn run(options: &SolveOptions, threads: usize, points: &[SurfacePoint]) -> (Vec<u8>, Vec<u32>, String) {
+fn run(scene: Scene, options: &SolveOptions, threads: usize, points: &[SurfacePoint]) -> (Vec<u8>, Vec<u32>, String) {
     let run = RunOptions { threads, ..RunOptions::default() };
-    let (evaluator, report) = solve(cornell(), options, &run, &Silent).unwrap();
+    let (evaluator, report) = solve(scene, options, &run, &Silent).unwrap();
     let bytes = postcard::to_stdvec(evaluator.solution()).unwrap();
     let values = evaluator.values_at(points, &Silent).unwrap().radiosity.into_iter().map(f32::to_bits).collect();
     let report = SolveReport { time_s: Default::default(), ..report };
     (bytes, values, serde_json::to_string(&report).unwrap())
 }
 
+/// Every number of threads gives what one gives.
+fn check(scene: &Scene, options: &SolveOptions, threads: &[usize]) {
+    let points: Vec<SurfacePoint> = points_of(scene, 700, &mut Random(1)).into_iter().map(|(point, _)| point).collect();
+    let (bytes, values, report) = run(scene.clone(), options, 1, &points);
+    for &threads in threads {
+        let (other_bytes, other_values, other_report) = run(scene.clone(), options, threads, &points);
+        let differing = bytes.iter().zip(&other_bytes).filter(|(a, b)| a != b).count();
+        assert!(bytes == other_bytes, "{threads} threads: {differing} bytes of {} differ, {options:?}", bytes.len());
+        assert!(values == other_values, "{threads} threads: values at points differ, {options:?}");
+        assert_eq!(report, other_report, "{threads} threads: {options:?}");
+    }
+}
+
 #[test]
 fn one_two_and_five_threads_give_the_same_bytes() {
-    let points: Vec<SurfacePoint> = points_of(&cornell(), 700, &mut Random(1)).into_iter().map(|(point, _)| point).collect();
     let options = [
         SolveOptions { error: 0.05, ..SolveOptions::default() },
         SolveOptions { error: 0.1, sweep: Sweep::InPlace, ..SolveOptions::default() },
@@ -43,14 +55,14 @@ fn one_two_and_five_threads_give_the_same_bytes() {
         SolveOptions { max_links: Some(3000), ..SolveOptions::default() },
     ];
     for options in options {
-        let (bytes, values, report) = run(&options, 1, &points);
-        for threads in [2, 5] {
-            let (other_bytes, other_values, other_report) = run(&options, threads, &points);
-            let differing = bytes.iter().zip(&other_bytes).filter(|(a, b)| a != b).count();
-            assert!(bytes == other_bytes, "{threads} threads: {differing} bytes of {} differ, {options:?}", bytes.len());
-            assert!(values == other_values, "{threads} threads: values at points differ, {options:?}");
-            assert_eq!(report, other_report, "{threads} threads: {options:?}");
-        }
+        check(&cornell(), &options, &[2, 5]);
+    }
+}
+
+#[test]
+fn threads_change_nothing_with_clusters() {
+    for sweep in [Sweep::Jacobi, Sweep::InPlace] {
+        check(&crowded(200, 3), &SolveOptions { error: 0.1, sweep, ..SolveOptions::default() }, &[2, 3, 7]);
     }
 }
 
@@ -59,8 +71,8 @@ fn another_seed_gives_another_answer_that_is_as_good() {
     let places = points_of(&cornell(), 700, &mut Random(2));
     let points: Vec<SurfacePoint> = places.iter().map(|(point, _)| *point).collect();
     let with_seed = |seed| SolveOptions { error: 0.05, seed, ..SolveOptions::default() };
-    let (bytes, values, _) = run(&with_seed(1), 0, &points);
-    let (other_bytes, other_values, _) = run(&with_seed(2), 0, &points);
+    let (bytes, values, _) = run(cornell(), &with_seed(1), 0, &points);
+    let (other_bytes, other_values, _) = run(cornell(), &with_seed(2), 0, &points);
     assert_ne!(bytes, other_bytes);
 
     // Each claims an error of 5% in the norm of what is reflected, so they differ by 10% in it at most.

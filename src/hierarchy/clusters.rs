@@ -1,97 +1,188 @@
-//! Building the clusters: a binary tree over the surfaces, split at the median along the longest axis.
+//! Building the clusters: a binary tree over the surfaces, cut where the two halves are most compact.
 //!
-//! Surfaces that emit get a subtree of their own below the root, so that light and reflection are never mixed in a cluster.
-//! O(n log n); deterministic, because ties are broken by surface number.
+//! Surfaces that emit get a subtree of their own below the root, so that light and reflection are never mixed in a cluster. Surfaces
+//! that are large for their cluster are cut off first, so that the walls of a hall do not blow up the clusters of the cups in it; what
+//! is left is cut by the surface area heuristic (MacDonald, Booth 1990). O(n log n), in parallel; deterministic, because ties are broken
+//! by surface number.
 
-use std::ops::Range;
+use crate::geometry::{Aabb, Lobes};
+use crate::scene::{Scene, SurfaceId};
 
 use super::{Hierarchy, Node, NodeId};
-use crate::geometry::Aabb;
-use crate::scene::{Scene, SurfaceId};
+
+/// A cluster of so few surfaces is not cut any further.
+const LEAF_SURFACES: usize = 4;
+
+/// A surface is large if its box is longer than this part of the box around all centres of its cluster.
+const LARGE: f64 = 0.5;
+
+/// Places along each axis where a cut is considered.
+const BINS: usize = 16;
+
+/// Below this depth clusters are cut at the median, so that no arrangement of surfaces makes the tree deep.
+const MAX_DEPTH: u32 = 48;
+
+/// Halves with fewer surfaces are built on one thread.
+const PARALLEL: usize = 4096;
+
+/// A cluster while the tree is built.
+enum Tree {
+    Leaf(Vec<u32>),
+    Cut(Box<[Tree; 2]>),
+}
 
 pub(super) fn build(scene: &Scene) -> Hierarchy {
     let surfaces = scene.surfaces();
     let bounds: Vec<Aabb> = surfaces.iter().map(|surface| surface.polygon.bounds()).collect();
 
-    // Emitters first, then everything else.
-    let mut order: Vec<u32> = (0..surfaces.len() as u32).collect();
-    order.sort_by_key(|&surface| !scene.material_of(SurfaceId(surface)).emits());
-    let emitters = order.iter().filter(|&&surface| scene.material_of(SurfaceId(surface)).emits()).count();
+    // Emitters in one subtree, everything else in the other.
+    let (emitters, others): (Vec<u32>, Vec<u32>) =
+        (0..surfaces.len() as u32).partition(|&surface| scene.material_of(SurfaceId(surface)).emits());
+    let tree = match (emitters.is_empty(), others.is_empty()) {
+        (false, false) => {
+            let (emitters, others) = rayon::join(|| cut(emitters, &bounds, 1), || cut(others, &bounds, 1));
+            Tree::Cut(Box::new([emitters, others]))
+        }
+        (true, _) => cut(others, &bounds, 0),
+        (_, true) => cut(emitters, &bounds, 0),
+    };
 
-    // Cut ranges of surfaces in two, breadth first, so that clusters get the first ids, parents before children.
-    let mut ranges: Vec<(Range<usize>, NodeId)> = vec![(0..order.len(), NodeId::ROOT)];
-    let mut children: Vec<Vec<usize>> = Vec::new(); // of a cluster: indices into `ranges`, or none if its surfaces are its children
+    // Number the clusters breadth first, so that parents come before children.
+    let mut clusters: Vec<(&Tree, NodeId)> = vec![(&tree, NodeId::ROOT)];
     let mut next = 0;
-    while next < ranges.len() {
-        let (range, _) = ranges[next].clone();
-        let mut cut = |middle: usize| {
-            let first = ranges.len();
-            ranges.push((range.start..middle, NodeId(next as u32)));
-            ranges.push((middle..range.end, NodeId(next as u32)));
-            children.push(vec![first, first + 1]);
-        };
-        if next == 0 && emitters > 0 && emitters < order.len() {
-            cut(emitters);
-        } else if range.len() > LEAF_SURFACES {
-            cut(split_at_median(&mut order[range.clone()], &bounds) + range.start);
-        } else {
-            children.push(Vec::new());
+    while next < clusters.len() {
+        if let Tree::Cut(halves) = clusters[next].0 {
+            clusters.extend(halves.iter().map(|half| (half, NodeId(next as u32))));
         }
         next += 1;
     }
-
-    // Number the nodes: clusters as they are, then the surfaces cluster by cluster.
-    let clusters = ranges.len();
     let mut hierarchy = Hierarchy {
-        nodes: Vec::with_capacity(clusters + surfaces.len()),
+        nodes: Vec::with_capacity(clusters.len() + surfaces.len()),
         vertices: Vec::new(),
         normals: surfaces.iter().map(|surface| surface.polygon.facet().normal).collect(),
         surface_nodes: vec![NodeId::ROOT; surfaces.len()],
-        cluster_bounds: Vec::with_capacity(clusters),
+        cluster_bounds: vec![Aabb::EMPTY; clusters.len()],
+        cluster_faces: vec![Lobes::default(); clusters.len()],
     };
-    let mut first_surface_node = clusters;
-    for (index, (range, parent)) in ranges.iter().enumerate() {
-        let inside = order[range.clone()].iter().map(|&surface| surface as usize);
-        let around = inside.clone().map(|surface| bounds[surface]).fold(Aabb::EMPTY, Aabb::union);
-        let (first_child, child_count) = match children[index][..] {
-            [first, second] => (first, second - first + 1),
-            _ => (first_surface_node, range.len()),
+    let (mut first_cluster, mut first_surface) = (1, clusters.len());
+    for &(tree, parent) in &clusters {
+        let (first, count, next) = match tree {
+            Tree::Cut(halves) => (first_cluster, halves.len(), &mut first_cluster),
+            Tree::Leaf(surfaces) => (first_surface, surfaces.len(), &mut first_surface),
         };
-        if children[index].is_empty() {
-            first_surface_node += range.len();
-        }
-        hierarchy.cluster_bounds.push(around);
-        hierarchy.nodes.push(Node {
-            parent: *parent,
-            first_child: NodeId(first_child as u32),
-            child_count: child_count as u32,
-            surface: Node::NO_SURFACE,
-            first_vertex: 0,
-            vertex_count: 0,
-            area: inside.map(|surface| surfaces[surface].polygon.area()).sum(),
-            centroid: around.centre(),
-            radius: 0.5 * around.diagonal(),
-        });
+        *next += count;
+        hierarchy.nodes.push(Node { child_count: count as u32, ..Node::cluster(parent, NodeId(first as u32)) });
     }
-    for (index, (range, _)) in ranges.iter().enumerate().filter(|(index, _)| children[*index].is_empty()) {
-        for &surface in &order[range.clone()] {
+
+    // The surfaces follow, cluster by cluster.
+    for (index, &(tree, _)) in clusters.iter().enumerate() {
+        let Tree::Leaf(members) = tree else { continue };
+        for &surface in members {
             let polygon = surfaces[surface as usize].polygon.facet();
             hierarchy.surface_nodes[surface as usize] = NodeId(hierarchy.nodes.len() as u32);
             hierarchy.push_polygon(NodeId(index as u32), surface, polygon.vertices.iter().copied());
         }
     }
+    hierarchy.measure_clusters(&bounds);
     hierarchy
 }
 
-/// A cluster of so few surfaces is not cut any further.
-const LEAF_SURFACES: usize = 4;
+impl Hierarchy {
+    /// Boxes, areas and faces of the clusters, from the children up. A cluster's centre is the centroid of its area.
+    fn measure_clusters(&mut self, bounds: &[Aabb]) {
+        for index in (0..self.cluster_count()).rev() {
+            let (mut around, mut faces) = (Aabb::EMPTY, Lobes::default());
+            let (mut area, mut moment) = (0.0, glam::DVec3::ZERO);
+            for child in self.children(NodeId(index as u32)) {
+                let node = self.node(child);
+                area += node.area;
+                moment += node.area * node.centroid;
+                if self.is_cluster(child) {
+                    around = around.union(self.cluster_bounds[child.index()]);
+                    faces += self.cluster_faces[child.index()];
+                } else {
+                    around = around.union(bounds[node.surface as usize]);
+                    faces.add(node.area, self.normals[node.surface as usize]);
+                }
+            }
+            let centroid = moment / area;
+            let radius = (around.max - centroid).max(centroid - around.min).length();
+            let node = &mut self.nodes[index];
+            (node.area, node.centroid, node.radius) = (area, centroid, radius);
+            (self.cluster_bounds[index], self.cluster_faces[index]) = (around, faces);
+        }
+    }
+}
 
-/// Sorts `surfaces` so that the two halves are apart along the longest axis of their centres; returns where the second half starts.
-fn split_at_median(surfaces: &mut [u32], bounds: &[Aabb]) -> usize {
+/// Cuts a group of surfaces in two, again and again.
+fn cut(mut surfaces: Vec<u32>, bounds: &[Aabb], depth: u32) -> Tree {
+    if surfaces.len() <= LEAF_SURFACES {
+        return Tree::Leaf(surfaces);
+    }
+    let second = cut_off_large(&mut surfaces, bounds).unwrap_or_else(|| cut_in_space(&mut surfaces, bounds, depth));
+    let halves = if surfaces.len() + second.len() >= PARALLEL {
+        rayon::join(|| cut(surfaces, bounds, depth + 1), || cut(second, bounds, depth + 1)).into()
+    } else {
+        [cut(surfaces, bounds, depth + 1), cut(second, bounds, depth + 1)]
+    };
+    Tree::Cut(Box::new(halves))
+}
+
+/// Leaves the large surfaces and returns the others; `None` if all or none are large.
+fn cut_off_large(surfaces: &mut Vec<u32>, bounds: &[Aabb]) -> Option<Vec<u32>> {
+    let centres = Aabb::around(surfaces.iter().map(|&surface| bounds[surface as usize].centre()));
+    let length = |bounds: &Aabb| bounds.extent().max_element();
+    let limit = LARGE * length(&centres);
+    let is_large = |&surface: &u32| length(&bounds[surface as usize]) > limit;
+    let large = surfaces.iter().filter(|surface| is_large(surface)).count();
+    (0 < large && large < surfaces.len()).then(|| {
+        let (large, others) = surfaces.iter().partition(|surface| is_large(surface));
+        *surfaces = large;
+        others
+    })
+}
+
+/// Leaves the surfaces on one side of the best cut across an axis and returns those on the other.
+fn cut_in_space(surfaces: &mut Vec<u32>, bounds: &[Aabb], depth: u32) -> Vec<u32> {
     let centre = |surface: u32| bounds[surface as usize].centre();
-    let extent = Aabb::around(surfaces.iter().map(|&surface| centre(surface))).extent();
+    let around = Aabb::around(surfaces.iter().map(|&surface| centre(surface)));
+    let extent = around.extent();
+
+    // Between bins along each axis: the cut for which areas of boxes times numbers of surfaces are least.
+    let mut best: Option<(f64, usize, usize)> = None;
+    for axis in (0..3).filter(|&axis| extent[axis] > 0.0 && depth < MAX_DEPTH) {
+        let mut bins = [(Aabb::EMPTY, 0usize); BINS];
+        for &surface in surfaces.iter() {
+            let bin = &mut bins[bin_of(centre(surface)[axis], around.min[axis], extent[axis])];
+            *bin = (bin.0.union(bounds[surface as usize]), bin.1 + 1);
+        }
+        let join = |bins: &[(Aabb, usize)]| {
+            let (bounds, count) = bins.iter().fold((Aabb::EMPTY, 0), |sum, bin| (sum.0.union(bin.0), sum.1 + bin.1));
+            let size = bounds.extent();
+            (count, (size.x * size.y + size.y * size.z + size.z * size.x) * count as f64)
+        };
+        for first in 1..BINS {
+            let ((before, cost_before), (after, cost_after)) = (join(&bins[..first]), join(&bins[first..]));
+            let cost = cost_before + cost_after;
+            if before > 0 && after > 0 && best.is_none_or(|(least, ..)| cost < least) {
+                best = Some((cost, axis, first));
+            }
+        }
+    }
+    if let Some((_, axis, first)) = best {
+        let (before, after) =
+            surfaces.iter().partition(|&&surface| bin_of(centre(surface)[axis], around.min[axis], extent[axis]) < first);
+        *surfaces = before;
+        return after;
+    }
+
+    // All centres in one place, or too deep: halves of equal number.
     let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
     let middle = surfaces.len() / 2;
     surfaces.select_nth_unstable_by(middle, |&a, &b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(&b)));
-    middle
+    surfaces.split_off(middle)
+}
+
+fn bin_of(place: f64, start: f64, extent: f64) -> usize {
+    ((BINS as f64 * (place - start) / extent) as usize).min(BINS - 1)
 }

@@ -21,7 +21,7 @@ impl Hierarchy {
         node
     }
 
-    /// A point of a surface or element and the leaf it lies in; uniform `(u, v)` give points uniform by area.
+    /// A point of a node and the leaf it lies in; uniform `(u, v)` give points uniform by area.
     pub(crate) fn point_in_leaf(&self, node: NodeId, u: f64, v: f64) -> (NodeId, DVec3) {
         let (mut node, mut u) = (node, u);
         while !self.is_leaf(node) {

@@ -12,7 +12,7 @@ pub(crate) use subdivide::for_each_piece;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::{Aabb, Facet};
+use crate::geometry::{Aabb, Facet, Lobes};
 use crate::scene::{Scene, SurfaceId};
 
 /// The number of a node in its hierarchy.
@@ -45,14 +45,20 @@ pub(crate) struct Node {
     pub vertex_count: u32,
     /// Area in m^2; for a cluster the sum over its surfaces.
     pub area: f64,
-    /// Centroid of the area; for a cluster the centre of its box.
+    /// Centroid of the area.
     pub centroid: DVec3,
-    /// Distance from the centroid to the farthest point.
+    /// Distance from the centroid to the farthest point; for a cluster to the farthest point of its box.
     pub radius: f64,
 }
 
 impl Node {
     const NO_SURFACE: u32 = u32::MAX;
+
+    /// A cluster that is still to be measured.
+    fn cluster(parent: NodeId, first_child: NodeId) -> Self {
+        let (surface, centroid) = (Self::NO_SURFACE, DVec3::ZERO);
+        Self { parent, first_child, child_count: 0, surface, first_vertex: 0, vertex_count: 0, area: 0.0, centroid, radius: 0.0 }
+    }
 }
 
 /// Clusters, surfaces and elements.
@@ -67,6 +73,8 @@ pub struct Hierarchy {
     surface_nodes: Vec<NodeId>,
     /// Boxes of the clusters, by node id: clusters come first.
     cluster_bounds: Vec<Aabb>,
+    /// The area that each cluster shows to a direction, as if nothing in it hid anything else.
+    cluster_faces: Vec<Lobes>,
 }
 
 impl Hierarchy {
@@ -110,6 +118,26 @@ impl Hierarchy {
     pub fn children(&self, node: NodeId) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + use<> {
         let node = self.node(node);
         (node.first_child.0..node.first_child.0 + node.child_count).map(NodeId)
+    }
+
+    /// The box around a cluster.
+    pub(crate) fn bounds(&self, cluster: NodeId) -> &Aabb {
+        &self.cluster_bounds[cluster.index()]
+    }
+
+    /// The area in m^2 that the faces of a cluster show to a direction, as if nothing in it hid anything else.
+    pub(crate) fn shown_area(&self, cluster: NodeId, direction: DVec3) -> f64 {
+        self.cluster_faces[cluster.index()].at(direction)
+    }
+
+    /// The unit direction from the middle of one node to that of another.
+    pub(crate) fn direction(&self, from: NodeId, to: NodeId) -> DVec3 {
+        (self.node(to).centroid - self.node(from).centroid).normalize_or(DVec3::Z)
+    }
+
+    /// The unit normal of a surface or element. Panics on a cluster, which has none.
+    pub(crate) fn normal(&self, node: NodeId) -> DVec3 {
+        self.normals[self.node(node).surface as usize]
     }
 
     /// The leaves depth first, so that neighbours in space are mostly neighbours in the list.
@@ -171,7 +199,8 @@ impl Hierarchy {
 
     /// Bytes that the nodes take.
     pub fn memory_bytes(&self) -> u64 {
-        (size_of_val(&self.nodes[..]) + size_of_val(&self.vertices[..]) + size_of_val(&self.normals[..])) as u64
+        let clusters = size_of_val(&self.cluster_bounds[..]) + size_of_val(&self.cluster_faces[..]);
+        (clusters + size_of_val(&self.nodes[..]) + size_of_val(&self.vertices[..]) + size_of_val(&self.normals[..])) as u64
     }
 
     /// Checks what later stages rely on: ids in range, parents before children, children consecutive, areas that add up.
@@ -213,6 +242,11 @@ impl Hierarchy {
             if numbers.iter().any(|number| !number.is_finite()) || node.area <= 0.0 {
                 return fault("its size is not a positive number");
             }
+        }
+        let measured = |(bounds, faces): (&Aabb, &Lobes)| bounds.min.is_finite() && bounds.max.is_finite() && faces.is_finite();
+        let fits = self.cluster_faces.len() == self.cluster_bounds.len();
+        if !fits || !self.cluster_bounds.iter().zip(&self.cluster_faces).all(measured) {
+            return Err("the boxes of the clusters do not fit".to_owned());
         }
         let misplaced =
             |(surface, node): (usize, &NodeId)| node.index() >= count || self.nodes[node.index()].surface as usize != surface;

@@ -3,6 +3,7 @@
 //! A link says that receiver r gathers from source s: `B_r += rho_r F_rs B_s`. Links belong to their receivers. Every ordered pair
 //! of leaves is covered by exactly one pair of nodes, linked, dormant or proved invisible, because all pairs descend from (root, root).
 
+mod exchange;
 pub mod oracle;
 mod refine;
 mod sample_pairs;
@@ -49,7 +50,7 @@ pub struct LinkSet {
     /// Where each receiver's links start; one more entry than there are nodes.
     starts: Vec<u32>,
     links: Vec<Link>,
-    /// Pairs whose source is dark so far: no visibility was computed.
+    /// Pairs that carry nothing or too little so far: no visibility was computed.
     dormant: Vec<Pair>,
 }
 
@@ -91,7 +92,7 @@ impl LinkSet {
         self.links.is_empty()
     }
 
-    /// Pairs without a link because their source is dark.
+    /// Pairs without a link because their source is dark, or because they are one cluster that exchanges little within itself.
     pub fn dormant(&self) -> &[Pair] {
         &self.dormant
     }
@@ -118,15 +119,15 @@ impl LinkSet {
         if self.starts.len() != count + 1 || !ordered || self.starts[0] != 0 || self.starts[count] as usize != self.links.len() {
             return Err("the links are not ordered by receiver".to_owned());
         }
-        let is_polygon = |node: NodeId| node.index() < count && !hierarchy.is_cluster(node);
+        let is_pair = |receiver: NodeId, source: NodeId| receiver.index() < count && source.index() < count;
         let wrong = |(receiver, link): (NodeId, &Link)| {
-            !is_polygon(receiver)
-                || !is_polygon(link.source)
+            !is_pair(receiver, link.source)
+                || receiver == link.source
                 || !(0.0..=1.0 + 1e-9).contains(&link.form_factor)
                 || !link.transmittance.is_finite()
                 || !(0.0..=1.0).contains(&link.seen)
         };
-        if self.iter().any(wrong) || self.dormant.iter().any(|pair| !is_polygon(pair.receiver) || !is_polygon(pair.source)) {
+        if self.iter().any(wrong) || self.dormant.iter().any(|pair| !is_pair(pair.receiver, pair.source)) {
             return Err("a link is out of range".to_owned());
         }
         Ok(())

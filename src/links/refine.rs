@@ -8,13 +8,15 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::exchange::{
+    bound_form_factor, estimate_cluster_form_factor, is_dark, polygon_form_factor, quick_form_factor, separated,
+};
 use super::oracle::{Candidate, Decision, RefinementOracle};
 use super::sample_pairs::{sampled_blocked_form_factor, sampled_pairs, sampled_transmittance};
 use super::{Link, LinkSet, Pair};
-use crate::form_factor::{estimate_exchange, exact_exchange, point_to_polygon};
-use crate::geometry::{Facet, sampling};
+use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::Scene;
 use crate::transmittance::Rays;
 use crate::visibility::Segment;
 
@@ -25,6 +27,10 @@ pub(crate) struct RefineContext<'a> {
     pub oracle: &'a dyn RefinementOracle,
     /// `scene.channels()` radiosities per node; nodes that are newer take their nearest older ancestor's.
     pub radiosity: &'a [f64],
+    /// Whether clusters gather and emit; otherwise they are split down to their surfaces.
+    pub clusters: bool,
+    /// Mean reflectance of the clusters, `scene.channels()` each.
+    pub cluster_reflectance: &'a [f64],
     /// Relative accuracy of form factors; 0 asks for exact ones.
     pub form_factor_accuracy: f64,
     /// Visibility rays for a link between reflecting surfaces.
@@ -197,7 +203,8 @@ impl RefineContext<'_> {
             let seen = sampled_transmittance(&kernels[deciding.clone()], &occluded[deciding]);
             let (receiver, source) = (hierarchy.node(pair.receiver), hierarchy.node(pair.source));
             let near = receiver.radius + source.radius > NEAR * receiver.centroid.distance(source.centroid);
-            let transmittance = if near || form_factor <= 0.0 {
+            let clusters = hierarchy.is_cluster(pair.receiver) || hierarchy.is_cluster(pair.source);
+            let transmittance = if near || clusters || form_factor <= 0.0 {
                 sampled_transmittance(&kernels[valued.clone()], &occluded[valued])
             } else {
                 1.0 - sampled_blocked_form_factor(source.area, &kernels[valued.clone()], &occluded[valued]) / form_factor
@@ -229,59 +236,60 @@ impl RefineContext<'_> {
         segments: &mut Vec<Segment>,
         kernels: &mut Vec<f64>,
     ) -> Outcome {
-        // Clusters neither gather nor emit: the larger one is split until surfaces meet surfaces.
-        let (Some(receiver_surface), Some(source_surface)) =
-            (hierarchy.surface_of(pair.receiver), hierarchy.surface_of(pair.source))
-        else {
-            let source_first = !hierarchy.is_cluster(pair.receiver)
-                || (hierarchy.is_cluster(pair.source) && hierarchy.area(pair.source) > hierarchy.area(pair.receiver));
-            return Outcome::Split(if source_first { Decision::SplitSource } else { Decision::SplitReceiver });
-        };
-        let (receiver, source) = (hierarchy.facet(pair.receiver), hierarchy.facet(pair.source));
-        let (receiver_plane, source_plane) = (self.plane(receiver_surface), self.plane(source_surface));
-        if receiver_plane == source_plane || behind(&receiver, &source) || behind(&source, &receiver) {
+        // What cannot pass, is not reflected or does not shine yet is not asked any further.
+        if is_dark(self.scene, hierarchy, pair) {
             return Outcome::Behind;
         }
-        if self.scene.material_of(receiver_surface).reflectance.iter().all(|&rho| rho == 0.0) {
+        if self.reflectance(hierarchy, pair.receiver).iter().all(|&rho| rho == 0.0) {
             return Outcome::Black;
         }
         if self.radiosity_of(hierarchy, pair.source).iter().all(|&b| b == 0.0) {
             return Outcome::Dormant;
         }
 
-        // Is it little enough, by a cheap form factor?
+        // Is it little enough, by a cheap form factor? No cluster is linked with itself.
+        let clusters = hierarchy.is_cluster(pair.receiver) || hierarchy.is_cluster(pair.source);
+        if clusters && !self.clusters {
+            return Outcome::Split(larger(hierarchy, pair));
+        }
+        let separated = !clusters || separated(hierarchy, pair);
         if may_split {
-            let cheap = quick_form_factor(&receiver, &source);
+            let cheap = match (clusters, separated) {
+                (false, _) => quick_form_factor(&hierarchy.facet(pair.receiver), &hierarchy.facet(pair.source)),
+                (true, true) => estimate_cluster_form_factor(hierarchy, pair),
+                (true, false) => bound_form_factor(hierarchy, pair),
+            };
             let decision = self.oracle.decide(&self.candidate(hierarchy, pair, cheap, None));
             if decision != Decision::Link {
                 return Outcome::Split(decision);
             }
         }
+        if pair.receiver == pair.source {
+            return Outcome::Dormant;
+        }
 
-        // It is: take the form factor with care, and ask for visibility.
-        let start = Instant::now();
-        let exchange = if self.form_factor_accuracy > 0.0 {
-            estimate_exchange(&receiver, &source, self.form_factor_accuracy).value
-        } else {
-            exact_exchange(&receiver, &source)
-        };
-        self.form_factor_nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
-        let is_lamp = self.scene.material_of(source_surface).emits();
+        // It is: ask for visibility, and take the form factor with care. Of clusters that are near each other it is sampled.
+        let is_lamp = hierarchy.surface_of(pair.source).is_some_and(|surface| self.scene.material_of(surface).emits());
         let count = 2 * if is_lamp { self.rays_per_light_link } else { self.rays_per_link };
         let seed = sampling::hash(self.seed, u64::from(pair.receiver.0) << 32 | u64::from(pair.source.0));
-        sampled_pairs((&receiver, receiver_plane), (&source, source_plane), count, seed, segments, kernels);
-        Outcome::Asked { form_factor: (exchange / receiver.area).clamp(0.0, 1.0), segments: count }
-    }
-
-    fn plane(&self, surface: SurfaceId) -> u32 {
-        self.scene.surface(surface).plane
+        let (segments, sampled) = sampled_pairs(self.scene, hierarchy, pair, count, seed, segments, kernels);
+        let start = Instant::now();
+        let form_factor = match (clusters, separated) {
+            (false, _) => {
+                polygon_form_factor(&hierarchy.facet(pair.receiver), &hierarchy.facet(pair.source), self.form_factor_accuracy)
+            }
+            (true, true) => estimate_cluster_form_factor(hierarchy, pair),
+            (true, false) => sampled.min(bound_form_factor(hierarchy, pair)),
+        };
+        self.form_factor_nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        Outcome::Asked { form_factor, segments }
     }
 
     /// The numbers that an oracle sees.
     fn candidate(&self, hierarchy: &Hierarchy, pair: Pair, form_factor: f64, transmittance: Option<f64>) -> Candidate {
         let (receiver, source) = (hierarchy.node(pair.receiver), hierarchy.node(pair.source));
         let radiosity = self.radiosity_of(hierarchy, pair.source);
-        let reflectance = &self.scene.material_of(SurfaceId(receiver.surface)).reflectance;
+        let reflectance = self.reflectance(hierarchy, pair.receiver);
         let reflected_radiosity = reflectance.iter().zip(radiosity).map(|(rho, b)| rho * b).fold(0.0, f64::max);
         Candidate {
             form_factor,
@@ -293,6 +301,15 @@ impl RefineContext<'_> {
             source_area: source.area,
             source_radius: source.radius,
             distance: receiver.centroid.distance(source.centroid),
+            clusters: hierarchy.is_cluster(pair.receiver) || hierarchy.is_cluster(pair.source),
+        }
+    }
+
+    /// The reflectance of a node by channel, of a cluster the mean over its area.
+    fn reflectance(&self, hierarchy: &Hierarchy, node: NodeId) -> &[f64] {
+        match hierarchy.surface_of(node) {
+            Some(surface) => &self.scene.material_of(surface).reflectance,
+            None => &self.cluster_reflectance[node.index() * self.scene.channels()..][..self.scene.channels()],
         }
     }
 
@@ -319,8 +336,8 @@ impl RefineContext<'_> {
         match measured.map(|child| (brightest(self.radiosity_of(hierarchy, child)) - mean).abs()).reduce(f64::max) {
             Some(difference) => difference / mean,
             None => {
-                let surface = SurfaceId(hierarchy.node(node).surface);
-                let emitted = brightest(&self.scene.material_of(surface).exitance);
+                let emitted =
+                    hierarchy.surface_of(node).map_or(0.0, |surface| brightest(&self.scene.material_of(surface).exitance));
                 UNKNOWN_VARIATION * (1.0 - emitted / mean).clamp(0.0, 1.0)
             }
         }
@@ -330,17 +347,9 @@ impl RefineContext<'_> {
 /// The variation of reflected light over a surface that was not split yet.
 const UNKNOWN_VARIATION: f64 = 0.5;
 
-/// Whether all of `polygon` is behind `front`, or in its plane.
-fn behind(front: &Facet<'_>, polygon: &Facet<'_>) -> bool {
-    let tolerance = 1e-12 * (front.radius + polygon.radius);
-    polygon.vertices.iter().all(|&vertex| front.height(vertex) <= tolerance)
-}
-
-/// A form factor good enough to decide by: at the receiver's centroid, or the largest at its corners where the centroid sees nothing.
-fn quick_form_factor(receiver: &Facet<'_>, source: &Facet<'_>) -> f64 {
-    let at_centroid = point_to_polygon(receiver.centroid, receiver.normal, source);
-    if at_centroid > 0.0 {
-        return at_centroid;
-    }
-    receiver.vertices.iter().map(|&vertex| point_to_polygon(vertex, receiver.normal, source)).fold(0.0, f64::max)
+/// Splits the larger of two nodes where clusters neither gather nor emit: a cluster before a surface.
+fn larger(hierarchy: &Hierarchy, pair: Pair) -> Decision {
+    let source_first = !hierarchy.is_cluster(pair.receiver)
+        || (hierarchy.is_cluster(pair.source) && hierarchy.area(pair.source) > hierarchy.area(pair.receiver));
+    if source_first { Decision::SplitSource } else { Decision::SplitReceiver }
 }

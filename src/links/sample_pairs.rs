@@ -1,24 +1,51 @@
 //! Pairs of points, one on the receiver and one on the source, that stand for a pair of nodes.
 
+use glam::DVec3;
+
+use super::Pair;
 use crate::form_factor::kernel;
-use crate::geometry::{Facet, sampling};
+use crate::geometry::sampling;
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::scene::{Scene, SurfaceId};
 use crate::visibility::Segment;
 
-/// Appends `count` segments between points spread over receiver and source, each with its kernel value.
-pub(crate) fn sampled_pairs(
-    (receiver, receiver_plane): (&Facet<'_>, u32),
-    (source, source_plane): (&Facet<'_>, u32),
+/// Where a cluster takes part, so many pairs of points are tried for one whose faces look at each other.
+const TRIES: u32 = 4;
+
+/// Appends up to `count` segments between points spread over receiver and source, each with its kernel value; returns how many, and the
+/// form factor by all points that were tried, without bias. Polygons get all; where a cluster takes part, points that turn away from each
+/// other are left out, and none may remain.
+pub(super) fn sampled_pairs(
+    scene: &Scene,
+    hierarchy: &Hierarchy,
+    pair: Pair,
     count: u32,
     seed: u64,
     segments: &mut Vec<Segment>,
     kernels: &mut Vec<f64>,
-) {
-    for index in 0..count {
+) -> (u32, f64) {
+    let plane = |leaf| scene.surface(SurfaceId(hierarchy.node(leaf).surface)).plane;
+    let clusters = hierarchy.is_cluster(pair.receiver) || hierarchy.is_cluster(pair.source);
+    let (tries, first) = (if clusters { TRIES * count } else { count }, segments.len());
+    let mut sum = 0.0;
+    for index in 0..tries {
         let [u, v, s, t] = sampling::sobol_4d(index, seed);
-        let (x, y) = (receiver.point_at(u, v), source.point_at(s, t));
-        segments.push(Segment { from: x.to_array(), to: y.to_array(), from_plane: receiver_plane, to_plane: source_plane });
-        kernels.push(kernel(x, receiver.normal, y, source.normal));
+        let (receiver, x) = point_in(hierarchy, pair.receiver, u, v);
+        let (source, y) = point_in(hierarchy, pair.source, s, t);
+        let kernel = kernel(x, hierarchy.normal(receiver), y, hierarchy.normal(source));
+        sum += kernel;
+        if segments.len() - first < count as usize && (kernel > 0.0 || !clusters) {
+            let (from_plane, to_plane) = (plane(receiver), plane(source));
+            segments.push(Segment { from: x.to_array(), to: y.to_array(), from_plane, to_plane });
+            kernels.push(kernel);
+        }
     }
+    ((segments.len() - first) as u32, hierarchy.area(pair.source) * sum / f64::from(tries))
+}
+
+/// A point of a node: of a polygon itself, of a cluster on one of its leaves.
+fn point_in(hierarchy: &Hierarchy, node: NodeId, u: f64, v: f64) -> (NodeId, DVec3) {
+    if hierarchy.is_cluster(node) { hierarchy.point_in_leaf(node, u, v) } else { (node, hierarchy.facet(node).point_at(u, v)) }
 }
 
 /// The part of the light that gets through: visibilities weighted by the kernel, so that their correlation is kept.

@@ -8,6 +8,8 @@
 //! Cost: one form factor a link and piece, and about `budget` segments. The result is an estimate; its noise falls with the number of
 //! rays, its bias is that of the leaves' radiosities.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
 use crate::form_factor::{kernel, point_to_polygon};
@@ -27,6 +29,9 @@ const NEAR_RAYS: f64 = 2.0;
 
 /// A piece is near if its radius exceeds this part of its distance: over it the kernel varies by more than a few tenths.
 const NEAR: f64 = 0.75;
+
+/// A cluster counts as if it showed at least this part of its area.
+const LEAST_SHOWN: f64 = 0.05;
 
 /// A polygon is split so many times at most, below the elements that it has.
 const MAX_SPLITS: u32 = 8;
@@ -114,15 +119,22 @@ impl PointGather<'_> {
         self.rays.occluded(&scratch.segments, &mut scratch.occluded);
 
         // Each piece brings its form factor times its mean radiosity, corrected by what each ray finds in its place. A piece to which a ray
-        // was not certain brings what was expected of it, corrected by what the ray found if it was cast: no bias either way.
+        // was not certain brings what was expected of it, corrected by what the ray found if it was cast: no bias either way. The form factor
+        // of a cluster is too rough for that: it brings what its rays find.
         let mut ray = 0;
         for piece in &scratch.pieces {
             let mean = self.radiosity.of(piece.node);
+            let cluster = self.hierarchy.is_cluster(piece.node);
             let seen = if piece.rays == 0 { piece.expected } else { piece.expected + (1.0 - piece.expected) / piece.chance };
-            irradiance.iter_mut().zip(mean).for_each(|(h, b)| *h += piece.form_factor * seen * b);
+            if !cluster {
+                irradiance.iter_mut().zip(mean).for_each(|(h, b)| *h += piece.form_factor * seen * b);
+            }
             for _ in 0..piece.rays {
                 let (weight, met) = (scratch.weights[ray], scratch.met[ray]);
-                if scratch.occluded[ray] {
+                if cluster {
+                    let visible = if scratch.occluded[ray] { 0.0 } else { weight };
+                    irradiance.iter_mut().zip(self.radiosity.of(met)).for_each(|(h, met)| *h += visible * met);
+                } else if scratch.occluded[ray] {
                     irradiance.iter_mut().zip(mean).for_each(|(h, b)| *h -= weight * b);
                 } else if met != piece.node {
                     irradiance.iter_mut().zip(mean).zip(self.radiosity.of(met)).for_each(|((h, b), met)| *h += weight * (met - b));
@@ -137,12 +149,43 @@ impl PointGather<'_> {
         scratch.pieces.clear();
         let mut node = Some(leaf);
         while let Some(above) = node {
-            scratch.pieces.extend(self.links.of(above).iter().filter_map(|link| {
+            for link in self.links.of(above) {
                 let expected = f64::from(0.5 * (link.seen + link.transmittance)).clamp(0.0, 1.0);
-                self.piece(receiver, link.source, None, &self.hierarchy.facet(link.source), expected)
-            }));
+                self.collect(receiver, link.source, expected, &mut scratch.pieces);
+            }
             node = self.hierarchy.parent(above);
         }
+    }
+
+    /// A source as seen from the point; instead of a cluster that is near, its children.
+    fn collect(&self, receiver: &Receiver<'_>, source: NodeId, expected: f64, pieces: &mut Vec<Piece>) {
+        if !self.hierarchy.is_cluster(source) {
+            pieces.extend(self.piece(receiver, source, None, &self.hierarchy.facet(source), expected));
+            return;
+        }
+        match self.cluster_piece(receiver, source, expected) {
+            Some(piece) if piece.near => {
+                self.hierarchy.children(source).for_each(|child| self.collect(receiver, child, expected, pieces));
+            }
+            piece => pieces.extend(piece),
+        }
+    }
+
+    /// A cluster as seen from the point, by the area that it shows; `None` if it is behind or dark.
+    fn cluster_piece(&self, receiver: &Receiver<'_>, node: NodeId, expected: f64) -> Option<Piece> {
+        let cluster = self.hierarchy.node(node);
+        let to_cluster = cluster.centroid - receiver.point;
+        let distance_sq = to_cluster.length_squared();
+        let near = cluster.radius * cluster.radius > NEAR * NEAR * distance_sq;
+        let direction = to_cluster.normalize_or(receiver.normal);
+
+        // What is partly below the horizon shows what rises above it.
+        let cosine = receiver.normal.dot(direction) + if near { 1.0 } else { cluster.radius / distance_sq.sqrt() };
+        let shown = self.hierarchy.shown_area(node, -direction).max(LEAST_SHOWN * cluster.area);
+        let form_factor = cosine.clamp(0.0, 1.0) * shown / (PI * distance_sq.max(cluster.radius * cluster.radius));
+        let brightest = receiver.reflectance.iter().zip(self.radiosity.of(node)).map(|(rho, b)| rho * b).fold(0.0, f64::max);
+        let carried = form_factor.min(1.0) * brightest;
+        (carried > 0.0).then_some(Piece { node, part: None, form_factor, carried, near, expected, rays: 0, chance: 1.0 })
     }
 
     /// A source, or a part of one, as seen from the point; `None` if nothing of it can arrive.
@@ -176,8 +219,11 @@ impl PointGather<'_> {
                 None => {}
             };
             if piece.part.is_none() && !self.hierarchy.is_leaf(piece.node) {
-                let children = self.hierarchy.children(piece.node);
-                children.for_each(|child| place(self.piece(receiver, child, None, &self.hierarchy.facet(child), piece.expected)));
+                let mut children = Vec::new();
+                for child in self.hierarchy.children(piece.node) {
+                    self.collect(receiver, child, piece.expected, &mut children);
+                }
+                children.into_iter().for_each(|child| place(Some(child)));
             } else {
                 let whole = self.hierarchy.facet(piece.node);
                 let splits = piece.part.map_or(1, |part| part.splits + 1);
@@ -206,19 +252,21 @@ impl PointGather<'_> {
                 piece.rays = 0;
                 continue;
             }
-            let whole = self.hierarchy.facet(piece.node);
-            let facet = piece.part.as_ref().map_or(whole, |part| part.facet(whole.normal));
-            let to_plane = self.scene.surface(SurfaceId(self.hierarchy.node(piece.node).surface)).plane;
+            let area = match &piece.part {
+                Some(part) => part.facet(self.hierarchy.normal(piece.node)).area,
+                None => self.hierarchy.area(piece.node),
+            };
             let first = weights.len();
             for ray in 0..piece.rays {
                 let [u, v, ..] = sampling::sobol_4d(ray, seed);
-                let (leaf, y) = match piece.part {
+                let (leaf, y) = match &piece.part {
                     None => self.hierarchy.point_in_leaf(piece.node, u, v),
-                    Some(_) => (piece.node, facet.point_at(u, v)),
+                    Some(part) => (piece.node, part.facet(self.hierarchy.normal(piece.node)).point_at(u, v)),
                 };
+                let to_plane = self.scene.surface(SurfaceId(self.hierarchy.node(leaf).surface)).plane;
                 let (from, to) = (receiver.point.to_array(), y.to_array());
                 segments.push(Segment { from, to, from_plane: receiver.plane, to_plane });
-                weights.push(kernel(receiver.point, receiver.normal, y, whole.normal));
+                weights.push(kernel(receiver.point, receiver.normal, y, self.hierarchy.normal(leaf)));
                 met.push(leaf);
             }
 
@@ -226,7 +274,7 @@ impl PointGather<'_> {
             // be huge at a single ray; there the rays share the exact form factor, for a bias that is small because near pieces are.
             let own = &mut weights[first..];
             let sum: f64 = own.iter().sum();
-            let scale = if piece.near && sum > 0.0 { piece.form_factor / sum } else { facet.area / f64::from(piece.rays) };
+            let scale = if piece.near && sum > 0.0 { piece.form_factor / sum } else { area / f64::from(piece.rays) };
             own.iter_mut().for_each(|weight| *weight *= scale / piece.chance);
         }
     }

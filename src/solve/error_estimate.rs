@@ -22,7 +22,7 @@ use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::reconstruct::{GatherScratch, PointGather};
 use crate::scene::SurfaceId;
-use crate::sweep::{self, Emission, Exposure, Radiosity};
+use crate::sweep::{self, Closure, Emission, Exposure, Radiosity};
 
 /// How much effort an estimate takes.
 #[derive(Clone, Copy, Debug)]
@@ -103,7 +103,7 @@ pub(crate) struct ErrorSampler<'a> {
 }
 
 impl<'a> ErrorSampler<'a> {
-    pub fn new(gather: PointGather<'a>, exposure: &Exposure, effort: ErrorEffort, seed: u64) -> Self {
+    pub fn new(gather: PointGather<'a>, exposure: &Exposure, closure: Option<&Closure>, effort: ErrorEffort, seed: u64) -> Self {
         // Split the leaves; what is new takes after its parent.
         let (mut hierarchy, mut exposure, mut radiosity) = (gather.hierarchy.clone(), exposure.clone(), gather.radiosity.clone());
         for most in MAX_SPLIT_LEAVES {
@@ -115,6 +115,8 @@ impl<'a> ErrorSampler<'a> {
             }
         }
         exposure.inherit(&hierarchy);
+        let mut closure = closure.cloned();
+        closure.iter_mut().for_each(|closure| closure.inherit(&hierarchy));
         radiosity.grow(&hierarchy);
 
         let paths = LightPaths::new(gather.scene, gather.rays);
@@ -123,7 +125,7 @@ impl<'a> ErrorSampler<'a> {
             for pass in 0..CORRECTION_PASSES {
                 let seed = sampling::hash(seed, 2 * pass + half);
                 let residual = sampled_residual(&gather, &paths, &hierarchy, &exposure, &corrected, effort.residual_samples, seed);
-                corrected.add(&correction(&gather, &hierarchy, &exposure, &residual));
+                corrected.add(&correction(&gather, &hierarchy, &exposure, closure.as_ref(), &residual));
             }
             corrected
         });
@@ -234,13 +236,19 @@ impl<'a> ErrorSampler<'a> {
 }
 
 /// What a residual of the leaves amounts to once light has carried it on: `(I - rho K)^-1` of it, by sweeps over the links.
-fn correction(gather: &PointGather<'_>, hierarchy: &Hierarchy, exposure: &Exposure, residual: &[f64]) -> Radiosity {
+fn correction(
+    gather: &PointGather<'_>,
+    hierarchy: &Hierarchy,
+    exposure: &Exposure,
+    closure: Option<&Closure>,
+    residual: &[f64],
+) -> Radiosity {
     let mut correction = Radiosity::dark(gather.scene, hierarchy);
     let mut previous = f64::INFINITY;
     for _ in 0..MAX_CORRECTION_SWEEPS {
-        let irradiance = sweep::gather(gather.links, exposure, &correction);
+        let irradiance = sweep::gather(hierarchy, gather.links, exposure, &correction);
         let emission = Emission::Residual(residual);
-        let change = sweep::push_pull(gather.scene, hierarchy, exposure, emission, irradiance, &mut correction);
+        let change = sweep::push_pull(gather.scene, hierarchy, exposure, emission, closure, irradiance, &mut correction);
         let to_come = change.estimate_to_come(previous);
         previous = change.largest;
         if to_come <= CORRECTION_TOLERANCE * change.brightest {

@@ -26,7 +26,7 @@ use crate::links::{LinkSet, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::progress::{Observer, Progress, Stage};
 use crate::reconstruct::{GatherScratch, PointGather};
 use crate::scene::{Scene, SurfaceId};
-use crate::sweep::{self, Emission, Exposure, Radiosity, sampled_exposed_point, sweep_in_place};
+use crate::sweep::{self, Closure, Emission, Exposure, Radiosity, sampled_exposed_point, sweep_in_place};
 use crate::transmittance::Rays;
 
 /// No solve sweeps more often in a row: at reflectance 0.999 the change has fallen by e^-20 by then.
@@ -76,6 +76,10 @@ struct Solver<'a> {
     links: LinkSet,
     exposure: Exposure,
     radiosity: Radiosity,
+    /// Where clusters gather and emit.
+    closure: Option<Closure>,
+    /// Mean reflectance of the clusters, by channel.
+    cluster_reflectance: Vec<f64>,
     /// Of the values as they stand; `None` before the first estimate, and where the last one was cut short.
     error: Option<ErrorEstimate>,
     report: SolveReport,
@@ -91,7 +95,22 @@ impl<'a> Solver<'a> {
         let mut report = SolveReport { backend: rays.description(), ..SolveReport::default() };
         report.time_s.build = start.elapsed().as_secs_f64();
         let (refinement, links) = (Refinement::new(), LinkSet::default());
-        Self { scene, options, rays, observer, hierarchy, refinement, links, exposure, radiosity, error: None, report }
+        let cluster_reflectance = sweep::cluster_reflectance(scene, &hierarchy);
+        Self {
+            scene,
+            options,
+            rays,
+            observer,
+            hierarchy,
+            refinement,
+            links,
+            exposure,
+            radiosity,
+            closure: None,
+            cluster_reflectance,
+            error: None,
+            report,
+        }
     }
 
     fn progress(&self, stage: Stage) {
@@ -146,6 +165,8 @@ impl<'a> Solver<'a> {
             rays: self.rays,
             oracle: &*oracle,
             radiosity: self.radiosity.values(),
+            clusters: plan.clusters(),
+            cluster_reflectance: &self.cluster_reflectance,
             form_factor_accuracy: self.options.form_factor_accuracy,
             rays_per_link: self.options.rays_per_link,
             rays_per_light_link: self.options.rays_per_light_link,
@@ -166,13 +187,16 @@ impl<'a> Solver<'a> {
         self.links = self.refinement.link_set(&self.hierarchy);
         self.exposure.grow(self.scene, &self.hierarchy, self.rays, self.options.seed);
         self.radiosity.grow(&self.hierarchy);
+        let close = || Closure::new(self.scene, &self.hierarchy, &self.links, &self.exposure);
+        self.closure = plan.clusters().then(close);
         self.report.time_s.refine += start.elapsed().as_secs_f64();
         end
     }
 
     /// Whether a pair that sleeps because its source was dark must be looked at again.
     fn dormant_pair_is_lit(&self) -> bool {
-        self.links.dormant().iter().any(|pair| self.radiosity.of(pair.source).iter().any(|&b| b > 0.0))
+        let of_two = self.links.dormant().iter().filter(|pair| pair.receiver != pair.source);
+        of_two.map(|pair| pair.source).any(|source| self.radiosity.of(source).iter().any(|&b| b > 0.0))
     }
 
     /// Gathers over the links and push-pulls until what is still to come is below the tolerance.
@@ -181,19 +205,28 @@ impl<'a> Solver<'a> {
         let mut previous = f64::INFINITY;
         for _ in 0..MAX_SWEEPS {
             let start = Instant::now();
+            let closure = self.closure.as_ref();
             let change = match self.options.sweep {
                 Sweep::Jacobi => {
-                    let irradiance = sweep::gather(&self.links, &self.exposure, &self.radiosity);
+                    let irradiance = sweep::gather(&self.hierarchy, &self.links, &self.exposure, &self.radiosity);
                     let gathered = Instant::now();
                     let emission = Emission::Materials;
-                    let change =
-                        sweep::push_pull(self.scene, &self.hierarchy, &self.exposure, emission, irradiance, &mut self.radiosity);
+                    let change = sweep::push_pull(
+                        self.scene,
+                        &self.hierarchy,
+                        &self.exposure,
+                        emission,
+                        closure,
+                        irradiance,
+                        &mut self.radiosity,
+                    );
                     self.report.time_s.push_pull += gathered.elapsed().as_secs_f64();
                     self.report.time_s.gather += (gathered - start).as_secs_f64();
                     change
                 }
                 Sweep::InPlace => {
-                    let change = sweep_in_place(self.scene, &self.hierarchy, &self.links, &self.exposure, &mut self.radiosity);
+                    let change =
+                        sweep_in_place(self.scene, &self.hierarchy, &self.links, &self.exposure, closure, &mut self.radiosity);
                     self.report.time_s.gather += start.elapsed().as_secs_f64();
                     change
                 }
@@ -243,7 +276,8 @@ impl<'a> Solver<'a> {
         let start = Instant::now();
         self.progress(Stage::Error);
         let seed = sampling::hash(self.options.seed, u64::MAX);
-        let sampler = ErrorSampler::new(self.gather(plan.point_rays()), &self.exposure, plan.error_effort(), seed);
+        let sampler =
+            ErrorSampler::new(self.gather(plan.point_rays()), &self.exposure, self.closure.as_ref(), plan.error_effort(), seed);
         self.error = Some(sampler.estimate());
         self.report.time_s.error += start.elapsed().as_secs_f64();
     }

@@ -23,6 +23,7 @@ pub(super) enum Verdict {
 /// Tolerance and rays of the next round.
 pub(super) struct Plan {
     options: SolveOptions,
+    surfaces: usize,
     total_area: f64,
     /// What the reflected radiosity may be on average, in W/m^2: sets the scale of tolerances.
     expected_radiosity: f64,
@@ -64,6 +65,9 @@ const TOLERANCE_POWER: f64 = 1.8;
 const RAYS_AT_2_PERCENT: f64 = 160.0;
 const RAYS_POWER: f64 = 1.8;
 
+/// From so many surfaces on clusters are worth their trouble.
+const CLUSTERED_SURFACES: usize = 64;
+
 /// The most rays to a point.
 const MAX_POINT_RAYS: u32 = 1 << 16;
 
@@ -80,6 +84,7 @@ impl Plan {
         let reflectance = mean_over_area(&|index| of(index).reflectance.iter().copied().fold(0.0, f64::max)).min(0.999);
         Self {
             options: options.clone(),
+            surfaces: scene.surfaces().len(),
             total_area,
             expected_radiosity: exitance * reflectance / (1.0 - reflectance),
             tolerance: options.tolerance.unwrap_or(TOLERANCE_AT_2_PERCENT * (options.error / 0.02).powf(TOLERANCE_POWER)),
@@ -114,6 +119,11 @@ impl Plan {
             Strategy::Hanrahan91 => Box::new(BrightnessWeighted { tolerance: tolerance * self.expected_radiosity, min_area }),
             Strategy::Uniform => Box::new(Uniform { element_area: self.options.element_area.unwrap_or(self.total_area) }),
         }
+    }
+
+    /// Whether clusters gather and emit: not in the strategies that have none, nor where surfaces are few.
+    pub fn clusters(&self) -> bool {
+        self.options.strategy == Strategy::Default && self.surfaces >= CLUSTERED_SURFACES
     }
 
     /// Visibility rays to a point.

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::hierarchy::Hierarchy;
 use crate::links::LinkSet;
-use crate::scene::Scene;
-use crate::sweep::{Exposure, Radiosity};
+use crate::scene::{Scene, SurfaceId};
+use crate::sweep::{self, Exposure, Radiosity};
 
 /// Why refinement ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -119,27 +119,18 @@ pub struct SolveReport {
 
 /// Where the power goes, by the links: what arrives nowhere has escaped.
 pub(super) fn energy(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure, radiosity: &Radiosity) -> Energy {
+    let channels = scene.channels();
+    let irradiance = sweep::push(hierarchy, sweep::gather(hierarchy, links, exposure, radiosity), channels);
     let mut energy = Energy::default();
-    let mut left = 0.0;
-    for node in hierarchy.ids() {
-        let area = hierarchy.area(node);
-        if hierarchy.is_leaf(node)
-            && let Some(surface) = hierarchy.surface_of(node)
-        {
-            let exposed = area * exposure.of(node);
-            energy.emitted += exposed * scene.material_of(surface).exitance.iter().sum::<f64>();
-            left += exposed * radiosity.of(node).iter().sum::<f64>();
-        }
-        for link in links.of(node) {
-            let surface = hierarchy.surface_of(node).map(|surface| scene.material_of(surface));
-            for (channel, b) in radiosity.of(link.source).iter().enumerate() {
-                let arrived = area * link.occluded_form_factor() * b;
-                let reflectance = surface.map_or(0.0, |material| material.reflectance[channel]);
-                energy.absorbed += (1.0 - reflectance) * arrived;
-                left -= arrived;
-            }
+    for leaf in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
+        let material = scene.material_of(SurfaceId(hierarchy.node(leaf).surface));
+        let exposed = hierarchy.area(leaf) * exposure.of(leaf);
+        for channel in 0..channels {
+            let arrived = exposed * irradiance[leaf.index() * channels + channel];
+            energy.emitted += exposed * material.exitance[channel];
+            energy.absorbed += (1.0 - material.reflectance[channel]) * arrived;
+            energy.escaped += exposed * radiosity.of(leaf)[channel] - arrived;
         }
     }
-    energy.escaped = left;
     energy
 }

@@ -22,10 +22,14 @@ use crate::visibility::{Hit, Ray};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Exposure {
     by_node: Vec<f32>,
+    /// Whether a ray was seen to leave the scene.
+    open: bool,
 }
 
-/// Rays that look whether a surface is covered anywhere.
-const SURFACE_SAMPLES: u32 = 64;
+/// Rays that look whether a surface is covered anywhere: fewer where there are many surfaces, so that all together take no more than
+/// [`ALL_SAMPLES`], but not less than the least.
+const SURFACE_SAMPLES: std::ops::RangeInclusive<u32> = 8..=64;
+const ALL_SAMPLES: u32 = 1 << 21;
 
 /// Rays for a piece of a surface that is covered in part.
 const PIECE_SAMPLES: u32 = 16;
@@ -34,6 +38,11 @@ impl Exposure {
     /// The exposed part of a node, 0 to 1.
     pub fn of(&self, node: NodeId) -> f64 {
         f64::from(self.by_node[node.index()])
+    }
+
+    /// Whether the scene is closed, as far as the rays from all surfaces tell.
+    pub(crate) fn is_closed(&self) -> bool {
+        !self.open
     }
 
     /// Turns the irradiance of the whole node into that of its exposed part, where all of it arrives.
@@ -67,25 +76,31 @@ impl Exposure {
         let known = self.by_node.len();
         self.by_node.resize(hierarchy.len(), 1.0);
 
+        let (least, most) = SURFACE_SAMPLES.into_inner();
+        let surface_samples = (ALL_SAMPLES / scene.surfaces().len() as u32).clamp(least, most);
+
         // Parents come first, so level by level: a level ends before the first node whose parent is not looked at yet.
         let mut start = known.max(hierarchy.cluster_count());
         while start < hierarchy.len() {
             let parent = |node: usize| hierarchy.node(NodeId(node as u32)).parent;
             let end = (start..hierarchy.len()).find(|&node| parent(node).index() >= start).unwrap_or(hierarchy.len());
-            let level: Vec<f32> = (start..end)
+            let level: Vec<(f32, bool)> = (start..end)
                 .into_par_iter()
                 .map(|node| {
                     let surface = hierarchy.node_of(SurfaceId(hierarchy.node(NodeId(node as u32)).surface));
                     if surface.index() == node {
-                        sampled_exposure(scene, hierarchy, rays, surface, SURFACE_SAMPLES, seed)
+                        sampled_exposure(scene, hierarchy, rays, surface, surface_samples, seed)
                     } else if self.of(surface) == 1.0 {
-                        1.0
+                        (1.0, false)
                     } else {
                         sampled_exposure(scene, hierarchy, rays, NodeId(node as u32), PIECE_SAMPLES, seed)
                     }
                 })
                 .collect();
-            self.by_node[start..end].copy_from_slice(&level);
+            for (exposure, (found, open)) in self.by_node[start..end].iter_mut().zip(level) {
+                *exposure = found;
+                self.open |= open;
+            }
             start = end;
         }
 
@@ -112,17 +127,31 @@ pub(crate) fn sampled_exposed_point(
         1.0 => Some(hierarchy.facet(node).centroid),
         0.0 => None,
         _ => {
-            sampled_points(scene, hierarchy, rays, node, PIECE_SAMPLES, seed).find_map(|(point, exposed)| exposed.then_some(point))
+            let mut points = sampled_points(scene, hierarchy, rays, node, PIECE_SAMPLES, seed);
+            points.find_map(|(point, end)| (end != End::Back).then_some(point))
         }
     }
 }
 
-fn sampled_exposure(scene: &Scene, hierarchy: &Hierarchy, rays: &Rays<'_>, node: NodeId, samples: u32, seed: u64) -> f32 {
-    let exposed = sampled_points(scene, hierarchy, rays, node, samples, seed).filter(|(_, exposed)| *exposed).count();
-    exposed as f32 / samples as f32
+/// The exposed part of a node, and whether a ray from it leaves the scene.
+fn sampled_exposure(scene: &Scene, hierarchy: &Hierarchy, rays: &Rays<'_>, node: NodeId, samples: u32, seed: u64) -> (f32, bool) {
+    let (mut exposed, mut open) = (0, false);
+    for (_, end) in sampled_points(scene, hierarchy, rays, node, samples, seed) {
+        exposed += u32::from(end != End::Back);
+        open |= end == End::Outside;
+    }
+    (exposed as f32 / samples as f32, open)
 }
 
-/// Points of a node, uniform by area, each with whether a ray that leaves it by the cosine does not meet a back.
+/// Where a ray from a point ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum End {
+    Front,
+    Back,
+    Outside,
+}
+
+/// Points of a node, uniform by area, each with where a ray ends that leaves it by the cosine; a point is covered if that is a back.
 fn sampled_points(
     scene: &Scene,
     hierarchy: &Hierarchy,
@@ -130,7 +159,7 @@ fn sampled_points(
     node: NodeId,
     samples: u32,
     seed: u64,
-) -> impl Iterator<Item = (DVec3, bool)> {
+) -> impl Iterator<Item = (DVec3, End)> {
     let facet = hierarchy.facet(node);
     let surface = SurfaceId(hierarchy.node(node).surface);
     let origin_plane = scene.surface(surface).plane;
@@ -145,10 +174,13 @@ fn sampled_points(
     let looks: Vec<Ray> = (0..samples).map(look).collect();
     let mut hits = Vec::new();
     rays.first_hits(&looks, &mut hits);
-    let is_exposed = |look: &Ray, hit: Option<Hit>| {
-        hit.is_none_or(|hit| scene.side_towards(SurfaceId(hit.surface), -DVec3::from(look.direction)).is_some())
+    let end = |look: &Ray, hit: Option<Hit>| match hit {
+        None => End::Outside,
+        Some(hit) => {
+            let side = scene.side_towards(SurfaceId(hit.surface), -DVec3::from(look.direction));
+            side.map_or(End::Back, |_| End::Front)
+        }
     };
-    let exposed: Vec<(DVec3, bool)> =
-        looks.iter().zip(hits).map(|(look, hit)| (DVec3::from(look.origin), is_exposed(look, hit))).collect();
-    exposed.into_iter()
+    let ends: Vec<(DVec3, End)> = looks.iter().zip(hits).map(|(look, hit)| (DVec3::from(look.origin), end(look, hit))).collect();
+    ends.into_iter()
 }

@@ -1,7 +1,9 @@
 //! A sweep in place (Lischinski 1994, section 5.1.3): gathering and push-pull in one descent, so that each node already gathers from
 //! what the nodes before it have just reflected (Gauss-Seidel). Needs fewer sweeps than Jacobi; runs on one thread, because order counts.
 
-use super::{Change, Emission, Exposure, Radiosity, Reflection};
+use super::gather::{gather_cluster, gather_polygon};
+use super::{Change, Closure, Emission, Exposure, Radiosity, Reflection};
+use crate::geometry::Lobes;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::scene::Scene;
@@ -12,6 +14,7 @@ pub(crate) fn sweep_in_place(
     hierarchy: &Hierarchy,
     links: &LinkSet,
     exposure: &Exposure,
+    closure: Option<&Closure>,
     radiosity: &mut Radiosity,
 ) -> Change {
     let channels = radiosity.channels();
@@ -19,11 +22,11 @@ pub(crate) fn sweep_in_place(
         hierarchy,
         links,
         exposure,
-        reflection: Reflection { scene, emission: Emission::Materials },
+        reflection: Reflection { scene, emission: Emission::Materials, closure },
         radiosity,
         change: Change::default(),
     };
-    sweep.descend(NodeId::ROOT, &vec![0.0; channels]);
+    sweep.descend_cluster(NodeId::ROOT, &vec![Lobes::default(); channels]);
     sweep.change
 }
 
@@ -37,35 +40,34 @@ struct InPlace<'a> {
 }
 
 impl InPlace<'_> {
-    /// Gathers at `node`, hands everything down, and sets the radiosity from what comes back. The tree is a few dozen levels deep.
-    fn descend(&mut self, node: NodeId, from_above: &[f64]) {
-        let mut irradiance = vec![0.0; from_above.len()];
-        for link in self.links.of(node) {
-            let form_factor = link.occluded_form_factor();
-            for (h, b) in irradiance.iter_mut().zip(self.radiosity.of(link.source)) {
-                *h += form_factor * b;
+    /// Gathers at a cluster, hands everything down, and takes the means of what comes back. The tree is a few dozen levels deep.
+    fn descend_cluster(&mut self, cluster: NodeId, from_above: &[Lobes]) {
+        let mut lobes = from_above.to_vec();
+        gather_cluster(self.hierarchy, cluster, self.links.of(cluster), self.radiosity, &mut lobes);
+        for child in self.hierarchy.children(cluster) {
+            if self.hierarchy.is_cluster(child) {
+                self.descend_cluster(child, &lobes);
+            } else {
+                let normal = self.hierarchy.normal(child);
+                let irradiance: Vec<f64> = lobes.iter().map(|lobes| lobes.at(normal)).collect();
+                self.descend(child, &irradiance);
             }
         }
+        self.radiosity.pull_node(self.hierarchy, self.exposure, cluster);
+    }
 
-        self.exposure.concentrate(node, &mut irradiance);
+    /// The same at a surface or element; a leaf reflects.
+    fn descend(&mut self, node: NodeId, from_above: &[f64]) {
+        let mut irradiance = vec![0.0; from_above.len()];
+        gather_polygon(self.hierarchy, node, self.links.of(node), self.exposure, self.radiosity, &mut irradiance);
         irradiance.iter_mut().zip(from_above).for_each(|(h, above)| *h += above);
 
         if self.hierarchy.is_leaf(node) {
             let surface = self.hierarchy.node(node).surface;
-            self.reflection.reflect(node, surface, &irradiance, self.radiosity.of_mut(node), &mut self.change);
+            self.reflection.reflect(node, surface, &mut irradiance, self.radiosity.of_mut(node), &mut self.change);
         } else {
-            let mut new = vec![0.0; irradiance.len()];
-            let mut area = 0.0;
-            for child in self.hierarchy.children(node) {
-                self.descend(child, &irradiance);
-                let weight = self.hierarchy.area(child) * self.exposure.of(child);
-                area += weight;
-                for (new, b) in new.iter_mut().zip(self.radiosity.of(child)) {
-                    *new += weight * b;
-                }
-            }
-            new.iter_mut().for_each(|new| *new = if area > 0.0 { *new / area } else { 0.0 });
-            self.radiosity.of_mut(node).copy_from_slice(&new);
+            self.hierarchy.children(node).for_each(|child| self.descend(child, &irradiance));
+            self.radiosity.pull_node(self.hierarchy, self.exposure, node);
         }
     }
 }

@@ -1,17 +1,20 @@
 //! What is computed over links: gather and push-pull, by Jacobi sweeps or in place.
 
+mod closure;
 mod exposure;
 mod gather;
 mod in_place;
 mod push_pull;
 mod radiosity;
 
+pub(crate) use closure::Closure;
 pub use exposure::Exposure;
 pub(crate) use exposure::sampled_exposed_point;
-pub(crate) use gather::gather;
+pub(crate) use gather::{Irradiance, gather};
 pub(crate) use in_place::sweep_in_place;
-pub(crate) use push_pull::push_pull;
+pub(crate) use push_pull::{push, push_pull};
 pub use radiosity::Radiosity;
+pub(crate) use radiosity::cluster_reflectance;
 
 use crate::hierarchy::NodeId;
 use crate::scene::{Scene, SurfaceId};
@@ -54,11 +57,16 @@ pub(crate) enum Emission<'a> {
 struct Reflection<'a> {
     scene: &'a Scene,
     emission: Emission<'a>,
+    /// Where links are estimates; `None` where they are as exact as their form factors.
+    closure: Option<&'a Closure>,
 }
 
 impl Reflection<'_> {
     /// Sets `B = E + rho H` of a leaf in every channel.
-    fn reflect(&self, leaf: NodeId, surface: u32, irradiance: &[f64], radiosity: &mut [f64], change: &mut Change) {
+    fn reflect(&self, leaf: NodeId, surface: u32, irradiance: &mut [f64], radiosity: &mut [f64], change: &mut Change) {
+        if let Some(closure) = self.closure {
+            closure.close(leaf, matches!(self.emission, Emission::Materials), irradiance);
+        }
         let material = self.scene.material_of(SurfaceId(surface));
         for (channel, b) in radiosity.iter_mut().enumerate() {
             let reflected = material.reflectance[channel] * irradiance[channel];

@@ -1,23 +1,32 @@
 //! Radiosities by node.
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::Exposure;
+use crate::geometry::Lobes;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
 
 /// The radiosity B of every node in W/m^2, a mean over its exposed part: of a leaf its own, above from the children.
+///
+/// Clusters also know what they show to each direction, so that light goes where their faces look.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Radiosity {
     channels: usize,
     values: Vec<f64>,
+    /// The exposed area of each cluster by direction, and that area times its radiosity, by channel.
+    exposed: Vec<Lobes>,
+    shown: Vec<Lobes>,
 }
+
+/// A cluster shows at least this part of its area to every direction: what it shows divides what it receives.
+const LEAST_SHOWN: f64 = 0.1;
 
 impl Radiosity {
     /// `B = E` on every node.
     pub fn emitted(scene: &Scene, hierarchy: &Hierarchy, exposure: &Exposure) -> Self {
-        let channels = scene.channels();
-        let mut radiosity = Self { channels, values: vec![0.0; channels * hierarchy.len()] };
+        let mut radiosity = Self::dark(scene, hierarchy);
         for node in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
             if let Some(surface) = hierarchy.surface_of(node) {
                 radiosity.of_mut(node).copy_from_slice(&scene.material_of(surface).exitance);
@@ -27,14 +36,29 @@ impl Radiosity {
         radiosity
     }
 
+    /// One channel with radiosity 1 everywhere: what a leaf gathers of it is the sum of its form factors.
+    pub(crate) fn ones(hierarchy: &Hierarchy, exposure: &Exposure) -> Self {
+        let clusters = vec![Lobes::default(); hierarchy.cluster_count()];
+        let mut ones = Self { channels: 1, values: vec![1.0; hierarchy.len()], exposed: clusters.clone(), shown: clusters };
+        ones.pull(hierarchy, exposure);
+        ones
+    }
+
     /// No radiosity anywhere.
     pub(crate) fn dark(scene: &Scene, hierarchy: &Hierarchy) -> Self {
-        Self { channels: scene.channels(), values: vec![0.0; scene.channels() * hierarchy.len()] }
+        let (channels, clusters) = (scene.channels(), hierarchy.cluster_count());
+        Self {
+            channels,
+            values: vec![0.0; channels * hierarchy.len()],
+            exposed: vec![Lobes::default(); clusters],
+            shown: vec![Lobes::default(); channels * clusters],
+        }
     }
 
     /// Adds another one of the same hierarchy.
     pub(crate) fn add(&mut self, other: &Self) {
         self.values.iter_mut().zip(&other.values).for_each(|(value, other)| *value += other);
+        self.shown.iter_mut().zip(&other.shown).for_each(|(shown, other)| *shown += *other);
     }
 
     /// How many channels each node has.
@@ -49,6 +73,25 @@ impl Radiosity {
 
     pub(crate) fn of_mut(&mut self, node: NodeId) -> &mut [f64] {
         &mut self.values[node.index() * self.channels..][..self.channels]
+    }
+
+    /// Adds `weight` times the radiosity that `source` shows to `receiver`, by channel.
+    pub(crate) fn add_shown(&self, hierarchy: &Hierarchy, receiver: NodeId, source: NodeId, weight: f64, sum: &mut [f64]) {
+        if !hierarchy.is_cluster(source) {
+            sum.iter_mut().zip(self.of(source)).for_each(|(sum, b)| *sum += weight * b);
+            return;
+        }
+        let direction = hierarchy.direction(source, receiver);
+        let Some(area) = self.exposed_area(source, direction) else { return };
+        for (sum, shown) in sum.iter_mut().zip(&self.shown[source.index() * self.channels..]) {
+            *sum += weight * shown.at(direction) / area;
+        }
+    }
+
+    /// The exposed area in m^2 that a cluster shows to a direction; `None` if all of it is covered.
+    pub(crate) fn exposed_area(&self, cluster: NodeId, direction: DVec3) -> Option<f64> {
+        let exposed = &self.exposed[cluster.index()];
+        (exposed.weight() > 0.0).then(|| exposed.at(direction).max(LEAST_SHOWN * exposed.weight()))
     }
 
     /// All values, node after node.
@@ -66,22 +109,46 @@ impl Radiosity {
 
     /// Sets every inner node to the mean of its children, weighted by exposed area; 0 where all is covered.
     pub(crate) fn pull(&mut self, hierarchy: &Hierarchy, exposure: &Exposure) {
-        let channels = self.channels;
-        let mut sum = vec![0.0; channels];
         for node in hierarchy.ids().rev().filter(|&node| !hierarchy.is_leaf(node)) {
-            sum.fill(0.0);
-            let mut area = 0.0;
-            for child in hierarchy.children(node) {
-                let weight = hierarchy.area(child) * exposure.of(child);
-                area += weight;
-                for (sum, b) in sum.iter_mut().zip(self.of(child)) {
-                    *sum += weight * b;
-                }
-            }
-            for (b, sum) in self.of_mut(node).iter_mut().zip(&sum) {
-                *b = if area > 0.0 { sum / area } else { 0.0 };
+            self.pull_node(hierarchy, exposure, node);
+        }
+    }
+
+    /// The same for one node, from children that are up to date.
+    pub(super) fn pull_node(&mut self, hierarchy: &Hierarchy, exposure: &Exposure, node: NodeId) {
+        let channels = self.channels;
+        let mut area = 0.0;
+        let (below, children) = self.values.split_at_mut((node.index() + 1) * channels);
+        let mean = &mut below[node.index() * channels..];
+        mean.fill(0.0);
+        for child in hierarchy.children(node) {
+            let weight = hierarchy.area(child) * exposure.of(child);
+            area += weight;
+            let child = &children[(child.index() - node.index() - 1) * channels..][..channels];
+            mean.iter_mut().zip(child).for_each(|(mean, b)| *mean += weight * b);
+        }
+        mean.iter_mut().for_each(|mean| *mean = if area > 0.0 { *mean / area } else { 0.0 });
+        if hierarchy.is_cluster(node) {
+            self.pull_lobes(hierarchy, exposure, node);
+        }
+    }
+
+    /// What a cluster shows is what its children show.
+    fn pull_lobes(&mut self, hierarchy: &Hierarchy, exposure: &Exposure, cluster: NodeId) {
+        let channels = self.channels;
+        let (mut exposed, mut shown) = (Lobes::default(), vec![Lobes::default(); channels]);
+        for child in hierarchy.children(cluster) {
+            if hierarchy.is_cluster(child) {
+                exposed += self.exposed[child.index()];
+                shown.iter_mut().zip(&self.shown[child.index() * channels..]).for_each(|(shown, child)| *shown += *child);
+            } else {
+                let (area, normal) = (hierarchy.area(child) * exposure.of(child), hierarchy.normal(child));
+                exposed.add(area, normal);
+                shown.iter_mut().zip(self.of(child)).for_each(|(shown, b)| shown.add(area * b, normal));
             }
         }
+        self.exposed[cluster.index()] = exposed;
+        self.shown[cluster.index() * channels..][..channels].copy_from_slice(&shown);
     }
 
     /// The area-weighted root mean square of `B - E` over all surfaces, channels pooled, in W/m^2.
@@ -95,4 +162,23 @@ impl Radiosity {
         }
         (sum / area).sqrt()
     }
+}
+
+/// The reflectance of every cluster by channel, a mean over its area.
+pub(crate) fn cluster_reflectance(scene: &Scene, hierarchy: &Hierarchy) -> Vec<f64> {
+    let (channels, clusters) = (scene.channels(), hierarchy.cluster_count());
+    let mut reflectance = vec![0.0; channels * clusters];
+    for cluster in (0..clusters as u32).rev().map(NodeId) {
+        for child in hierarchy.children(cluster) {
+            let share = hierarchy.area(child) / hierarchy.area(cluster);
+            for channel in 0..channels {
+                let of_child = match hierarchy.surface_of(child) {
+                    Some(surface) => scene.material_of(surface).reflectance[channel],
+                    None => reflectance[child.index() * channels + channel],
+                };
+                reflectance[cluster.index() * channels + channel] += share * of_child;
+            }
+        }
+    }
+    reflectance
 }

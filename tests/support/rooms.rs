@@ -85,6 +85,24 @@ pub fn cube(reflectance: &[f64], exitance: &[f64]) -> Scene {
     room.scene()
 }
 
+/// A closed room of 4 x 4 x 3 m with `boxes` small turned boxes that stand or hang anywhere, and a lamp under the ceiling: enough surfaces
+/// for clusters.
+pub fn crowded(boxes: usize, seed: u64) -> Scene {
+    let mut random = Random(seed);
+    let mut room = Room::default();
+    let lamp = room.material(&[0.0; 3], &channels(&mut random, 3, 20.0, 30.0));
+    let colours: Vec<u32> = (0..8).map(|_| room.material(&channels(&mut random, 3, 0.2, 0.8), &[0.0; 3])).collect();
+    room.cuboid([0.0; 3], straight(4.0, 4.0, 3.0), true, |_, face| colours[face]);
+    room.quad([1.5, 1.5, 2.98], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], lamp);
+    for k in 0..boxes {
+        let corner = [random.between(0.3, 3.3), random.between(0.3, 3.3), random.between(0.0, 2.3)];
+        let side = |random: &mut Random| random.between(0.05, 0.3);
+        let sides = turned(side(&mut random), side(&mut random), side(&mut random), random.between(0.0, 1.5));
+        room.cuboid(corner, sides, false, |_, _| colours[k % colours.len()]);
+    }
+    room.scene()
+}
+
 /// Two unit squares that face each other at distance 1: the lower emits 1 and reflects 0.5, the upper reflects 0.7. With `blocker` a
 /// thin black square of half the side hangs in the middle.
 pub fn two_squares(blocker: bool) -> Scene {

@@ -23,6 +23,8 @@ impl AreaWeighted {
     const SOURCE_WEIGHT: f64 = 3.0;
     /// What partial visibility weighs: the spread of a visibility V is at most sqrt(V (1 - V)).
     const VISIBILITY_WEIGHT: f64 = 0.5;
+    /// What clusters weigh against polygons: their form factor is an estimate, and they look like one thing.
+    const CLUSTER_WEIGHT: f64 = 2.0;
     /// What a pair weighs of which no ray saw anything: a few rays are no proof that nothing gets through.
     const UNSEEN_WEIGHT: f64 = 0.15;
 }
@@ -34,8 +36,13 @@ impl RefinementOracle for AreaWeighted {
 
         // Where the two nearly touch, the kernel varies by no more than itself.
         let reach = candidate.distance.max(candidate.receiver_radius + candidate.source_radius);
-        let over_receiver = candidate.receiver_radius / reach;
-        let over_source = Self::SOURCE_WEIGHT * candidate.source_radius / reach * candidate.source_variation;
+        let (receiver_angle, source_angle) = (candidate.receiver_radius / reach, candidate.source_radius / reach);
+        let (mut over_receiver, mut over_source) =
+            (receiver_angle, Self::SOURCE_WEIGHT * source_angle * candidate.source_variation);
+        if candidate.clusters {
+            over_receiver *= Self::CLUSTER_WEIGHT;
+            over_source = Self::CLUSTER_WEIGHT * over_source.max(source_angle);
+        }
         let of_visibility = match candidate.transmittance {
             Some(0.0) => Self::UNSEEN_WEIGHT,
             _ => Self::VISIBILITY_WEIGHT * (transmittance * (1.0 - transmittance)).sqrt(),

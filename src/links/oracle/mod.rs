@@ -10,7 +10,7 @@ pub use area_weighted::AreaWeighted;
 pub use brightness_weighted::BrightnessWeighted;
 pub use uniform::Uniform;
 
-/// A pair of polygons about which an oracle decides.
+/// A pair of nodes about which an oracle decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     /// Unoccluded form factor F_rs, an estimate.
@@ -31,6 +31,8 @@ pub struct Candidate {
     pub source_radius: f64,
     /// Between the centroids, in metres.
     pub distance: f64,
+    /// Whether one of the two at least is a cluster, which stands for its surfaces by their areas and directions alone.
+    pub clusters: bool,
 }
 
 /// What becomes of a pair.

@@ -1,0 +1,56 @@
+//! What a leaf should see in all: the sum of its form factors, and the light that is missing from it.
+//!
+//! Links of clusters have estimated form factors, and some pairs sleep. In a closed scene the form factors of every leaf add up to 1, so
+//! what is missing is known: it is filled with the mean of the reflected light that the leaf does gather (the ambient term of Holzschuch, Sillion,
+//! Drettakis 1994, section 2.2, with the leaf's own surroundings instead of one ambient radiosity for the scene). Where the sum
+//! exceeds 1 reflected light is scaled down to it, in open scenes too; so sweeps converge whatever the links say. Emitted light is left alone.
+
+use super::{Exposure, Radiosity, gather, push};
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::links::LinkSet;
+use crate::scene::Scene;
+
+/// The reflected light of a leaf is not multiplied by more than this.
+const MOST: f64 = 4.0;
+
+/// The sum of form factors and the emitted light at every leaf.
+#[derive(Clone, Debug)]
+pub(crate) struct Closure {
+    channels: usize,
+    /// What reflected light is multiplied by, by node.
+    factors: Vec<f64>,
+    /// Irradiance by emitted light, in W/m^2, node after node.
+    emitted: Vec<f64>,
+}
+
+impl Closure {
+    /// Looks at what every leaf gathers over `links`.
+    pub fn new(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure) -> Self {
+        let channels = scene.channels();
+        let emission = Radiosity::emitted(scene, hierarchy, exposure);
+        let emitted = push(hierarchy, gather(hierarchy, links, exposure, &emission), channels);
+        let ones = Radiosity::ones(hierarchy, exposure);
+        let sums = push(hierarchy, gather(hierarchy, links, exposure, &ones), 1);
+        let most = if exposure.is_closed() { MOST } else { 1.0 };
+        let factors = sums.iter().map(|&sum| if sum > 0.0 { (1.0 / sum).min(most) } else { 1.0 }).collect();
+        Self { channels, factors, emitted }
+    }
+
+    /// Fills in, or takes away, reflected light at a leaf. `emits` tells whether the irradiance has the light that is emitted.
+    pub(super) fn close(&self, leaf: NodeId, emits: bool, irradiance: &mut [f64]) {
+        let factor = self.factors[leaf.index()];
+        for (h, emitted) in irradiance.iter_mut().zip(&self.emitted[leaf.index() * self.channels..]) {
+            let emitted = if emits { emitted } else { &0.0 };
+            *h = emitted + factor * (*h - emitted);
+        }
+    }
+
+    /// Takes new nodes for as closed as their parents.
+    pub fn inherit(&mut self, hierarchy: &Hierarchy) {
+        for node in self.factors.len()..hierarchy.len() {
+            let parent = hierarchy.node(NodeId(node as u32)).parent.index();
+            self.factors.push(self.factors[parent]);
+            self.emitted.extend_from_within(parent * self.channels..(parent + 1) * self.channels);
+        }
+    }
+}
