@@ -3,7 +3,10 @@
 
 mod cornell;
 mod furnace;
+mod furniture;
+mod interior;
 mod model;
+mod paper_rooms;
 mod room;
 mod scenes;
 

@@ -3,12 +3,14 @@
 //! A link says that receiver r gathers from source s: `B_r += rho_r F_rs B_s`. Links belong to their receivers. Every ordered pair
 //! of leaves is covered by exactly one pair of nodes, linked, dormant or proved invisible, because all pairs descend from (root, root).
 
+mod mutual;
 pub mod oracle;
 mod refine;
 mod sample_pairs;
 
 use serde::{Deserialize, Serialize};
 
+pub(crate) use mutual::{DormantTransfer, MutualContext, MutualLinks, TopLevel};
 pub(crate) use refine::{RefineContext, RefineEnd, RefineLimits, Refinement};
 
 use crate::hierarchy::{Hierarchy, NodeId};
@@ -49,8 +51,10 @@ pub struct LinkSet {
     /// Where each receiver's links start; one more entry than there are nodes.
     starts: Vec<u32>,
     links: Vec<Link>,
-    /// Pairs whose source is dark so far: no visibility was computed.
+    /// Pairs whose source is dark so far, or too little of a source to be worth a link: no visibility was computed.
     dormant: Vec<Pair>,
+    /// Pairs that were dropped because no ray arrived.
+    unseen: Vec<Pair>,
 }
 
 impl LinkSet {
@@ -70,7 +74,12 @@ impl LinkSet {
             sorted[*place as usize] = *link;
             *place += 1;
         }
-        Self { starts, links: sorted, dormant }
+        Self { starts, links: sorted, dormant, unseen: Vec::new() }
+    }
+
+    /// The same links, with these pairs beside them.
+    pub(crate) fn with_unlinked(self, dormant: Vec<Pair>, unseen: Vec<Pair>) -> Self {
+        Self { dormant, unseen, ..self }
     }
 
     /// The links of a receiver.
@@ -91,9 +100,14 @@ impl LinkSet {
         self.links.is_empty()
     }
 
-    /// Pairs without a link because their source is dark.
+    /// Pairs without a link because their source is dark, or not worth one: no visibility was computed.
     pub fn dormant(&self) -> &[Pair] {
         &self.dormant
+    }
+
+    /// Pairs without a link because none of a few rays arrived, which is no proof that no light does.
+    pub fn unseen(&self) -> &[Pair] {
+        &self.unseen
     }
 
     /// Receivers with their links.
@@ -105,7 +119,7 @@ impl LinkSet {
 
     /// Bytes that the links take.
     pub fn memory_bytes(&self) -> u64 {
-        (size_of_val(&self.links[..]) + size_of_val(&self.starts[..]) + size_of_val(&self.dormant[..])) as u64
+        (size_of_val(&self.links[..]) + size_of_val(&self.starts[..]) + size_of_val(&self.dormant[..]) + size_of_val(&self.unseen[..])) as u64
     }
 
     /// Checks what later stages rely on.
@@ -126,7 +140,7 @@ impl LinkSet {
                 || !link.transmittance.is_finite()
                 || !(0.0..=1.0).contains(&link.seen)
         };
-        if self.iter().any(wrong) || self.dormant.iter().any(|pair| !is_polygon(pair.receiver) || !is_polygon(pair.source)) {
+        if self.iter().any(wrong) || self.dormant.iter().chain(&self.unseen).any(|pair| !is_polygon(pair.receiver) || !is_polygon(pair.source)) {
             return Err("a link is out of range".to_owned());
         }
         Ok(())

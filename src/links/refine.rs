@@ -331,7 +331,7 @@ impl RefineContext<'_> {
 const UNKNOWN_VARIATION: f64 = 0.5;
 
 /// Whether all of `polygon` is behind `front`, or in its plane.
-fn behind(front: &Facet<'_>, polygon: &Facet<'_>) -> bool {
+pub(super) fn behind(front: &Facet<'_>, polygon: &Facet<'_>) -> bool {
     let tolerance = 1e-12 * (front.radius + polygon.radius);
     polygon.vertices.iter().all(|&vertex| front.height(vertex) <= tolerance)
 }

@@ -3,6 +3,7 @@
 mod exposure;
 mod gather;
 mod in_place;
+mod missing;
 mod push_pull;
 mod radiosity;
 
@@ -10,6 +11,7 @@ pub use exposure::Exposure;
 pub(crate) use exposure::sampled_exposed_point;
 pub(crate) use gather::gather;
 pub(crate) use in_place::sweep_in_place;
+pub(crate) use missing::{estimate_ambient, incorrect_energy, reflect_ambient, row_sums};
 pub(crate) use push_pull::push_pull;
 pub use radiosity::Radiosity;
 
