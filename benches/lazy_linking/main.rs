@@ -31,12 +31,13 @@ const REFINE_TOLERANCE: f64 = 0.02;
 /// MinArea in m^2: the number of the paper's figure 1.
 const MIN_AREA: f64 = 0.001;
 /// eps_reduce, which the paper does not tell.
-const REDUCE_TOLERANCE: f64 = 0.3;
+const REDUCE_TOLERANCE: f64 = 0.5;
 /// The smallest form factor that link culling leaves.
 const CULL_FORM_FACTOR: f64 = 1e-3;
 
-/// Points at which solutions are compared.
+/// Points at which elements are compared; at the first of them values are, too.
 const POINTS: usize = 4000;
+const VALUE_POINTS: usize = 500;
 
 /// All that is measured of a room.
 pub struct Measured {
@@ -50,6 +51,8 @@ pub struct Measured {
     pub reduced_difference: f64,
     /// The same of link culling.
     pub culling_difference: f64,
+    /// Of the values at points, in the same order.
+    pub value_differences: [f64; 3],
     pub default: Option<Comparison>,
 }
 
@@ -111,19 +114,30 @@ fn measure(room: &'static PaperRoom, with_default: bool, settings: &[String]) ->
     let from_original = |run: &Run| difference(&scene, &points, &values(run), &values(&original));
     let (lazy_difference, reduced_difference) = (from_original(&lazy), from_original(&reduced));
     let culling_difference = from_original(&culling);
+    let places = &points[..VALUE_POINTS];
+    let original_values = point_values(&original.evaluator, places);
+    let value_differences =
+        [&lazy, &reduced, &culling].map(|run| difference(&scene, places, &point_values(&run.evaluator, places), &original_values));
     let default = with_default.then(|| compare(&scene, &points, &original, &reduced));
-    Measured { room, original, culling, lazy, reduced, lazy_difference, reduced_difference, culling_difference, default }
+    Measured {
+        room,
+        original,
+        culling,
+        lazy,
+        reduced,
+        lazy_difference,
+        reduced_difference,
+        culling_difference,
+        value_differences,
+        default,
+    }
 }
 
 /// Solves with the default strategy, and measures errors against a finer solution.
-fn compare(
-    scene: &Scene,
-    points: &[(patchlight::reconstruct::SurfacePoint, usize)],
-    original: &Run,
-    reduced: &Run,
-) -> Comparison {
-    let (reference, fine, _) = run_default(scene, 0.01, 300.0);
-    let (default, report, cpu_s) = run_default(scene, 0.05, 300.0);
+fn compare(scene: &Scene, points: &[(patchlight::reconstruct::SurfacePoint, usize)], original: &Run, reduced: &Run) -> Comparison {
+    let (reference, fine, _) = run_default(scene, 0.02, 60.0);
+    let (default, report, cpu_s) = run_default(scene, 0.05, 60.0);
+    let points = &points[..VALUE_POINTS];
     let truth = point_values(&reference, points);
     let error = |values: &[f64]| difference(scene, points, values, &truth);
     Comparison {

@@ -5,8 +5,8 @@ use std::sync::Mutex;
 use patchlight::hierarchy::NodeId;
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::{Observer, Progress, Silent, Stage};
-use patchlight::scene::{Scene, SurfaceId};
 use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::{Scene, SurfaceId};
 use patchlight::solve::{RunOptions, Solution, SolveOptions, SolveReport, Strategy};
 
 /// A run with what it took.
@@ -40,10 +40,13 @@ pub fn cpu_seconds() -> f64 {
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-/// Solves on one thread, with as little of an error estimate as there can be.
+/// Rays to a point at which values are compared: so many that their noise is well below a percent.
+const POINT_RAYS: u32 = 2048;
+
+/// Solves on one thread.
 pub fn run(scene: &Scene, options: &SolveOptions) -> Run {
     let stopwatch = Stopwatch(Mutex::new(Vec::new()));
-    let options = SolveOptions { error: 0.9, point_rays: Some(64), ..options.clone() };
+    let options = SolveOptions { error: 0.9, point_rays: Some(POINT_RAYS), ..options.clone() };
     let (evaluator, report) = pipeline::solve(scene.clone(), &options, &one_thread(), &stopwatch).expect("options that are legal");
     evaluator.solution().validate().expect("a solution that is well formed");
     let starts = stopwatch.0.into_inner().expect("nothing panics");

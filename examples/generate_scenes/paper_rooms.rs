@@ -23,8 +23,7 @@ pub fn full_office() -> Model {
         "Full office, 170 polygons, in metres, y up.",
         "Camera: eye 3.8 1.65 3.85  target 1.5 0.85 0.9  up 0 1 0  vertical field of view 58 degrees",
     );
-    let room =
-        Interior { width: 4.0, height: 2.7, depth: 4.0, windows: &[[1.3, 2.9]], walls: ["accent_wall", "wall"] };
+    let room = Interior { width: 4.0, height: 2.7, depth: 4.0, windows: &[[1.3, 2.9]], walls: ["accent_wall", "wall"] };
     room.shell(&mut model);
     model.object("lamp", Place::WORLD);
     ceiling_lamp(&mut model, room.height, [1.5, 1.6], [2.7, 2.2]);
@@ -42,8 +41,7 @@ pub fn dining_room() -> Model {
         "Dining room, 402 polygons, in metres, y up.",
         "Camera: eye 4.6 1.7 3.85  target 2.0 0.75 1.6  up 0 1 0  vertical field of view 58 degrees",
     );
-    let room =
-        Interior { width: 4.8, height: 2.7, depth: 4.0, windows: &[[1.3, 2.7]], walls: ["warm_wall", "wall"] };
+    let room = Interior { width: 4.8, height: 2.7, depth: 4.0, windows: &[[1.3, 2.7]], walls: ["warm_wall", "wall"] };
     room.shell(&mut model);
     room.curtains(&mut model);
 
@@ -109,13 +107,7 @@ pub fn east_room() -> Model {
         "East room, 1006 polygons, in metres, y up: two desks, six chairs.",
         "Camera: eye 6.0 1.75 4.75  target 2.3 0.7 1.3  up 0 1 0  vertical field of view 60 degrees",
     );
-    let room = Interior {
-        width: 6.3,
-        height: 2.8,
-        depth: 5.0,
-        windows: &[[0.8, 2.1], [2.9, 4.2]],
-        walls: ["accent_wall", "wall"],
-    };
+    let room = Interior { width: 6.3, height: 2.8, depth: 5.0, windows: &[[0.8, 2.1], [2.9, 4.2]], walls: ["accent_wall", "wall"] };
     room.shell(&mut model);
     room.door(&mut model, 4.9);
     model.object("ceiling_lamps", Place::WORLD);
@@ -152,13 +144,7 @@ pub fn west_room() -> Model {
         "West room, 1647 polygons, in metres, y up: four desks, ten chairs.",
         "Camera: eye 8.1 1.85 5.75  target 3.2 0.6 1.8  up 0 1 0  vertical field of view 60 degrees",
     );
-    let room = Interior {
-        width: 8.4,
-        height: 2.9,
-        depth: 6.0,
-        windows: &[[0.7, 2.3], [3.4, 5.0]],
-        walls: ["warm_wall", "wall"],
-    };
+    let room = Interior { width: 8.4, height: 2.9, depth: 6.0, windows: &[[0.7, 2.3], [3.4, 5.0]], walls: ["warm_wall", "wall"] };
     room.shell(&mut model);
     room.door(&mut model, 7.1);
     model.object("ceiling_lamps", Place::WORLD);

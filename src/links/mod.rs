@@ -119,7 +119,10 @@ impl LinkSet {
 
     /// Bytes that the links take.
     pub fn memory_bytes(&self) -> u64 {
-        (size_of_val(&self.links[..]) + size_of_val(&self.starts[..]) + size_of_val(&self.dormant[..]) + size_of_val(&self.unseen[..])) as u64
+        (size_of_val(&self.links[..])
+            + size_of_val(&self.starts[..])
+            + size_of_val(&self.dormant[..])
+            + size_of_val(&self.unseen[..])) as u64
     }
 
     /// Checks what later stages rely on.
@@ -140,7 +143,9 @@ impl LinkSet {
                 || !link.transmittance.is_finite()
                 || !(0.0..=1.0).contains(&link.seen)
         };
-        if self.iter().any(wrong) || self.dormant.iter().chain(&self.unseen).any(|pair| !is_polygon(pair.receiver) || !is_polygon(pair.source)) {
+        if self.iter().any(wrong)
+            || self.dormant.iter().chain(&self.unseen).any(|pair| !is_polygon(pair.receiver) || !is_polygon(pair.source))
+        {
             return Err("a link is out of range".to_owned());
         }
         Ok(())

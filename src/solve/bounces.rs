@@ -27,8 +27,7 @@ impl Solver<'_> {
             let irradiance = sweep::gather(&self.links, &self.exposure, &self.radiosity);
             let pushing = Instant::now();
             let emission = Emission::Materials;
-            let change =
-                sweep::push_pull(self.scene, &self.hierarchy, &self.exposure, emission, irradiance, &mut self.radiosity);
+            let change = sweep::push_pull(self.scene, &self.hierarchy, &self.exposure, emission, irradiance, &mut self.radiosity);
             self.report.time_s.gather += (pushing - gathering).as_secs_f64();
             self.report.time_s.push_pull += pushing.elapsed().as_secs_f64();
             self.report.energy.residual = change.largest;
@@ -43,13 +42,7 @@ impl Solver<'_> {
     }
 
     /// Links pairs of surfaces, and refines what carries too much by now.
-    fn link_and_refine(
-        &mut self,
-        links: &mut MutualLinks,
-        plan: &Plan,
-        run: &RunOptions,
-        deadline: Option<Instant>,
-    ) -> RefineEnd {
+    fn link_and_refine(&mut self, links: &mut MutualLinks, plan: &Plan, run: &RunOptions, deadline: Option<Instant>) -> RefineEnd {
         self.report.counts.rounds += 1;
         self.progress(Stage::Refine);
         let start = Instant::now();
@@ -78,8 +71,7 @@ impl Solver<'_> {
     /// Notes what there is after an iteration.
     fn note_iteration(&mut self, links: &MutualLinks) {
         let sums = sweep::row_sums(self.scene, &self.hierarchy, &self.links, &self.exposure);
-        let (incorrect, total) =
-            sweep::incorrect_energy(self.scene, &self.hierarchy, &self.exposure, &self.radiosity, &sums);
+        let (incorrect, total) = sweep::incorrect_energy(self.scene, &self.hierarchy, &self.exposure, &self.radiosity, &sums);
         self.report.bounces.push(IterationReport {
             links: links.len(),
             elements: (self.hierarchy.len() - self.hierarchy.cluster_count()) as u64,
@@ -107,14 +99,8 @@ impl Solver<'_> {
 
             let sums = sweep::row_sums(self.scene, &self.hierarchy, &links_alone, &self.exposure);
             let form_factor = |surface| transfer.form_factor(surface);
-            let ambient = sweep::estimate_ambient(
-                self.scene,
-                &self.hierarchy,
-                &self.exposure,
-                &self.radiosity,
-                &sums,
-                &form_factor,
-            );
+            let ambient =
+                sweep::estimate_ambient(self.scene, &self.hierarchy, &self.exposure, &self.radiosity, &sums, &form_factor);
             let before = self.reflected_power();
             if self.options.ambient {
                 sweep::reflect_ambient(self.scene, &self.hierarchy, &self.exposure, &ambient, &mut self.radiosity);

@@ -40,16 +40,17 @@ impl MutualLinks {
             .map(|row| {
                 let first = hierarchy.facet(node(row.first()));
                 let exchanged = |second: usize| {
-                    let (other, in_plane) =
-                        (hierarchy.facet(node(second)), context.plane(hierarchy, node(row.first())) == context.plane(hierarchy, node(second)));
+                    let (other, in_plane) = (
+                        hierarchy.facet(node(second)),
+                        context.plane(hierarchy, node(row.first())) == context.plane(hierarchy, node(second)),
+                    );
                     let is_facing = !in_plane && !behind(&first, &other) && !behind(&other, &first);
                     is_facing.then(|| (second, context.estimate_exchange(&first, &other)))
                 };
                 row.iter().filter_map(exchanged).collect()
             })
             .collect();
-        let mut transfer =
-            DormantTransfer { channels, form_factors: vec![0.0; count], irradiance: vec![0.0; count * channels] };
+        let mut transfer = DormantTransfer { channels, form_factors: vec![0.0; count], irradiance: vec![0.0; count * channels] };
         for (first, row) in rows.into_iter().enumerate() {
             for (second, exchange) in row {
                 for (receiver, source) in [(first, second), (second, first)] {

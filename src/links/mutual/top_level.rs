@@ -11,11 +11,11 @@ use rayon::prelude::*;
 
 use super::pairs::Row;
 use super::{MutualContext, MutualLink, MutualLinks, RAYS_PER_LINK, limit_reached};
+use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
+use crate::links::Pair;
 use crate::links::refine::{RefineEnd, RefineLimits, behind};
 use crate::links::sample_pairs::{sampled_pairs, sampled_transmittance};
-use crate::links::Pair;
-use crate::geometry::sampling;
 use crate::scene::SurfaceId;
 
 /// Which pairs of surfaces are linked.
@@ -69,12 +69,7 @@ const CHUNK: usize = 64;
 
 impl MutualLinks {
     /// Looks at all pairs of surfaces that are not classified yet, and links those that are worth it by now.
-    pub fn link_surfaces(
-        &mut self,
-        hierarchy: &Hierarchy,
-        context: &MutualContext<'_>,
-        limits: &RefineLimits<'_>,
-    ) -> RefineEnd {
+    pub fn link_surfaces(&mut self, hierarchy: &Hierarchy, context: &MutualContext<'_>, limits: &RefineLimits<'_>) -> RefineEnd {
         let places: Vec<Place> = (0..context.scene.surfaces().len() as u32)
             .map(|surface| {
                 let node = hierarchy.node_of(SurfaceId(surface));
@@ -106,12 +101,7 @@ impl MutualLinks {
     }
 
     /// The links of the pairs of which a ray arrives; the others are noted as unseen.
-    pub(super) fn ask(
-        &mut self,
-        hierarchy: &Hierarchy,
-        context: &MutualContext<'_>,
-        promising: &[Promising],
-    ) -> Vec<MutualLink> {
+    pub(super) fn ask(&mut self, hierarchy: &Hierarchy, context: &MutualContext<'_>, promising: &[Promising]) -> Vec<MutualLink> {
         let asked: Vec<Vec<Option<MutualLink>>> =
             promising.par_chunks(CHUNK).map(|pairs| context.ask_chunk(hierarchy, pairs)).collect();
         self.counts.rays += promising.len() as u64 * u64::from(RAYS_PER_LINK);
@@ -138,7 +128,8 @@ impl MutualContext<'_> {
             // Not bright enough, or too far away for what they are? Then the pair stays unclassified.
             if let TopLevel::Lazy { tolerance } = strategy {
                 let largest = bound_form_factor(hierarchy, first.node, second.node);
-                let reaching = (second.brightness * (largest / first.area).min(1.0)).max(first.brightness * (largest / second.area).min(1.0));
+                let reaching =
+                    (second.brightness * (largest / first.area).min(1.0)).max(first.brightness * (largest / second.area).min(1.0));
                 if reaching <= tolerance {
                     return true;
                 }
