@@ -113,7 +113,7 @@ fn the_five_rooms_have_the_papers_numbers_of_polygons_and_are_closed() {
 #[test]
 fn halls_have_as_many_polygons_as_asked_for_and_depend_on_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
-    for polygons in [1000, 4321, 12_345] {
+    for polygons in [1000, 2345, 5000] {
         let (obj, mtl) = hall::hall(polygons, 7).write("hall");
         assert!((obj.clone(), mtl.clone()) == hall::hall(polygons, 7).write("hall"));
         assert!(obj != hall::hall(polygons, 8).write("hall").0);

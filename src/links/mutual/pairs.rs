@@ -19,7 +19,7 @@ impl PairSet {
         let row = |first: usize| {
             let partners = count - first - 1;
             let mut words = vec![u64::MAX; partners.div_ceil(64)];
-            if partners % 64 > 0
+            if !partners.is_multiple_of(64)
                 && let Some(last) = words.last_mut()
             {
                 *last = (1 << (partners % 64)) - 1;
@@ -89,9 +89,9 @@ mod tests {
             assert_eq!(pairs.iter().collect::<Vec<_>>(), all);
             for row in pairs.rows_mut() {
                 let first = row.first();
-                row.retain(|second| (first + second) % 3 == 0);
+                row.retain(|second| (first + second).is_multiple_of(3));
             }
-            let kept: Vec<(usize, usize)> = all.into_iter().filter(|(a, b)| (a + b) % 3 == 0).collect();
+            let kept: Vec<(usize, usize)> = all.into_iter().filter(|(a, b)| (a + b).is_multiple_of(3)).collect();
             assert_eq!(pairs.iter().collect::<Vec<_>>(), kept);
         }
     }
