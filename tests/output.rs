@@ -299,7 +299,11 @@ fn another_version_and_other_files_are_named_as_such() {
     let mut bytes = stored.bytes.clone();
     bytes[8..12].copy_from_slice(&(SOLUTION_FORMAT_VERSION + 1).to_le_bytes());
     let message = stored.read(&bytes).unwrap_err().to_string();
-    assert!(message.contains("solution format 2, this program reads format 1; solve the scene again"), "{message}");
+    let (own, other) = (SOLUTION_FORMAT_VERSION, SOLUTION_FORMAT_VERSION + 1);
+    assert!(
+        message.contains(&format!("solution format {other}, this program reads format {own}; solve the scene again")),
+        "{message}"
+    );
     assert!(matches!(stored.read(b"v 0 0 0\nv 1 0 0\n"), Err(SolutionFileError::NotASolution(_))));
     assert!(matches!(stored.read(b""), Err(SolutionFileError::NotASolution(_))));
     let missing = stored.directory.path().join("missing.solution");

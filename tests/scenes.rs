@@ -11,8 +11,16 @@ use patchlight::visibility::{Backend, NO_PLANE, OccluderMesh, Ray, build};
 mod cornell;
 #[path = "../examples/generate_scenes/furnace.rs"]
 mod furnace;
+#[path = "../examples/generate_scenes/furniture.rs"]
+mod furniture;
+#[path = "../examples/generate_scenes/hall.rs"]
+mod hall;
+#[path = "../examples/generate_scenes/interior.rs"]
+mod interior;
 #[path = "../examples/generate_scenes/model.rs"]
 mod model;
+#[path = "../examples/generate_scenes/paper_rooms.rs"]
+mod paper_rooms;
 #[path = "../examples/generate_scenes/room.rs"]
 mod room;
 #[path = "../examples/generate_scenes/scenes.rs"]
@@ -89,5 +97,29 @@ fn the_room_is_closed_and_nothing_in_it_is_inside_out() {
             let line = imported.lines[surface.face as usize];
             assert!(cosine < 0.0 || surface.twin().is_some(), "from {origin:?} the back of the face in line {line} is seen");
         }
+    }
+}
+
+#[test]
+fn the_five_rooms_have_the_papers_numbers_of_polygons_and_are_closed() {
+    let rooms = [("full_office", 170), ("dining_room", 402), ("east_room", 1006), ("west_room", 1647), ("hevea", 2355)];
+    for (name, polygons) in rooms {
+        let (_, summary, inspection) = read(&format!("{name}.obj"));
+        assert_eq!((summary.faces, summary.surfaces, inspection.escaped), (polygons, polygons, 0), "{name}");
+        assert!(summary.emitters >= 2, "{name}");
+    }
+}
+
+#[test]
+fn halls_have_as_many_polygons_as_asked_for_and_depend_on_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    for polygons in [1000, 2345, 5000] {
+        let (obj, mtl) = hall::hall(polygons, 7).write("hall");
+        assert!((obj.clone(), mtl.clone()) == hall::hall(polygons, 7).write("hall"));
+        assert!(obj != hall::hall(polygons, 8).write("hall").0);
+        std::fs::write(folder.path().join("hall.obj"), obj).unwrap();
+        std::fs::write(folder.path().join("hall.mtl"), mtl).unwrap();
+        let (_, summary, inspection) = read(folder.path().join("hall.obj").to_str().unwrap());
+        assert_eq!((summary.surfaces, inspection.escaped), (polygons, 0));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Faces run counter-clockwise seen from outside; y points up, lengths are metres.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write as _;
 
 /// A point.
@@ -45,7 +45,9 @@ impl Place {
 #[derive(Default)]
 pub struct Model {
     header: String,
-    materials: String,
+    materials: Vec<(String, String)>,
+    used: BTreeSet<String>,
+    face_count: usize,
     faces: String,
     vertices: String,
     vertex_numbers: HashMap<String, usize>,
@@ -62,7 +64,8 @@ impl Model {
     /// Defines a material: reflectance, emitted radiance in W/(m^2 sr).
     pub fn material(&mut self, name: &str, reflectance: Point, radiance: Point) {
         let text = |values: Point| values.map(|value| value.to_string()).join(" ");
-        let _ = writeln!(self.materials, "newmtl {name}\nKd {}\nKe {}\n", text(reflectance), text(radiance));
+        let text = format!("newmtl {name}\nKd {}\nKe {}\n\n", text(reflectance), text(radiance));
+        self.materials.push((name.to_owned(), text));
     }
 
     /// Starts an object; what follows is placed at `place`.
@@ -77,7 +80,9 @@ impl Model {
         if self.material != material {
             let _ = writeln!(self.faces, "usemtl {material}");
             self.material = material.to_owned();
+            self.used.insert(material.to_owned());
         }
+        self.face_count += 1;
         self.faces.push('f');
         for &corner in corners {
             let text = self.place.unwrap_or(Place::WORLD).apply(corner).map(decimal).join(" ");
@@ -89,6 +94,11 @@ impl Model {
             let _ = write!(self.faces, " {number}");
         }
         self.faces.push('\n');
+    }
+
+    /// How many polygons there are.
+    pub fn face_count(&self) -> usize {
+        self.face_count
     }
 
     /// A polygon that is seen from both sides.
@@ -151,11 +161,13 @@ impl Model {
         }
     }
 
-    /// The texts of `name.obj` and `name.mtl`.
+    /// The texts of `name.obj` and `name.mtl`, with the materials that are used.
     pub fn write(&self, name: &str) -> (String, String) {
         let made = "# Made by examples/generate_scenes: change that, not this file.\n";
         let obj = format!("{}{made}mtllib {name}.mtl\n{}{}", self.header, self.vertices, self.faces);
-        (obj, format!("{made}\n{}", self.materials.trim_end()) + "\n")
+        let used = self.materials.iter().filter(|(name, _)| self.used.contains(name));
+        let materials: String = used.map(|(_, text)| text.as_str()).collect();
+        (obj, format!("{made}\n{}", materials.trim_end()) + "\n")
     }
 }
 

@@ -3,7 +3,8 @@
 //! Five by four metres, 2.7 m high. The walls face inwards, furniture outwards. Bottoms and backs that touch something are left out, so
 //! that no two surfaces face each other in one plane.
 
-use super::model::{Model, Place, Point, Side};
+use super::furniture::{Chance, chair, frame, rectangle, table};
+use super::model::{Model, Place, Side};
 
 use Side::{Back, Bottom, Front, Left, Right, Top};
 
@@ -225,27 +226,6 @@ fn shelf(model: &mut Model) {
     model.disk("black", 8, [0.82, 0.17], (1.0, 0.085));
 }
 
-/// Numbers from 0 to 1 that are the same on every machine.
-struct Chance(u32);
-
-impl Chance {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(self.0 >> 8) / f64::from(1_u32 << 24)
-    }
-}
-
-/// A table top on four legs; the bottom of the top is seen between the legs.
-fn table(model: &mut Model, material: &str, half: [f64; 2], height: f64, thickness: f64, leg: f64) {
-    let [x, z] = half;
-    model.cuboid(material, [-x, height - thickness, -z], [x, height, z], &[]);
-    for (sx, sz) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
-        let (cx, cz) = (sx * (x - leg), sz * (z - leg));
-        let half = 0.5 * leg;
-        model.cuboid(material, [cx - half, 0.0, cz - half], [cx + half, height - thickness, cz + half], &[Bottom, Top]);
-    }
-}
-
 /// A desk with drawers, a screen, a keyboard, a mug and a lamp.
 fn desk(model: &mut Model) {
     model.object("desk", Place::at([1.98, 0.0, 0.42], 0.0));
@@ -280,33 +260,6 @@ fn desk(model: &mut Model) {
     model.walls("book_green", 8, [0.2, 0.0], (0.34, 0.09), (0.43, 0.05));
     model.disk("book_green", 8, [0.2, 0.0], (0.43, 0.05));
     model.disk_below("desk_lamp", 8, [0.2, 0.0], (0.34, 0.09));
-}
-
-/// A level rectangle towards the viewer at depth `z`.
-fn rectangle(low: [f64; 2], high: [f64; 2], z: f64) -> [Point; 4] {
-    [[low[0], low[1], z], [high[0], low[1], z], [high[0], high[1], z], [low[0], high[1], z]]
-}
-
-/// A flat frame of four strips inside of a rectangle.
-fn frame(model: &mut Model, material: &str, low: [f64; 2], high: [f64; 2], strip: f64, z: f64) {
-    let (inner_low, inner_high) = (low.map(|v| v + strip), high.map(|v| v - strip));
-    model.face(material, &rectangle(low, [high[0], inner_low[1]], z));
-    model.face(material, &rectangle([low[0], inner_high[1]], high, z));
-    model.face(material, &rectangle([low[0], inner_low[1]], [inner_low[0], inner_high[1]], z));
-    model.face(material, &rectangle([inner_high[0], inner_low[1]], [high[0], inner_high[1]], z));
-}
-
-/// A chair that looks along its own -z.
-fn chair(model: &mut Model, name: &str, place: Place) {
-    model.object(name, place);
-    table(model, "oak", [0.21, 0.21], 0.45, 0.03, 0.035);
-    for x in [-0.19, 0.16] {
-        model.cuboid("oak", [x, 0.45, 0.175], [x + 0.03, 0.92, 0.205], &[Bottom]);
-    }
-    for low in [0.6, 0.78] {
-        model.cuboid("oak", [-0.16, low, 0.18], [0.16, low + 0.11, 0.2], &[Left, Right]);
-    }
-    model.cuboid("cushion", [-0.19, 0.45, -0.19], [0.19, 0.485, 0.165], &[Bottom]);
 }
 
 /// A sofa below the window, looking into the room.

@@ -1,14 +1,23 @@
 //! The list of the scenes.
 
-use super::{cornell, furnace, room};
+use super::{cornell, furnace, paper_rooms, room};
 
 /// Name and content of every file.
 pub fn all() -> Vec<(String, String)> {
-    [("cornell", cornell::cornell()), ("furnace", furnace::furnace()), ("room", room::room())]
-        .into_iter()
-        .flat_map(|(name, model)| {
-            let (obj, mtl) = model.write(name);
-            [(format!("{name}.obj"), obj), (format!("{name}.mtl"), mtl)]
-        })
-        .collect()
+    [
+        ("cornell", cornell::cornell()),
+        ("furnace", furnace::furnace()),
+        ("room", room::room()),
+        ("full_office", paper_rooms::full_office()),
+        ("dining_room", paper_rooms::dining_room()),
+        ("east_room", paper_rooms::east_room()),
+        ("west_room", paper_rooms::west_room()),
+        ("hevea", paper_rooms::hevea()),
+    ]
+    .into_iter()
+    .flat_map(|(name, model)| {
+        let (obj, mtl) = model.write(name);
+        [(format!("{name}.obj"), obj), (format!("{name}.mtl"), mtl)]
+    })
+    .collect()
 }

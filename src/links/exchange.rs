@@ -25,7 +25,7 @@ pub(super) fn is_dark(scene: &Scene, hierarchy: &Hierarchy, pair: Pair) -> bool 
 }
 
 /// Whether all of `polygon` is behind `front`, or in its plane.
-fn behind(front: &Facet<'_>, polygon: &Facet<'_>) -> bool {
+pub(super) fn behind(front: &Facet<'_>, polygon: &Facet<'_>) -> bool {
     let tolerance = 1e-12 * (front.radius + polygon.radius);
     polygon.vertices.iter().all(|&vertex| front.height(vertex) <= tolerance)
 }

@@ -4,12 +4,14 @@
 //! of leaves is covered by exactly one pair of nodes, linked, dormant or proved invisible, because all pairs descend from (root, root).
 
 mod exchange;
+mod mutual;
 pub mod oracle;
 mod refine;
 mod sample_pairs;
 
 use serde::{Deserialize, Serialize};
 
+pub(crate) use mutual::{DormantTransfer, MutualContext, MutualLinks, TopLevel};
 pub(crate) use refine::{RefineContext, RefineEnd, RefineLimits, Refinement};
 
 use crate::hierarchy::{Hierarchy, NodeId};
@@ -50,8 +52,10 @@ pub struct LinkSet {
     /// Where each receiver's links start; one more entry than there are nodes.
     starts: Vec<u32>,
     links: Vec<Link>,
-    /// Pairs that carry nothing or too little so far: no visibility was computed.
+    /// Pairs that carry nothing or too little so far to be worth a link: no visibility was computed.
     dormant: Vec<Pair>,
+    /// Pairs that were dropped because no ray arrived.
+    unseen: Vec<Pair>,
 }
 
 impl LinkSet {
@@ -71,7 +75,12 @@ impl LinkSet {
             sorted[*place as usize] = *link;
             *place += 1;
         }
-        Self { starts, links: sorted, dormant }
+        Self { starts, links: sorted, dormant, unseen: Vec::new() }
+    }
+
+    /// The same links, with these pairs beside them.
+    pub(crate) fn with_unlinked(self, dormant: Vec<Pair>, unseen: Vec<Pair>) -> Self {
+        Self { dormant, unseen, ..self }
     }
 
     /// The links of a receiver.
@@ -92,9 +101,14 @@ impl LinkSet {
         self.links.is_empty()
     }
 
-    /// Pairs without a link because their source is dark, or because they are one cluster that exchanges little within itself.
+    /// Pairs without a link because their source is dark, or because they are not worth one: no visibility was computed.
     pub fn dormant(&self) -> &[Pair] {
         &self.dormant
+    }
+
+    /// Pairs without a link because none of a few rays arrived, which is no proof that no light does.
+    pub fn unseen(&self) -> &[Pair] {
+        &self.unseen
     }
 
     /// Receivers with their links.
@@ -106,7 +120,10 @@ impl LinkSet {
 
     /// Bytes that the links take.
     pub fn memory_bytes(&self) -> u64 {
-        (size_of_val(&self.links[..]) + size_of_val(&self.starts[..]) + size_of_val(&self.dormant[..])) as u64
+        (size_of_val(&self.links[..])
+            + size_of_val(&self.starts[..])
+            + size_of_val(&self.dormant[..])
+            + size_of_val(&self.unseen[..])) as u64
     }
 
     /// Checks what later stages rely on.
@@ -127,7 +144,8 @@ impl LinkSet {
                 || !link.transmittance.is_finite()
                 || !(0.0..=1.0).contains(&link.seen)
         };
-        if self.iter().any(wrong) || self.dormant.iter().any(|pair| !is_pair(pair.receiver, pair.source)) {
+        let unlinked = self.dormant.iter().chain(&self.unseen);
+        if self.iter().any(wrong) || unlinked.into_iter().any(|pair| !is_pair(pair.receiver, pair.source)) {
             return Err("a link is out of range".to_owned());
         }
         Ok(())

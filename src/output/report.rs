@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::solve::{Counts, Energy, SolveOptions, SolveReport, StageTimes, StoppedBy};
+use crate::solve::{Counts, Energy, EnergyBalance, IterationReport, SolveOptions, SolveReport, StageTimes, StoppedBy};
 
 /// The version of the schema.
 pub const REPORT_SCHEMA: u32 = 1;
@@ -41,6 +41,10 @@ pub struct RunReport {
     pub error: ErrorFigures,
     /// Where the power goes, in W, all channels added.
     pub energy: Energy,
+    /// What there was after each iteration, for strategies that have a fixed number of them.
+    pub bounces: Vec<IterationReport>,
+    /// What pairs without a link hold back, for strategies that leave some.
+    pub energy_balance: Option<EnergyBalance>,
     /// What was not done.
     pub skipped: Vec<SkippedWork>,
     /// Whether the requested error is reached.
@@ -153,6 +157,8 @@ impl RunReport {
                 bound: None,
             },
             energy: report.energy,
+            bounces: report.bounces.clone(),
+            energy_balance: report.energy_balance,
             skipped: report.skipped.iter().map(|(what, count)| SkippedWork { what: what.clone(), count: *count }).collect(),
             converged: report.converged,
             stopped_by: report.stopped_by,

@@ -1,5 +1,6 @@
 //! The main algorithm on one screen: refine, gather, push-pull, good enough?
 
+mod bounces;
 mod error_estimate;
 mod lamps;
 mod light_paths;
@@ -14,7 +15,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 pub use options::{OptionsError, RunOptions, SolveOptions, Strategy, Sweep};
-pub use report::{Counts, Energy, ErrorReport, SolveReport, StageTimes, StoppedBy};
+pub use report::{Counts, Energy, EnergyBalance, ErrorReport, IterationReport, SolveReport, StageTimes, StoppedBy};
 pub use solution::Solution;
 
 use error_estimate::{ErrorEstimate, ErrorSampler};
@@ -47,8 +48,13 @@ pub(crate) fn solve(
 
     // Rounds: refine step by step, each step with the brightness that the one before has found; then look how good it is.
     let stopped_by = 'rounds: loop {
-        let ended = solver.refine_in_steps(&plan, run, deadline);
-        solver.regather_leaves();
+        let ended = if options.strategy.links_surfaces() {
+            solver.bounce(&plan, run, deadline)
+        } else {
+            let ended = solver.refine_in_steps(&plan, run, deadline);
+            solver.regather_leaves();
+            ended
+        };
         loop {
             solver.estimate_error(&plan);
             if let Some(limit) = solver.limit(ended, deadline) {
@@ -319,12 +325,12 @@ impl<'a> Solver<'a> {
             rays: self.rays.cast(),
             ..report.counts
         };
-        report.skipped = vec![
+        report.skipped.extend([
             ("pairs behind one another".to_owned(), self.refinement.behind),
             ("pairs with a black receiver".to_owned(), self.refinement.black),
             ("pairs with a dark source".to_owned(), report.counts.dormant),
             ("segments in a scene where nothing occludes".to_owned(), self.rays.spared()),
-        ];
+        ]);
         let solution = Solution {
             scene,
             options: self.options.clone(),

@@ -18,11 +18,27 @@ pub enum Strategy {
     Hanrahan91,
     /// Every surface split to the same depth, every pair of elements linked.
     Uniform,
+    /// All pairs of surfaces linked at first, BF refinement, a bounce of light an iteration: the original algorithm of Holzschuch, Sillion,
+    /// Drettakis 1994. This and the following take 16 rays a link.
+    Original94,
+    /// The same with link culling: pairs of reflecting surfaces with little form factor are forgotten (Lischinski 1994, section 4.1.1).
+    Culling94,
+    /// Lazy linking: pairs of surfaces are linked once they carry enough (Holzschuch, Sillion, Drettakis 1994, section 3).
+    Lazy94,
+    /// Lazy linking and link reduction (section 4).
+    #[serde(rename = "lazy94+reduction")]
+    Lazy94Reduction,
 }
 
 impl Strategy {
     /// All names, as typed on the command line.
-    pub const NAMES: [&'static str; 3] = ["default", "hanrahan91", "uniform"];
+    pub const NAMES: [&'static str; 7] =
+        ["default", "hanrahan91", "uniform", "original94", "culling94", "lazy94", "lazy94+reduction"];
+
+    /// Whether links start from pairs of surfaces, in a fixed number of iterations.
+    pub fn links_surfaces(self) -> bool {
+        matches!(self, Self::Original94 | Self::Culling94 | Self::Lazy94 | Self::Lazy94Reduction)
+    }
 }
 
 impl FromStr for Strategy {
@@ -33,6 +49,10 @@ impl FromStr for Strategy {
             "default" => Ok(Self::Default),
             "hanrahan91" => Ok(Self::Hanrahan91),
             "uniform" => Ok(Self::Uniform),
+            "original94" => Ok(Self::Original94),
+            "culling94" => Ok(Self::Culling94),
+            "lazy94" => Ok(Self::Lazy94),
+            "lazy94+reduction" => Ok(Self::Lazy94Reduction),
             _ => Err(OptionsError::UnknownStrategy(name.to_owned())),
         }
     }
@@ -114,6 +134,16 @@ pub struct SolveOptions {
     /// Sweeps end when all changes that are still to come add up to less than this part of the largest reflected radiosity; above 0,
     /// below 1.
     pub sweep_tolerance: f64,
+    /// Iterations of the strategies of 1994, 1 to 1000.
+    pub iterations: u32,
+    /// eps_link of lazy linking as a part of the refinement tolerance, 0 to 1.
+    pub link_tolerance: f64,
+    /// eps_reduce of link reduction: the part by which form factors must differ for refinement to be worth it, 0 to 1.
+    pub reduce_tolerance: f64,
+    /// The smallest form factor that link culling leaves, 0 to 1.
+    pub cull_form_factor: f64,
+    /// Whether lazy linking gives surfaces an ambient term for what they miss.
+    pub ambient: bool,
 }
 
 impl Default for SolveOptions {
@@ -133,13 +163,18 @@ impl Default for SolveOptions {
             min_element: 1e-8,
             sweep: Sweep::Jacobi,
             sweep_tolerance: 1e-3,
+            iterations: 10,
+            link_tolerance: 0.2,
+            reduce_tolerance: 0.2,
+            cull_form_factor: 1e-3,
+            ambient: true,
         }
     }
 }
 
 impl SolveOptions {
     /// The keys that [`SolveOptions::set`] knows.
-    pub const KEYS: [&'static str; 14] = [
+    pub const KEYS: [&'static str; 19] = [
         "error",
         "strategy",
         "seed",
@@ -154,6 +189,11 @@ impl SolveOptions {
         "min_element",
         "sweep",
         "sweep_tolerance",
+        "iterations",
+        "link_tolerance",
+        "reduce_tolerance",
+        "cull_form_factor",
+        "ambient",
     ];
 
     /// Rejects values outside their range; never clamps.
@@ -183,7 +223,11 @@ impl SolveOptions {
             self.sweep_tolerance,
             self.sweep_tolerance > 0.0 && self.sweep_tolerance < 1.0,
             "above 0 and below 1",
-        )
+        )?;
+        rays("iterations", self.iterations, 1000, "1 to 1000")?;
+        check("link_tolerance", self.link_tolerance, (0.0..=1.0).contains(&self.link_tolerance), "0 to 1")?;
+        check("reduce_tolerance", self.reduce_tolerance, (0.0..=1.0).contains(&self.reduce_tolerance), "0 to 1")?;
+        check("cull_form_factor", self.cull_form_factor, (0.0..=1.0).contains(&self.cull_form_factor), "0 to 1")
     }
 
     /// Sets one option from text, as `--set key=value` does; see [`SolveOptions::KEYS`].
@@ -213,7 +257,12 @@ impl SolveOptions {
             "element_area" => self.element_area = Some(parse(key, value, NUMBER)?),
             "min_element" => self.min_element = parse(key, value, NUMBER)?,
             "sweep" => self.sweep = value.trim().parse()?,
-            _ => self.sweep_tolerance = parse(key, value, NUMBER)?,
+            "sweep_tolerance" => self.sweep_tolerance = parse(key, value, NUMBER)?,
+            "iterations" => self.iterations = parse(key, value, COUNT)?,
+            "link_tolerance" => self.link_tolerance = parse(key, value, NUMBER)?,
+            "reduce_tolerance" => self.reduce_tolerance = parse(key, value, NUMBER)?,
+            "cull_form_factor" => self.cull_form_factor = parse(key, value, NUMBER)?,
+            _ => self.ambient = parse(key, value, "true or false")?,
         }
         self.validate()
     }

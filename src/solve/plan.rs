@@ -109,21 +109,31 @@ impl Plan {
 
     /// The oracle of the chosen strategy at `tolerance`.
     pub fn oracle(&self, tolerance: f64) -> Box<dyn RefinementOracle> {
-        let min_area = self.options.min_element * self.total_area;
+        let min_area = self.min_area();
         match self.options.strategy {
             Strategy::Default => Box::new(AreaWeighted {
                 tolerance: tolerance * self.expected_radiosity,
                 reference_area: 1e-3 * self.total_area,
                 min_area,
             }),
-            Strategy::Hanrahan91 => Box::new(BrightnessWeighted { tolerance: tolerance * self.expected_radiosity, min_area }),
             Strategy::Uniform => Box::new(Uniform { element_area: self.options.element_area.unwrap_or(self.total_area) }),
+            _ => Box::new(BrightnessWeighted { tolerance: tolerance * self.expected_radiosity, min_area }),
         }
     }
 
     /// Whether clusters gather and emit: not in the strategies that have none, nor where surfaces are few.
     pub fn clusters(&self) -> bool {
         self.options.strategy == Strategy::Default && self.surfaces >= CLUSTERED_SURFACES
+    }
+
+    /// The irradiance that a link may carry unrefined in the strategies of 1994, in W/m^2: eps_refine.
+    pub fn irradiance_tolerance(&self) -> f64 {
+        self.tolerance * self.expected_radiosity
+    }
+
+    /// Nodes of this area or less are not split, in m^2.
+    pub fn min_area(&self) -> f64 {
+        self.options.min_element * self.total_area
     }
 
     /// Visibility rays to a point.
@@ -163,6 +173,9 @@ impl Plan {
             return Verdict::MoreRays;
         }
         self.refinements += 1;
+        if self.options.strategy.links_surfaces() {
+            return Verdict::Exhausted;
+        }
         if self.options.tolerance.is_some() || self.options.strategy == Strategy::Uniform || self.refinements >= MAX_REFINEMENTS {
             return Verdict::Exhausted;
         }

@@ -82,6 +82,8 @@ pub struct StageTimes {
     pub build: f64,
     /// Deciding pairs.
     pub refine: f64,
+    /// The part of `refine` in which pairs of surfaces are linked, for strategies that do so.
+    pub initial_linking: f64,
     /// Answering visibility, added over threads.
     pub visibility: f64,
     /// Form factors, added over threads.
@@ -92,6 +94,39 @@ pub struct StageTimes {
     pub push_pull: f64,
     /// Estimating the error.
     pub error: f64,
+}
+
+/// What there is after an iteration of a strategy that lets light travel once in each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct IterationReport {
+    /// Links, each direction counted.
+    pub links: u64,
+    /// Elements, surfaces that were not split included.
+    pub elements: u64,
+    /// Visibility rays for links so far.
+    pub link_rays: u64,
+    /// Links between surfaces that were made so far.
+    pub top_level_links: u64,
+    /// Of these, links that carried more than the tolerance at some time.
+    pub top_level_exceeding: u64,
+    /// Links that are marked as not to be refined.
+    pub reduced_links: u64,
+    /// `sum of |1 - F_p| B_p A_p` over surfaces in W, all channels added (Holzschuch, Sillion, Drettakis 1994, equation 1).
+    pub incorrect_energy: f64,
+    /// `sum of B_p A_p` in W (equation 2).
+    pub total_energy: f64,
+}
+
+/// What pairs of surfaces without a link hold back, in W, all channels added.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct EnergyBalance {
+    /// What surfaces reflect, the ambient term included.
+    pub reflected: f64,
+    /// At most this is missing of what surfaces reflect, before the ambient term: a bound as far as form factors are exact and the
+    /// iterations have converged.
+    pub held_back: f64,
+    /// What the ambient term adds.
+    pub ambient: f64,
 }
 
 /// What a solve tells about itself: everything that is not the answer.
@@ -107,6 +142,10 @@ pub struct SolveReport {
     pub error: ErrorReport,
     /// Where the power goes.
     pub energy: Energy,
+    /// What there was after each iteration, for strategies that have a fixed number of them.
+    pub bounces: Vec<IterationReport>,
+    /// What pairs without a link hold back, for strategies that leave some.
+    pub energy_balance: Option<EnergyBalance>,
     /// Bytes of the solution: hierarchy, links, radiosities.
     pub memory_bytes: u64,
     /// Work that was not done, with its count, in words.

@@ -4,6 +4,7 @@ mod closure;
 mod exposure;
 mod gather;
 mod in_place;
+mod missing;
 mod push_pull;
 mod radiosity;
 
@@ -12,6 +13,7 @@ pub use exposure::Exposure;
 pub(crate) use exposure::sampled_exposed_point;
 pub(crate) use gather::{Irradiance, gather};
 pub(crate) use in_place::sweep_in_place;
+pub(crate) use missing::{estimate_ambient, incorrect_energy, reflect_ambient, row_sums};
 pub(crate) use push_pull::{push, push_pull};
 pub use radiosity::Radiosity;
 pub(crate) use radiosity::cluster_reflectance;
