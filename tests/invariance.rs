@@ -151,7 +151,7 @@ fn faces_that_overlap_in_one_plane_exchange_nothing() {
 
     // Faces 0 and 6 share their plane.
     let in_the_plane = |node| solution.hierarchy().surface_of(node).is_some_and(|surface| [0, 6].contains(&surface.0));
-    assert!(solution.links().len() > 0);
+    assert!(!solution.links().is_empty());
     assert!(solution.links().iter().all(|(receiver, link)| !(in_the_plane(receiver) && in_the_plane(link.source))));
     for surface in 0..7 {
         let b = radiosity(solution, surface);

@@ -30,7 +30,7 @@ impl Recorder {
 
     fn keep(&self, call: impl FnOnce() -> Call) {
         let mut record = self.record.lock().expect("no thread that recorded has panicked");
-        if record.seen / Self::RUN % self.every == 0 {
+        if (record.seen / Self::RUN).is_multiple_of(self.every) {
             record.calls.push(call());
         }
         record.seen += 1;
