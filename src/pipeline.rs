@@ -58,11 +58,40 @@ pub fn solve(
     let visibility = pool.install(|| visibility::build(run.backend, &mesh))?;
     let build = start.elapsed().as_secs_f64();
 
-    let rays = Rays::new(&*visibility, &scene);
-    let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, &rays, observer));
+    let (evaluator, mut report) = solve_in(pool, visibility, scene, options, run, observer);
     report.time_s.build += build;
     report.counts.triangles = mesh.triangles.len() as u64;
-    Ok((Evaluator { solution, visibility, pool }, report))
+    Ok((evaluator, report))
+}
+
+/// Like [`solve`], but asks `visibility`, whatever it is: a backend of one's own, or one that keeps a record of what it is asked. It
+/// must answer for the triangles of [`OccluderMesh::of_scene`](visibility::OccluderMesh::of_scene); `run.backend` is not looked at.
+///
+/// # Errors
+/// See [`PipelineError`].
+pub fn solve_asking(
+    visibility: Box<dyn Visibility>,
+    scene: Scene,
+    options: &SolveOptions,
+    run: &RunOptions,
+    observer: &dyn Observer,
+) -> Result<(Evaluator, SolveReport), PipelineError> {
+    options.validate()?;
+    run.validate()?;
+    Ok(solve_in(thread_pool(run)?, visibility, scene, options, run, observer))
+}
+
+fn solve_in(
+    pool: rayon::ThreadPool,
+    visibility: Box<dyn Visibility>,
+    scene: Scene,
+    options: &SolveOptions,
+    run: &RunOptions,
+    observer: &dyn Observer,
+) -> (Evaluator, SolveReport) {
+    let rays = Rays::new(&*visibility, &scene);
+    let (solution, report) = pool.install(|| solve::solve(scene, options, run, &rays, observer));
+    (Evaluator { solution, visibility, pool }, report)
 }
 
 fn thread_pool(run: &RunOptions) -> Result<rayon::ThreadPool, PipelineError> {

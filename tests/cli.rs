@@ -452,6 +452,17 @@ fn a_limit_ends_with_4_and_results_are_written() {
     assert_eq!((&report["converged"], &report["stopped_by"]), (&false.into(), &"max_links".into()));
 }
 
+#[test]
+fn the_memory_budget_ends_with_5_and_results_are_written() {
+    let place = Place::new();
+    let ran = place.run("solve room.obj --error 0.001 --memory 0.000001 -o s.solution --image s.png --size 16x12 --report r.json");
+    assert_eq!(ran.code, 5, "{}", ran.stderr);
+    assert_eq!(place.new_files(), ["r.json", "s.png", "s.solution"]);
+    let report: serde_json::Value = serde_json::from_str(&place.read("r.json")).unwrap();
+    assert_eq!((&report["converged"], &report["stopped_by"]), (&false.into(), &"memory".into()));
+    assert_eq!(place.run("info s.solution").code, 0);
+}
+
 /// Needs a solver that takes long for a small error.
 #[cfg(unix)]
 #[test]
@@ -471,7 +482,8 @@ fn an_interrupt_ends_with_130_and_what_there_is_is_written() {
         let read = std::io::BufRead::read_line(&mut stderr, &mut line).unwrap();
         assert!(read > 0, "the program ended before it reported progress");
     }
-    let interrupted = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    // Every shell has a kill of its own; the program of this name may not be installed.
+    let interrupted = Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().unwrap();
     assert!(interrupted.success());
     std::io::copy(&mut stderr, &mut std::io::sink()).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(130));

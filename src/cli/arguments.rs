@@ -68,7 +68,8 @@ pub struct SolveArguments {
     /// Stop refining at this many links
     #[arg(long, value_name = "N")]
     pub max_links: Option<u64>,
-    /// Stop when the solution would take more than this many GB (1e9 bytes)
+    /// Stop when nodes and links would take more than this many GB (1e9 bytes); the process takes up to five times as much [default: 15%
+    /// of the memory that is available]
     #[arg(long, value_name = "GB")]
     pub memory: Option<f64>,
     /// Stop after this many seconds

@@ -1,8 +1,8 @@
 //! What a run tells about itself, as JSON.
 //!
 //! The schema has a number, [`REPORT_SCHEMA`]: fields may be added under the same number, none is renamed or removed. Times are wall-clock
-//! seconds, except `visibility` and `form_factor`, which are added over the threads and are parts of the other stages. A number that
-//! is not known or not finite is `null`.
+//! seconds, except `visibility`, its part `first_hits`, and `form_factor`, which are added over the threads and are parts of the other
+//! stages. A number that is not known or not finite is `null`.
 
 use std::io::{self, Write};
 use std::path::PathBuf;

@@ -315,14 +315,17 @@ impl<'a> Solver<'a> {
         };
         report.stopped_by = stopped_by;
         report.converged = stopped_by == StoppedBy::Error;
-        report.time_s.visibility = self.rays.seconds();
+        let (segments, first_hits) = (self.rays.segments(), self.rays.first_hit_rays());
+        report.time_s.visibility = segments.seconds() + first_hits.seconds();
+        report.time_s.first_hits = first_hits.seconds();
         report.counts = Counts {
             surfaces: scene.surfaces().len() as u64,
             clusters: self.hierarchy.cluster_count() as u64,
             elements: (self.hierarchy.len() - self.hierarchy.cluster_count()) as u64,
             links: self.links.len() as u64,
             dormant: self.links.dormant().len() as u64,
-            rays: self.rays.cast(),
+            rays: segments.count() + first_hits.count(),
+            first_hit_rays: first_hits.count(),
             ..report.counts
         };
         report.skipped.extend([

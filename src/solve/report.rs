@@ -43,6 +43,8 @@ pub struct Counts {
     pub dormant: u64,
     /// Visibility rays of every kind.
     pub rays: u64,
+    /// Those of them that look for the first hit, where others ask whether anything lies on a segment.
+    pub first_hit_rays: u64,
     /// Sweeps of gather and push-pull.
     pub iterations: u64,
     /// Rounds of refinement.
@@ -86,6 +88,8 @@ pub struct StageTimes {
     pub initial_linking: f64,
     /// Answering visibility, added over threads.
     pub visibility: f64,
+    /// Looking for first hits, the part of `visibility` that `first_hit_rays` took.
+    pub first_hits: f64,
     /// Form factors, added over threads.
     pub form_factor: f64,
     /// Gathering over links.

@@ -14,9 +14,9 @@ use crate::visibility::{Hit, Ray, Segment, Visibility};
 pub(crate) struct Rays<'a> {
     backend: &'a dyn Visibility,
     nothing_occludes: bool,
-    cast: AtomicU64,
     spared: AtomicU64,
-    nanoseconds: AtomicU64,
+    segments: Tally,
+    first_hits: Tally,
 }
 
 impl<'a> Rays<'a> {
@@ -24,9 +24,9 @@ impl<'a> Rays<'a> {
         Self {
             backend,
             nothing_occludes: nothing_occludes(scene),
-            cast: AtomicU64::new(0),
             spared: AtomicU64::new(0),
-            nanoseconds: AtomicU64::new(0),
+            segments: Tally::default(),
+            first_hits: Tally::default(),
         }
     }
 
@@ -40,7 +40,7 @@ impl<'a> Rays<'a> {
         }
         let start = Instant::now();
         self.backend.occluded(segments, occluded);
-        self.note(segments.len(), start);
+        self.segments.add(segments.len(), start);
     }
 
     /// Sets `hits[i]` to the first surface that `rays[i]` meets.
@@ -49,17 +49,17 @@ impl<'a> Rays<'a> {
         hits.resize(rays.len(), None);
         let start = Instant::now();
         self.backend.first_hits(rays, hits);
-        self.note(rays.len(), start);
+        self.first_hits.add(rays.len(), start);
     }
 
-    fn note(&self, rays: usize, start: Instant) {
-        self.cast.fetch_add(rays as u64, Ordering::Relaxed);
-        self.nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    /// Segments asked so far.
+    pub fn segments(&self) -> &Tally {
+        &self.segments
     }
 
-    /// Rays cast so far.
-    pub fn cast(&self) -> u64 {
-        self.cast.load(Ordering::Relaxed)
+    /// Rays asked so far for their first hits, which cost more than segments.
+    pub fn first_hit_rays(&self) -> &Tally {
+        &self.first_hits
     }
 
     /// Segments answered without a ray, because nothing can occlude.
@@ -67,14 +67,33 @@ impl<'a> Rays<'a> {
         self.spared.load(Ordering::Relaxed)
     }
 
-    /// Seconds spent in the backend, added over threads.
-    pub fn seconds(&self) -> f64 {
-        self.nanoseconds.load(Ordering::Relaxed) as f64 * 1e-9
-    }
-
     /// Name and version of the backend.
     pub fn description(&self) -> String {
         self.backend.description()
+    }
+}
+
+/// How many questions of a kind the backend was asked, and how long it took to answer.
+#[derive(Default)]
+pub(crate) struct Tally {
+    count: AtomicU64,
+    nanoseconds: AtomicU64,
+}
+
+impl Tally {
+    fn add(&self, count: usize, start: Instant) {
+        self.count.fetch_add(count as u64, Ordering::Relaxed);
+        self.nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    }
+
+    /// Questions so far.
+    pub fn count(&self) -> u64 {
+        self.count.load(Ordering::Relaxed)
+    }
+
+    /// Seconds spent in the backend, added over threads.
+    pub fn seconds(&self) -> f64 {
+        self.nanoseconds.load(Ordering::Relaxed) as f64 * 1e-9
     }
 }
 

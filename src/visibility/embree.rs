@@ -139,9 +139,10 @@ impl Visibility for Embree {
     fn first_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         let mut batch = [EMPTY; BATCH];
         let mut triangles = [0_u32; BATCH];
+        let mut open = Vec::with_capacity(BATCH.min(rays.len()));
         for (rays, hits) in rays.chunks(BATCH).zip(hits.chunks_mut(BATCH)) {
             // Gather the rays that can hit something.
-            let mut open = Vec::with_capacity(BATCH);
+            open.clear();
             for (place, (ray, hit)) in rays.iter().zip(hits.iter_mut()).enumerate() {
                 *hit = None;
                 if let Some((probe, length)) = self.frame.ray(ray) {
