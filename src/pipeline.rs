@@ -5,7 +5,7 @@ use thiserror::Error;
 use std::time::Instant;
 
 use crate::progress::Observer;
-use crate::reconstruct::{self, Camera, CameraError, Image, PointGather, SurfacePoint, Values};
+use crate::reconstruct::{self, Camera, CameraError, Image, SurfacePoint, Values};
 use crate::scene::Scene;
 use crate::solve::{self, OptionsError, RunOptions, Solution, SolveOptions, SolveReport};
 use crate::transmittance::Rays;
@@ -129,12 +129,8 @@ impl Evaluator {
     /// Radiosities at points, in their order. Cancelled by the observer, it returns `None`.
     pub fn values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Values> {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
-        self.pool.install(|| reconstruct::values_at(&self.gather(&rays), points, observer))
-    }
-
-    fn gather<'a>(&'a self, rays: &'a Rays<'a>) -> PointGather<'a> {
-        let Solution { scene, options, hierarchy, links, radiosity, point_rays, .. } = &self.solution;
-        PointGather { scene, hierarchy, links, radiosity, rays, budget: *point_rays, least_chance: 1.0, seed: options.seed }
+        let paths = self.solution.light_paths(&rays);
+        self.pool.install(|| reconstruct::values_at(&self.solution.reconstruction(&rays, &paths), points, observer))
     }
 
     /// A picture of linear radiance. Cancelled by the observer, it returns `None`.
@@ -144,7 +140,9 @@ impl Evaluator {
     pub fn render(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
         let through = camera.rays()?;
         let rays = Rays::new(&*self.visibility, self.solution.scene());
-        let render = || reconstruct::render(&self.gather(&rays), &through, camera.width, camera.height, observer);
+        let paths = self.solution.light_paths(&rays);
+        let reconstruction = self.solution.reconstruction(&rays, &paths);
+        let render = || reconstruct::render(&reconstruction, &rays, &through, camera.width, camera.height, observer);
         Ok(self.pool.install(render))
     }
 }

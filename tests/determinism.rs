@@ -13,7 +13,7 @@ use patchlight::progress::Silent;
 use patchlight::reconstruct::SurfacePoint;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{RunOptions, SolveOptions, SolveReport, Strategy, Sweep};
+use patchlight::solve::{Gather, RunOptions, SolveOptions, SolveReport, Strategy, Sweep};
 use rooms::{crowded, points_of};
 use triangles::Random;
 
@@ -46,16 +46,17 @@ fn check(scene: &Scene, options: &SolveOptions, threads: &[usize]) {
 }
 
 #[test]
-fn one_two_and_five_threads_give_the_same_bytes() {
+fn one_two_three_and_seven_threads_give_the_same_bytes() {
     let options = [
         SolveOptions { error: 0.05, ..SolveOptions::default() },
         SolveOptions { error: 0.1, sweep: Sweep::InPlace, ..SolveOptions::default() },
         SolveOptions { error: 0.1, strategy: Strategy::Hanrahan91, ..SolveOptions::default() },
         SolveOptions { strategy: Strategy::Uniform, element_area: Some(0.02), ..SolveOptions::default() },
         SolveOptions { max_links: Some(3000), ..SolveOptions::default() },
+        SolveOptions { error: 0.05, gather: Gather::Hemisphere, ..SolveOptions::default() },
     ];
     for options in options {
-        check(&cornell(), &options, &[2, 5]);
+        check(&cornell(), &options, &[2, 3, 7]);
     }
 }
 

@@ -14,7 +14,7 @@ use patchlight::pipeline::{self, PipelineError};
 use patchlight::progress::{Observer, Silent};
 use patchlight::reconstruct::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{RunOptions, SolveOptions, SolveReport, StoppedBy, Strategy};
+use patchlight::solve::{Gather, RunOptions, SolveOptions, SolveReport, StoppedBy, Strategy};
 use rooms::{Room, cube, points_of, solve, straight, two_squares, values};
 use triangles::Random;
 use two_squares::TwoSquares;
@@ -107,13 +107,14 @@ fn check(runs: &[(&Known, SolveOptions)]) {
         let (error, report) = known.true_error(options);
         let claimed = report.error.estimate;
         println!(
-            "{name}, requested {}, seed {}, max_links {:?}: error {error:.6}, claimed {claimed:.6}, measured {:.6}, {:?}",
-            options.error, options.seed, options.max_links, report.error.measured, report.stopped_by
+            "{name}, {:?}, requested {}, seed {}, max_links {:?}: error {error:.6}, claimed {claimed:.6}, measured {:.6}, {:?}",
+            options.gather, options.error, options.seed, options.max_links, report.error.measured, report.stopped_by
         );
         assert!(!report.converged || claimed <= options.error, "{name}: {report:?}");
         assert_eq!(report.converged, report.stopped_by == StoppedBy::Error);
         if error > claimed {
-            failed.push(format!("{name}, requested {}, seed {}: {error:.6} > {claimed:.6}", options.error, options.seed));
+            let way = options.gather;
+            failed.push(format!("{name}, {way:?}, requested {}, seed {}: {error:.6} > {claimed:.6}", options.error, options.seed));
         }
     }
     assert!(failed.len() <= most_failures(runs.len()), "{} of {} claims do not hold: {failed:#?}", failed.len(), runs.len());
@@ -126,7 +127,9 @@ fn claims_cover_the_truth() {
     for known in &scenes {
         for (error, seeds) in [(0.2, 0..3), (0.1, 0..3), (0.05, 0..3), (0.02, 0..1)] {
             for seed in seeds {
-                runs.push((known, SolveOptions { error, seed, ..SolveOptions::default() }));
+                for gather in [Gather::Links, Gather::Hemisphere] {
+                    runs.push((known, SolveOptions { error, seed, gather, ..SolveOptions::default() }));
+                }
             }
         }
     }

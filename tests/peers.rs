@@ -87,6 +87,16 @@ fn office_to_five_percent() {
 }
 
 #[test]
+fn office_to_two_percent() {
+    check("office", 0.02);
+}
+
+#[test]
+fn office_to_one_percent() {
+    check("office", 0.01);
+}
+
+#[test]
 fn the_furnace_is_uniform() {
     let Some(folder) = peers() else { return };
     let (values, report) = values(&folder, "furnace", &SolveOptions::default());

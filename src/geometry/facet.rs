@@ -38,6 +38,16 @@ impl<'a> Facet<'a> {
         self.normal.dot(point - self.vertices[0])
     }
 
+    /// Whether a point of the plane is on the inner side of every edge.
+    pub fn contains(&self, point: DVec3) -> bool {
+        let mut a = self.vertices[self.vertices.len() - 1];
+        self.vertices.iter().all(|&b| {
+            let inner = (b - a).cross(point - a).dot(self.normal) >= 0.0;
+            a = b;
+            inner
+        })
+    }
+
     /// Distance in metres from `point` to the nearest point of the polygon, interior included.
     pub fn distance_to(&self, point: DVec3) -> f64 {
         let height = self.height(point);

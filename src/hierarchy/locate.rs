@@ -15,7 +15,7 @@ impl Hierarchy {
                 let inside = |child: NodeId| self.inner_distance(child, point);
                 self.children(node).reduce(|best, child| if inside(child) > inside(best) { child } else { best })
             };
-            let first = self.children(node).find(|&child| self.is_inside(child, point));
+            let first = self.children(node).find(|&child| self.facet(child).contains(point));
             node = first.or_else(nearest).unwrap_or(node);
         }
         node
@@ -65,17 +65,6 @@ impl Hierarchy {
             }
         }
         best.map(|(_, surface)| surface)
-    }
-
-    /// Whether a point is on the inner side of every edge of a polygon.
-    fn is_inside(&self, node: NodeId, point: DVec3) -> bool {
-        let facet = self.facet(node);
-        let mut a = facet.vertices[facet.vertices.len() - 1];
-        facet.vertices.iter().all(|&b| {
-            let inner = (b - a).cross(point - a).dot(facet.normal) >= 0.0;
-            a = b;
-            inner
-        })
     }
 
     /// Distance of a point from the nearest edge line of a polygon, positive inside.

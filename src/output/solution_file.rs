@@ -12,7 +12,8 @@
 //! | 24.. | the body, in the [postcard](https://postcard.jamesmunns.com/wire-format) encoding |
 //!
 //! The body is a text (length, then UTF-8) that states software, quantity, unit and options one a line for whoever looks at the file with
-//! a text viewer, followed by the [`Solution`] as serde describes it: scene, hierarchy, links, radiosities, options. Fields have no names
+//! a text viewer, followed by the [`Solution`] as serde describes it: scene, options, hierarchy, links, exposures, radiosities of
+//! nodes and, where values are gathered over the hemisphere, of cells. Fields have no names
 //! in the encoding, so any change of the stored types is a new format version.
 //!
 //! Nothing in the file is believed before it is checked: magic, version, length and CRC first, then the body must decode without

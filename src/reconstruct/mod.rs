@@ -1,16 +1,28 @@
-//! Values at points, from a solution: the gather at the point.
+//! Values at points, from a solution: the gather at the point, over links or over the hemisphere.
 
 mod camera;
 mod default_view;
-mod gather;
+mod hemisphere;
 mod image;
+mod lamp_tree;
+mod lamps;
+mod lattice;
+mod light_paths;
+mod over_links;
+mod reconstruction;
 mod render;
+mod resolved;
 mod sample;
 
 pub use camera::{Camera, CameraError, CameraRays, CameraRequest};
-pub(crate) use gather::{GatherScratch, PointGather};
+pub(crate) use hemisphere::HemisphereGather;
 pub use image::Image;
+pub(crate) use lattice::Lattice;
+pub(crate) use light_paths::{Ends as PathScratch, LightPaths, Place};
+pub(crate) use over_links::LinkGather;
+pub(crate) use reconstruction::{Effort, Reconstruction, Scratch, Way};
 pub(crate) use render::render;
+pub(crate) use resolved::{Resolution, Resolved};
 pub(crate) use sample::values_at;
 
 /// A point that lies on a surface, with the normal of the side that is looked at.

@@ -6,9 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{CameraRays, GatherScratch, Image, PointGather};
+use super::{CameraRays, Effort, Image, Reconstruction, Scratch};
 use crate::progress::{Observer, Progress, Stage};
 use crate::scene::SurfaceId;
+use crate::transmittance::Rays;
 use crate::visibility::{Hit, Ray};
 
 /// Rays through each pixel.
@@ -22,43 +23,45 @@ const LEAST_CHANCE: f64 = 0.125;
 
 /// Radiance `L = B / pi` through the pixels of a camera, black where a back or nothing is met; `None` if the observer cancels.
 pub(crate) fn render(
-    gather: &PointGather<'_>,
+    reconstruction: &Reconstruction<'_>,
+    visibility: &Rays<'_>,
     rays: &CameraRays,
     width: u32,
     height: u32,
     observer: &dyn Observer,
 ) -> Option<Image> {
-    let channels = gather.scene.channels();
+    let channels = reconstruction.scene.channels();
     let mut image = Image::black(width, height, channels);
     let done = AtomicUsize::new(0);
 
     image.radiance.par_chunks_mut(channels * width as usize).enumerate().for_each_init(
-        || (GatherScratch::default(), vec![0.0; channels], Vec::new()),
+        || (Scratch::default(), vec![0.0; channels * SUBSAMPLES as usize], Vec::new()),
         |(scratch, radiosity, hits), (row, radiance)| {
             if observer.cancelled() {
                 return;
             }
             let subsamples = |column| (0..SUBSAMPLES).map(move |sample| rays.through_pixel(column, row as u32, sample, SUBSAMPLES));
             let looks: Vec<_> = (0..width).flat_map(subsamples).collect();
-            gather.rays.first_hits(&looks, hits);
+            visibility.first_hits(&looks, hits);
             let place = |(look, hit): (&Ray, &Option<Hit>)| {
                 let (direction, hit) = (DVec3::from(look.direction), hit.as_ref()?);
-                let surface = gather.scene.side_towards(SurfaceId(hit.surface), -direction)?;
+                let surface = reconstruction.scene.side_towards(SurfaceId(hit.surface), -direction)?;
                 Some((surface, DVec3::from(look.origin) + hit.distance * direction))
             };
             let places: Vec<Option<(SurfaceId, DVec3)>> = looks.iter().zip(hits.iter()).map(place).collect();
             for (pixel, places) in radiance.chunks_mut(channels).zip(places.chunks(SUBSAMPLES as usize)) {
-                // Where all rays of a pixel meet one surface, one of the points is worth as much as all with a share of the rays each.
+                // Where all rays of a pixel meet one surface, one of the points is worth as much as all with a share of the rays
+                // each.
                 let one =
                     places[0].is_some_and(|(first, _)| places.iter().all(|place| place.is_some_and(|(other, _)| other == first)));
                 let shaded = if one { &places[..1] } else { places };
-                let budget = (gather.budget.min(RAYS_PER_PIXEL)).div_ceil(shaded.len() as u32);
-                let gather = PointGather { budget, least_chance: LEAST_CHANCE, ..*gather };
-                for (surface, point) in shaded.iter().flatten() {
-                    gather.radiosity_at(*point, *surface, scratch, radiosity);
-                    for (radiance, radiosity) in pixel.iter_mut().zip(radiosity.iter()) {
-                        *radiance += (radiosity / (PI * shaded.len() as f64)) as f32;
-                    }
+                let budget = (reconstruction.effort.rays.min(RAYS_PER_PIXEL)).div_ceil(shaded.len() as u32);
+                let effort = Effort { rays: budget, least_chance: LEAST_CHANCE, ..reconstruction.effort };
+                let points = shaded.iter().flatten().map(|&(surface, point)| (point, surface));
+                let radiosity = &mut radiosity[..channels * points.clone().count()];
+                reconstruction.radiosities_at(points, effort, scratch, radiosity);
+                for (index, radiosity) in radiosity.iter().enumerate() {
+                    pixel[index % channels] += (radiosity / (PI * shaded.len() as f64)) as f32;
                 }
             }
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;

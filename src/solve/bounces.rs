@@ -12,7 +12,7 @@ use super::{RunOptions, SolveOptions, Solver, Strategy};
 use crate::links::{DormantTransfer, MutualContext, MutualLinks, RefineEnd, RefineLimits, TopLevel};
 use crate::progress::{Progress, Stage};
 use crate::scene::{Scene, SurfaceId};
-use crate::sweep::{self, Emission, Radiosity};
+use crate::sweep::{self, Radiosity};
 use crate::transmittance::Rays;
 
 impl Solver<'_> {
@@ -26,9 +26,7 @@ impl Solver<'_> {
             self.links = links.link_set(&self.hierarchy);
             let irradiance = sweep::gather(&self.hierarchy, &self.links, &self.exposure, &self.radiosity);
             let pushing = Instant::now();
-            let emission = Emission::Materials;
-            let change =
-                sweep::push_pull(self.scene, &self.hierarchy, &self.exposure, emission, None, irradiance, &mut self.radiosity);
+            let change = sweep::push_pull(self.scene, &self.hierarchy, &self.exposure, None, irradiance, &mut self.radiosity);
             self.report.time_s.gather += (pushing - gathering).as_secs_f64();
             self.report.time_s.push_pull += pushing.elapsed().as_secs_f64();
             self.report.energy.residual = change.largest;

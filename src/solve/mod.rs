@@ -2,8 +2,6 @@
 
 mod bounces;
 mod error_estimate;
-mod lamps;
-mod light_paths;
 mod options;
 mod plan;
 mod report;
@@ -14,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-pub use options::{OptionsError, RunOptions, SolveOptions, Strategy, Sweep};
+pub use options::{Gather, OptionsError, RunOptions, SolveOptions, Strategy, Sweep};
 pub use report::{Counts, Energy, EnergyBalance, ErrorReport, IterationReport, SolveReport, StageTimes, StoppedBy};
 pub use solution::Solution;
 
@@ -25,9 +23,9 @@ use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::{LinkSet, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::progress::{Observer, Progress, Stage};
-use crate::reconstruct::{GatherScratch, PointGather};
+use crate::reconstruct::{Effort, HemisphereGather, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Scratch, Way};
 use crate::scene::{Scene, SurfaceId};
-use crate::sweep::{self, Closure, Emission, Exposure, Radiosity, sampled_exposed_point, sweep_in_place};
+use crate::sweep::{self, Closure, Exposure, Radiosity, sampled_exposed_point, sweep_in_place};
 use crate::transmittance::Rays;
 
 /// No solve sweeps more often in a row: at reflectance 0.999 the change has fallen by e^-20 by then.
@@ -52,10 +50,11 @@ pub(crate) fn solve(
             solver.bounce(&plan, run, deadline)
         } else {
             let ended = solver.refine_in_steps(&plan, run, deadline);
-            solver.regather_leaves();
+            solver.regather_leaves(&plan);
             ended
         };
         loop {
+            solver.resolve(&plan);
             solver.estimate_error(&plan);
             if let Some(limit) = solver.limit(ended, deadline) {
                 break 'rounds limit;
@@ -63,12 +62,22 @@ pub(crate) fn solve(
             match solver.error.as_ref().map_or(Verdict::Exhausted, |error| plan.judge(error)) {
                 Verdict::GoodEnough => break 'rounds StoppedBy::Error,
                 Verdict::Exhausted => break 'rounds StoppedBy::Exhausted,
-                Verdict::LookCloser | Verdict::MoreRays => {}
+                Verdict::LookCloser | Verdict::MoreRays | Verdict::Resolve => {}
                 Verdict::Refine => break,
             }
         }
     };
     solver.finish(scene.clone(), &plan, stopped_by)
+}
+
+/// Radiosities that are resolved finer than elements.
+struct ResolvedLight<'a> {
+    resolution: Resolution,
+    paths: LightPaths<'a>,
+    /// For values at points, if they are gathered over the hemisphere.
+    for_values: Option<Resolved>,
+    /// For the two looks of the error estimate.
+    for_looks: [Resolved; 2],
 }
 
 /// The state of a solve between stages.
@@ -86,6 +95,8 @@ struct Solver<'a> {
     closure: Option<Closure>,
     /// Mean reflectance of the clusters, by channel.
     cluster_reflectance: Vec<f64>,
+    /// What light paths find where they end; `None` before they are looked for.
+    resolved: Option<ResolvedLight<'a>>,
     /// Of the values as they stand; `None` before the first estimate, and where the last one was cut short.
     error: Option<ErrorEstimate>,
     report: SolveReport,
@@ -114,6 +125,7 @@ impl<'a> Solver<'a> {
             radiosity,
             closure: None,
             cluster_reflectance,
+            resolved: None,
             error: None,
             report,
         }
@@ -216,16 +228,8 @@ impl<'a> Solver<'a> {
                 Sweep::Jacobi => {
                     let irradiance = sweep::gather(&self.hierarchy, &self.links, &self.exposure, &self.radiosity);
                     let gathered = Instant::now();
-                    let emission = Emission::Materials;
-                    let change = sweep::push_pull(
-                        self.scene,
-                        &self.hierarchy,
-                        &self.exposure,
-                        emission,
-                        closure,
-                        irradiance,
-                        &mut self.radiosity,
-                    );
+                    let change =
+                        sweep::push_pull(self.scene, &self.hierarchy, &self.exposure, closure, irradiance, &mut self.radiosity);
                     self.report.time_s.push_pull += gathered.elapsed().as_secs_f64();
                     self.report.time_s.gather += (gathered - start).as_secs_f64();
                     change
@@ -250,19 +254,20 @@ impl<'a> Solver<'a> {
     }
 
     /// Takes the radiosity of every leaf anew, by the gather at its centre, or where it is exposed.
-    fn regather_leaves(&mut self) {
-        if self.options.leaf_rays == 0 || self.observer.cancelled() {
+    fn regather_leaves(&mut self, plan: &Plan) {
+        if self.options.leaf_rays == 0 || plan.gather() == Gather::Hemisphere || self.observer.cancelled() {
             return;
         }
         let start = Instant::now();
-        let gather = self.gather(self.options.leaf_rays);
+        let effort = Effort { rays: self.options.leaf_rays, least_chance: 1.0, seed: self.options.seed };
+        let reconstruction = self.reconstruction(None, effort);
         let channels = self.scene.channels();
         let leaves: Vec<NodeId> = self.hierarchy.ids().filter(|&node| self.hierarchy.is_leaf(node)).collect();
         let mut values = vec![0.0; leaves.len() * channels];
-        values.par_chunks_mut(channels).zip(&leaves).for_each_init(GatherScratch::default, |scratch, (value, &leaf)| {
+        values.par_chunks_mut(channels).zip(&leaves).for_each_init(Scratch::default, |scratch, (value, &leaf)| {
             let surface = SurfaceId(self.hierarchy.node(leaf).surface);
             match sampled_exposed_point(self.scene, &self.hierarchy, &self.exposure, self.rays, leaf, self.options.seed) {
-                Some(point) => gather.radiosity_at(point, surface, scratch, value),
+                Some(point) => reconstruction.radiosities_at([(point, surface)].into_iter(), effort, scratch, value),
                 None => value.copy_from_slice(self.radiosity.of(leaf)),
             }
         });
@@ -273,32 +278,48 @@ impl<'a> Solver<'a> {
         self.report.time_s.gather += start.elapsed().as_secs_f64();
     }
 
-    /// Estimates the error of the values that a user would get now.
-    fn estimate_error(&mut self, plan: &Plan) {
-        self.error = None;
-        if self.observer.cancelled() {
+    /// Resolves radiosities as finely as planned, for looks and, if they need them, for values.
+    fn resolve(&mut self, plan: &Plan) {
+        let resolution = plan.resolution();
+        if self.observer.cancelled() || self.resolved.as_ref().is_some_and(|resolved| resolved.resolution == resolution) {
             return;
         }
         let start = Instant::now();
+        let paths = LightPaths::new(self.scene, self.rays, resolution.side);
+        let seed = |part| sampling::hash(self.options.seed, 0x5e50_17ed_u64 + part);
+        let for_values = (plan.gather() == Gather::Hemisphere).then(|| Resolved::solve(&paths, &resolution, seed(0)));
+        let for_looks = [1, 2].map(|look| Resolved::solve(&paths, &resolution.for_looks(), seed(look)));
+        self.resolved = Some(ResolvedLight { resolution, paths, for_values, for_looks });
+        self.report.time_s.resolve += start.elapsed().as_secs_f64();
+    }
+
+    /// Estimates the error of the values that a user would get now.
+    fn estimate_error(&mut self, plan: &Plan) {
+        self.error = None;
+        let Some(resolved) = self.resolved.as_ref().filter(|_| !self.observer.cancelled()) else { return };
+        let start = Instant::now();
         self.progress(Stage::Error);
-        let seed = sampling::hash(self.options.seed, u64::MAX);
-        let sampler =
-            ErrorSampler::new(self.gather(plan.point_rays()), &self.exposure, self.closure.as_ref(), plan.error_effort(), seed);
-        self.error = Some(sampler.estimate());
+        let effort = Effort { rays: plan.point_rays(), least_chance: 1.0, seed: self.options.seed };
+        let hemisphere =
+            resolved.for_values.as_ref().map(|own| HemisphereGather { paths: &resolved.paths, resolved: own, bounces: 0 });
+        let sampler = ErrorSampler {
+            reconstruction: &self.reconstruction(hemisphere, effort),
+            radiosity: &self.radiosity,
+            paths: &resolved.paths,
+            looks: resolved.for_looks.each_ref(),
+            effort: plan.error_effort(),
+            seed: sampling::hash(self.options.seed, u64::MAX),
+        };
+        let error = sampler.estimate();
+        self.error = Some(error);
         self.report.time_s.error += start.elapsed().as_secs_f64();
     }
 
-    fn gather(&self, budget: u32) -> PointGather<'_> {
-        PointGather {
-            scene: self.scene,
-            hierarchy: &self.hierarchy,
-            links: &self.links,
-            radiosity: &self.radiosity,
-            rays: self.rays,
-            budget,
-            least_chance: 1.0,
-            seed: self.options.seed,
-        }
+    /// Takes values at points over the hemisphere, or else over links.
+    fn reconstruction<'b>(&'b self, hemisphere: Option<HemisphereGather<'b>>, effort: Effort) -> Reconstruction<'b> {
+        let Self { scene, hierarchy, links, radiosity, rays, .. } = self;
+        let over_links = || Way::Links(LinkGather { scene, hierarchy, links, radiosity, rays });
+        Reconstruction { scene, hierarchy, way: hemisphere.map_or_else(over_links, Way::Hemisphere), effort }
     }
 
     fn finish(self, scene: Scene, plan: &Plan, stopped_by: StoppedBy) -> (Solution, SolveReport) {
@@ -342,6 +363,8 @@ impl<'a> Solver<'a> {
             exposure: self.exposure,
             radiosity: self.radiosity,
             point_rays: plan.point_rays(),
+            resolution: plan.resolution(),
+            resolved: self.resolved.and_then(|resolved| resolved.for_values),
         };
         report.memory_bytes = solution.memory_bytes();
         (solution, report)

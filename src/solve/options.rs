@@ -102,6 +102,32 @@ impl FromStr for Sweep {
     }
 }
 
+/// How values at points are gathered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Gather {
+    /// The way that promises the requested error for less.
+    #[default]
+    Auto,
+    /// Over the links above the point: for few sources.
+    Links,
+    /// By light paths over the hemisphere, to radiosities that are resolved finer than elements: for many sources.
+    Hemisphere,
+}
+
+impl FromStr for Gather {
+    type Err = OptionsError;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        match name {
+            "auto" => Ok(Self::Auto),
+            "links" => Ok(Self::Links),
+            "hemisphere" => Ok(Self::Hemisphere),
+            _ => Err(OptionsError::OutOfRange { option: "gather", value: name.to_owned(), range: "auto, links or hemisphere" }),
+        }
+    }
+}
+
 /// What decides the answer: kept in the solution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolveOptions {
@@ -117,6 +143,8 @@ pub struct SolveOptions {
     pub tolerance: Option<f64>,
     /// Visibility rays to a point, 1 to 2^20. Follows from `error` if `None`.
     pub point_rays: Option<u32>,
+    /// How values at points are gathered.
+    pub gather: Gather,
     /// Visibility rays for a link from a surface that reflects only, 1 to 1024.
     pub rays_per_link: u32,
     /// Visibility rays for a link from a lamp, 1 to 1024.
@@ -155,6 +183,7 @@ impl Default for SolveOptions {
             max_links: None,
             tolerance: None,
             point_rays: None,
+            gather: Gather::Auto,
             rays_per_link: 4,
             rays_per_light_link: 9,
             leaf_rays: 16,
@@ -174,13 +203,14 @@ impl Default for SolveOptions {
 
 impl SolveOptions {
     /// The keys that [`SolveOptions::set`] knows.
-    pub const KEYS: [&'static str; 19] = [
+    pub const KEYS: [&'static str; 20] = [
         "error",
         "strategy",
         "seed",
         "max_links",
         "tolerance",
         "point_rays",
+        "gather",
         "rays_per_link",
         "rays_per_light_link",
         "leaf_rays",
@@ -250,6 +280,7 @@ impl SolveOptions {
             "max_links" => self.max_links = Some(parse(key, value, COUNT)?),
             "tolerance" => self.tolerance = Some(parse(key, value, NUMBER)?),
             "point_rays" => self.point_rays = Some(parse(key, value, COUNT)?),
+            "gather" => self.gather = value.trim().parse()?,
             "rays_per_link" => self.rays_per_link = parse(key, value, COUNT)?,
             "rays_per_light_link" => self.rays_per_light_link = parse(key, value, COUNT)?,
             "leaf_rays" => self.leaf_rays = parse(key, value, COUNT)?,

@@ -1,8 +1,9 @@
 //! How hard to try for a requested error, and what to do when it is not reached.
 
 use super::error_estimate::{ErrorEffort, ErrorEstimate};
-use super::{SolveOptions, Strategy};
+use super::{Gather, SolveOptions, Strategy};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
+use crate::reconstruct::Resolution;
 use crate::scene::{Scene, SurfaceId};
 
 /// What a round left to be done.
@@ -14,6 +15,8 @@ pub(super) enum Verdict {
     LookCloser,
     /// Values at points are too noisy: more rays to each.
     MoreRays,
+    /// Radiosities at the ends of paths are too noisy or too coarse: resolve them more finely.
+    Resolve,
     /// Another round of refinement, to a finer tolerance.
     Refine,
     /// More effort would not help, or is not allowed.
@@ -29,9 +32,10 @@ pub(super) struct Plan {
     expected_radiosity: f64,
     tolerance: f64,
     point_rays: u32,
+    gather: Gather,
+    resolution: Resolution,
     error_points: usize,
-    /// Samples of the residual for each ray over the hemisphere.
-    residual_weight: f64,
+    look_rays: u32,
     refinements: u32,
     looks: u32,
 }
@@ -41,6 +45,9 @@ const FIRST_STEPS: [f64; 3] = [16.0, 4.0, 1.0];
 
 /// Rounds after which refining once more would not help either.
 const MAX_REFINEMENTS: u32 = 8;
+
+/// Times that radiosities are resolved more finely.
+const MAX_RESOLVES: u32 = 2;
 
 /// Looks at more points after which the estimate will not get better.
 const MAX_LOOKS: u32 = 16;
@@ -52,12 +59,10 @@ const AIM: f64 = 0.7;
 const PROMISING: f64 = 0.85;
 
 /// Points at which the error is sampled at first, and at most.
-const ERROR_POINTS: std::ops::RangeInclusive<usize> = 384..=24_576;
+const ERROR_POINTS: std::ops::RangeInclusive<usize> = 512..=32_768;
 
-/// Samples of the residual for each ray over the hemisphere, and the `1 - rho` up to which that is enough: noise in the residual of the whole
-/// scene is amplified by `1 / (1 - rho)`.
-const RESIDUAL_WEIGHT: f64 = 0.5;
-const USUAL_REFLECTANCE_GAP: f64 = 0.35;
+/// The most rays of a look at a point.
+const MAX_LOOK_RAYS: u32 = 4096;
 
 /// How tolerance and rays follow from the error: a power law through what the Cornell box needs for [`AIM`] times 2% and 1%.
 const TOLERANCE_AT_2_PERCENT: f64 = 0.15;
@@ -67,6 +72,28 @@ const RAYS_POWER: f64 = 1.8;
 
 /// From so many surfaces on clusters are worth their trouble.
 const CLUSTERED_SURFACES: usize = 64;
+
+/// The same for paths over the hemisphere, from an office: few of them gain more by being spread evenly than many.
+const HEMISPHERE_RAYS_AT_2_PERCENT: f64 = 176.0;
+const FEW_HEMISPHERE_RAYS_POWER: f64 = 1.3;
+const MANY_HEMISPHERE_RAYS_POWER: f64 = 2.0;
+
+/// Positions at which radiosities are resolved: so many for 2%, within these limits, times so much where they are found too few.
+/// Their noise averages out over the ends of many paths: on an office 16,384 did nearly as well as 65,536.
+const POSITIONS_AT_2_PERCENT: f64 = 20_000.0;
+const POSITIONS: std::ops::RangeInclusive<f64> = 8192.0..=262_144.0;
+const MORE_POSITIONS: f64 = 3.0;
+
+/// Paths and rays to lamps from each position.
+const POSITION_PATHS: u32 = 4;
+const POSITION_LAMP_RAYS: u32 = 4;
+
+/// Up to so many surfaces that reflect, values are gathered over links: a link costs a form factor and a ray at least, at every
+/// point, while paths over the hemisphere cost what the requested error asks for.
+const FEW_SURFACES: usize = 64;
+
+/// The tolerance of the one refinement where values do without links.
+const COARSE_TOLERANCE: f64 = 2.4;
 
 /// The most rays to a point.
 const MAX_POINT_RAYS: u32 = 1 << 16;
@@ -82,6 +109,19 @@ impl Plan {
         let of = |index: usize| scene.material_of(SurfaceId(index as u32));
         let exitance = mean_over_area(&|index| of(index).exitance.iter().copied().fold(0.0, f64::max));
         let reflectance = mean_over_area(&|index| of(index).reflectance.iter().copied().fold(0.0, f64::max)).min(0.999);
+        let reflecting = surfaces().filter(|(_, material)| material.reflectance.iter().any(|&rho| rho > 0.0)).count();
+        let gather = match options.gather {
+            Gather::Auto if options.strategy == Strategy::Default && reflecting > FEW_SURFACES => Gather::Hemisphere,
+            Gather::Auto => Gather::Links,
+            chosen => chosen,
+        };
+        let (rays_at_2_percent, rays_power) = match gather {
+            Gather::Hemisphere if options.error > 0.02 => (HEMISPHERE_RAYS_AT_2_PERCENT, FEW_HEMISPHERE_RAYS_POWER),
+            Gather::Hemisphere => (HEMISPHERE_RAYS_AT_2_PERCENT, MANY_HEMISPHERE_RAYS_POWER),
+            _ => (RAYS_AT_2_PERCENT, RAYS_POWER),
+        };
+        let positions = (POSITIONS_AT_2_PERCENT * (0.02 / options.error).sqrt()).clamp(*POSITIONS.start(), *POSITIONS.end());
+        let resolution = Resolution::of_positions(scene, positions as usize, POSITION_PATHS, POSITION_LAMP_RAYS);
         Self {
             options: options.clone(),
             surfaces: scene.surfaces().len(),
@@ -90,9 +130,11 @@ impl Plan {
             tolerance: options.tolerance.unwrap_or(TOLERANCE_AT_2_PERCENT * (options.error / 0.02).powf(TOLERANCE_POWER)),
             point_rays: options
                 .point_rays
-                .unwrap_or((RAYS_AT_2_PERCENT * (0.02 / options.error).powf(RAYS_POWER)).clamp(16.0, 8192.0) as u32),
+                .unwrap_or((rays_at_2_percent * (0.02 / options.error).powf(rays_power)).clamp(16.0, 8192.0) as u32),
             error_points: *ERROR_POINTS.start(),
-            residual_weight: RESIDUAL_WEIGHT * (USUAL_REFLECTANCE_GAP / (1.0 - reflectance)).powi(2).clamp(1.0, 256.0),
+            look_rays: (1.2 / options.error.powf(1.2)).clamp(64.0, f64::from(MAX_LOOK_RAYS)) as u32,
+            gather,
+            resolution,
             refinements: 0,
             looks: 0,
         }
@@ -100,7 +142,9 @@ impl Plan {
 
     /// The tolerances of this round's steps, falling.
     pub fn tolerances(&self) -> Vec<f64> {
-        if self.refinements == 0 && self.options.strategy != Strategy::Uniform {
+        if self.gather == Gather::Hemisphere {
+            vec![self.options.tolerance.unwrap_or(COARSE_TOLERANCE)]
+        } else if self.refinements == 0 && self.options.strategy != Strategy::Uniform {
             FIRST_STEPS.iter().map(|factor| factor * self.tolerance).collect()
         } else {
             vec![self.tolerance]
@@ -141,15 +185,19 @@ impl Plan {
         self.point_rays
     }
 
+    /// How values at points are gathered; never [`Gather::Auto`].
+    pub fn gather(&self) -> Gather {
+        self.gather
+    }
+
+    /// How finely radiosities are resolved.
+    pub fn resolution(&self) -> Resolution {
+        self.resolution
+    }
+
     /// How hard the error estimate tries: its own noise must stay well below the error that is asked for.
     pub fn error_effort(&self) -> ErrorEffort {
-        let rays = (1.2 / self.options.error.powf(1.2)).clamp(64.0, 2048.0) as u32;
-        ErrorEffort {
-            points: self.error_points,
-            hemisphere_rays: rays,
-            lamp_rays: rays / 2,
-            residual_samples: (self.residual_weight * (self.error_points * rays as usize) as f64) as usize,
-        }
+        ErrorEffort { points: self.error_points, rays: self.look_rays }
     }
 
     /// Looks at the error that was reached, and sees to what is worst: noise of the estimate, noise at the points, or the links.
@@ -162,8 +210,14 @@ impl Plan {
         if self.looks > MAX_LOOKS {
             return Verdict::Exhausted;
         }
-        if error.measured < PROMISING * requested && self.error_points < *ERROR_POINTS.end() {
-            self.error_points *= 2;
+        // As far below what is measured as the claim lies above it, the error may still be.
+        let may_be_sq = 2.0 * error.measured.powi(2) - error.claimed.powi(2);
+        let is_promising = error.measured < PROMISING * requested || may_be_sq < (0.5 * requested).powi(2);
+        if is_promising && self.error_points < *ERROR_POINTS.end() {
+            // The noise of the product falls with the root of the points, but with the rays themselves while looks are the
+            // noisier part.
+            self.error_points += self.error_points / 2;
+            self.look_rays = (self.look_rays + self.look_rays / 2).min(MAX_LOOK_RAYS);
             return Verdict::LookCloser;
         }
         let excess = error.measured.max(0.5 * error.claimed) / (AIM * requested);
@@ -171,6 +225,15 @@ impl Plan {
             let factor = excess.powf(RAYS_POWER).clamp(1.5, 8.0);
             self.point_rays = (f64::from(self.point_rays) * factor).min(f64::from(MAX_POINT_RAYS)) as u32;
             return Verdict::MoreRays;
+        }
+        if self.gather == Gather::Hemisphere {
+            // More positions: each then stands for less area, and a path finds another one more often.
+            if self.refinements >= MAX_RESOLVES {
+                return Verdict::Exhausted;
+            }
+            self.refinements += 1;
+            self.resolution.side /= MORE_POSITIONS.sqrt();
+            return Verdict::Resolve;
         }
         self.refinements += 1;
         if self.options.strategy.links_surfaces() {

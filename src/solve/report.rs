@@ -96,6 +96,8 @@ pub struct StageTimes {
     pub gather: f64,
     /// Push-pull.
     pub push_pull: f64,
+    /// Resolving radiosities by light paths.
+    pub resolve: f64,
     /// Estimating the error.
     pub error: f64,
 }

@@ -2,11 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::SolveOptions;
+use super::{Gather, SolveOptions};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
+use crate::reconstruct::{Effort, HemisphereGather, Lattice, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Way};
 use crate::scene::Scene;
 use crate::sweep::{Exposure, Radiosity};
+use crate::transmittance::Rays;
 
 /// The answer: scene, hierarchy, links, radiosities and the options they were found with.
 ///
@@ -20,6 +22,9 @@ pub struct Solution {
     pub(crate) exposure: Exposure,
     pub(crate) radiosity: Radiosity,
     pub(crate) point_rays: u32,
+    /// How finely radiosities are resolved, and these, where values are gathered over the hemisphere.
+    pub(crate) resolution: Resolution,
+    pub(crate) resolved: Option<Resolved>,
 }
 
 impl Solution {
@@ -53,6 +58,27 @@ impl Solution {
         self.point_rays
     }
 
+    /// How values at points are gathered: over links or over the hemisphere.
+    pub fn gather(&self) -> Gather {
+        if self.resolved.is_some() { Gather::Hemisphere } else { Gather::Links }
+    }
+
+    /// The light paths that the values at points may take.
+    pub(crate) fn light_paths<'a>(&'a self, rays: &'a Rays<'a>) -> LightPaths<'a> {
+        LightPaths::new(&self.scene, rays, self.resolution.side)
+    }
+
+    /// Takes values at points; `paths` are [`Solution::light_paths`].
+    pub(crate) fn reconstruction<'a>(&'a self, rays: &'a Rays<'a>, paths: &'a LightPaths<'a>) -> Reconstruction<'a> {
+        let Self { scene, hierarchy, links, radiosity, .. } = self;
+        let way = match &self.resolved {
+            Some(resolved) => Way::Hemisphere(HemisphereGather { paths, resolved, bounces: 0 }),
+            None => Way::Links(LinkGather { scene, hierarchy, links, radiosity, rays }),
+        };
+        let effort = Effort { rays: self.point_rays, least_chance: 1.0, seed: self.options.seed };
+        Reconstruction { scene, hierarchy, way, effort }
+    }
+
     /// Visits the leaves of the hierarchy: polygon (counter-clockwise), surface index, radiosity per channel in W/m^2.
     pub fn for_each_leaf(&self, mut visit: impl FnMut(&[[f64; 3]], u32, &[f32])) {
         let is_leaf = |node: &NodeId| self.hierarchy.is_leaf(*node);
@@ -65,7 +91,10 @@ impl Solution {
 
     /// Bytes that hierarchy, links and radiosities take.
     pub fn memory_bytes(&self) -> u64 {
-        self.hierarchy.memory_bytes() + self.links.memory_bytes() + size_of_val(self.radiosity.values()) as u64
+        self.hierarchy.memory_bytes()
+            + self.links.memory_bytes()
+            + size_of_val(self.radiosity.values()) as u64
+            + self.resolved.as_ref().map_or(0, Resolved::memory_bytes)
     }
 
     /// Checks everything that later stages rely on: ids in range, trees well formed, numbers finite.
@@ -89,6 +118,16 @@ impl Solution {
         }
         if self.point_rays == 0 || self.point_rays > 1 << 20 {
             return Err("the number of rays to a point is out of range".to_owned());
+        }
+        let resolution = &self.resolution;
+        if !resolution.is_valid() {
+            return Err("the size of the cells is out of range".to_owned());
+        }
+        if let Some(resolved) = &self.resolved {
+            let cells = Lattice::new(&self.scene, resolution.side).count();
+            if !cells.is_some_and(|cells| resolved.is_valid(cells, channels)) {
+                return Err("the resolved radiosities do not fit the scene".to_owned());
+            }
         }
         Ok(())
     }

@@ -36,21 +36,11 @@ impl Closure {
         Self { channels, factors, emitted }
     }
 
-    /// Fills in, or takes away, reflected light at a leaf. `emits` tells whether the irradiance has the light that is emitted.
-    pub(super) fn close(&self, leaf: NodeId, emits: bool, irradiance: &mut [f64]) {
+    /// Fills in, or takes away, reflected light at a leaf.
+    pub(super) fn close(&self, leaf: NodeId, irradiance: &mut [f64]) {
         let factor = self.factors[leaf.index()];
         for (h, emitted) in irradiance.iter_mut().zip(&self.emitted[leaf.index() * self.channels..]) {
-            let emitted = if emits { emitted } else { &0.0 };
             *h = emitted + factor * (*h - emitted);
-        }
-    }
-
-    /// Takes new nodes for as closed as their parents.
-    pub fn inherit(&mut self, hierarchy: &Hierarchy) {
-        for node in self.factors.len()..hierarchy.len() {
-            let parent = hierarchy.node(NodeId(node as u32)).parent.index();
-            self.factors.push(self.factors[parent]);
-            self.emitted.extend_from_within(parent * self.channels..(parent + 1) * self.channels);
         }
     }
 }

@@ -53,14 +53,6 @@ impl Exposure {
         }
     }
 
-    /// Takes new nodes for as exposed as their parents.
-    pub(crate) fn inherit(&mut self, hierarchy: &Hierarchy) {
-        for node in self.by_node.len()..hierarchy.len() {
-            let parent = hierarchy.node(NodeId(node as u32)).parent;
-            self.by_node.push(self.by_node[parent.index()]);
-        }
-    }
-
     /// How many nodes it knows.
     pub(crate) fn len(&self) -> usize {
         self.by_node.len()

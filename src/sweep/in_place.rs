@@ -2,7 +2,7 @@
 //! what the nodes before it have just reflected (Gauss-Seidel). Needs fewer sweeps than Jacobi; runs on one thread, because order counts.
 
 use super::gather::{gather_cluster, gather_polygon};
-use super::{Change, Closure, Emission, Exposure, Radiosity, Reflection};
+use super::{Change, Closure, Exposure, Radiosity, Reflection};
 use crate::geometry::Lobes;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
@@ -18,14 +18,8 @@ pub(crate) fn sweep_in_place(
     radiosity: &mut Radiosity,
 ) -> Change {
     let channels = radiosity.channels();
-    let mut sweep = InPlace {
-        hierarchy,
-        links,
-        exposure,
-        reflection: Reflection { scene, emission: Emission::Materials, closure },
-        radiosity,
-        change: Change::default(),
-    };
+    let mut sweep =
+        InPlace { hierarchy, links, exposure, reflection: Reflection { scene, closure }, radiosity, change: Change::default() };
     sweep.descend_cluster(NodeId::ROOT, &vec![Lobes::default(); channels]);
     sweep.change
 }

@@ -46,19 +46,9 @@ impl Change {
     }
 }
 
-/// What leaves send out of their own.
-#[derive(Clone, Copy)]
-pub(crate) enum Emission<'a> {
-    /// The exitances of the materials.
-    Materials,
-    /// A value per node and channel, of either sign: sweeps then solve for a correction to radiosities instead of radiosities.
-    Residual(&'a [f64]),
-}
-
 /// What push-pull does at the leaves.
 struct Reflection<'a> {
     scene: &'a Scene,
-    emission: Emission<'a>,
     /// Where links are estimates; `None` where they are as exact as their form factors.
     closure: Option<&'a Closure>,
 }
@@ -67,16 +57,13 @@ impl Reflection<'_> {
     /// Sets `B = E + rho H` of a leaf in every channel.
     fn reflect(&self, leaf: NodeId, surface: u32, irradiance: &mut [f64], radiosity: &mut [f64], change: &mut Change) {
         if let Some(closure) = self.closure {
-            closure.close(leaf, matches!(self.emission, Emission::Materials), irradiance);
+            closure.close(leaf, irradiance);
         }
         let material = self.scene.material_of(SurfaceId(surface));
         for (channel, b) in radiosity.iter_mut().enumerate() {
             let reflected = material.reflectance[channel] * irradiance[channel];
-            let new = match self.emission {
-                // Links are unbiased samples: in the dark their noise may take the irradiance below zero.
-                Emission::Materials => material.exitance[channel] + reflected.max(0.0),
-                Emission::Residual(residual) => residual[leaf.index() * irradiance.len() + channel] + reflected,
-            };
+            // Links are unbiased samples: in the dark their noise may take the irradiance below zero.
+            let new = material.exitance[channel] + reflected.max(0.0);
             change.largest = change.largest.max((new - *b).abs());
             change.brightest = change.brightest.max(reflected.abs());
             *b = new;

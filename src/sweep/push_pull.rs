@@ -1,6 +1,6 @@
 //! Push-pull: irradiance goes down to the leaves, radiosity comes up.
 
-use super::{Change, Closure, Emission, Exposure, Irradiance, Radiosity, Reflection};
+use super::{Change, Closure, Exposure, Irradiance, Radiosity, Reflection};
 use crate::hierarchy::Hierarchy;
 use crate::scene::Scene;
 
@@ -9,7 +9,6 @@ pub(crate) fn push_pull(
     scene: &Scene,
     hierarchy: &Hierarchy,
     exposure: &Exposure,
-    emission: Emission<'_>,
     closure: Option<&Closure>,
     irradiance: Irradiance,
     radiosity: &mut Radiosity,
@@ -18,7 +17,7 @@ pub(crate) fn push_pull(
     let mut values = push(hierarchy, irradiance, channels);
 
     // Reflect at the leaves, and pull.
-    let reflection = Reflection { scene, emission, closure };
+    let reflection = Reflection { scene, closure };
     let mut change = Change::default();
     for node in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
         let irradiance = &mut values[node.index() * channels..][..channels];

@@ -26,7 +26,13 @@ const LEAST_SHOWN: f64 = 0.1;
 impl Radiosity {
     /// `B = E` on every node.
     pub fn emitted(scene: &Scene, hierarchy: &Hierarchy, exposure: &Exposure) -> Self {
-        let mut radiosity = Self::dark(scene, hierarchy);
+        let (channels, clusters) = (scene.channels(), hierarchy.cluster_count());
+        let mut radiosity = Self {
+            channels,
+            values: vec![0.0; channels * hierarchy.len()],
+            exposed: vec![Lobes::default(); clusters],
+            shown: vec![Lobes::default(); channels * clusters],
+        };
         for node in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
             if let Some(surface) = hierarchy.surface_of(node) {
                 radiosity.of_mut(node).copy_from_slice(&scene.material_of(surface).exitance);
@@ -42,23 +48,6 @@ impl Radiosity {
         let mut ones = Self { channels: 1, values: vec![1.0; hierarchy.len()], exposed: clusters.clone(), shown: clusters };
         ones.pull(hierarchy, exposure);
         ones
-    }
-
-    /// No radiosity anywhere.
-    pub(crate) fn dark(scene: &Scene, hierarchy: &Hierarchy) -> Self {
-        let (channels, clusters) = (scene.channels(), hierarchy.cluster_count());
-        Self {
-            channels,
-            values: vec![0.0; channels * hierarchy.len()],
-            exposed: vec![Lobes::default(); clusters],
-            shown: vec![Lobes::default(); channels * clusters],
-        }
-    }
-
-    /// Adds another one of the same hierarchy.
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.values.iter_mut().zip(&other.values).for_each(|(value, other)| *value += other);
-        self.shown.iter_mut().zip(&other.shown).for_each(|(shown, other)| *shown += *other);
     }
 
     /// How many channels each node has.

@@ -12,6 +12,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::Effort;
 use crate::form_factor::{kernel, point_to_polygon};
 use crate::geometry::{Facet, Part, sampling};
 use crate::hierarchy::{Hierarchy, NodeId, for_each_piece};
@@ -38,23 +39,17 @@ const MAX_SPLITS: u32 = 8;
 
 /// Gathers at points over the links of a solution.
 #[derive(Clone, Copy)]
-pub(crate) struct PointGather<'a> {
+pub(crate) struct LinkGather<'a> {
     pub scene: &'a Scene,
     pub hierarchy: &'a Hierarchy,
     pub links: &'a LinkSet,
     pub radiosity: &'a Radiosity,
     pub rays: &'a Rays<'a>,
-    /// Visibility rays a point.
-    pub budget: u32,
-    /// A piece that carries less than its share gets a ray with this probability at least: 1 for values, less for pictures, where many
-    /// points are seen and a little more noise at each is no harm.
-    pub least_chance: f64,
-    pub seed: u64,
 }
 
 /// Memory that a gather reuses from point to point.
 #[derive(Default)]
-pub(crate) struct GatherScratch {
+pub(crate) struct LinkScratch {
     pieces: Vec<Piece>,
     strong: Vec<Piece>,
     segments: Vec<Segment>,
@@ -91,14 +86,14 @@ struct Receiver<'a> {
     reflectance: &'a [f64],
 }
 
-impl PointGather<'_> {
+impl LinkGather<'_> {
     /// The radiosity at `point` of `surface`, by channel, in W/m^2.
-    pub fn radiosity_at(&self, point: DVec3, surface: SurfaceId, scratch: &mut GatherScratch, radiosity: &mut [f64]) {
+    pub fn radiosity_at(&self, point: DVec3, surface: SurfaceId, effort: Effort, scratch: &mut LinkScratch, radiosity: &mut [f64]) {
         let material = self.scene.material_of(surface);
         let place = self.scene.surface(surface);
         let normal = place.polygon.facet().normal;
         let receiver = Receiver { point, normal, plane: place.plane, reflectance: &material.reflectance };
-        self.irradiance(&receiver, self.hierarchy.leaf_at(surface, point), scratch, radiosity);
+        self.irradiance(&receiver, self.hierarchy.leaf_at(surface, point), effort, scratch, radiosity);
         for (channel, value) in radiosity.iter_mut().enumerate() {
             // Noise may take the irradiance below zero where all is dark.
             *value = material.exitance[channel] + material.reflectance[channel] * value.max(0.0);
@@ -106,16 +101,16 @@ impl PointGather<'_> {
     }
 
     /// The irradiance H at a point of `leaf`, by channel, in W/m^2.
-    fn irradiance(&self, receiver: &Receiver<'_>, leaf: NodeId, scratch: &mut GatherScratch, irradiance: &mut [f64]) {
+    fn irradiance(&self, receiver: &Receiver<'_>, leaf: NodeId, effort: Effort, scratch: &mut LinkScratch, irradiance: &mut [f64]) {
         irradiance.fill(0.0);
         self.collect_sources(receiver, leaf, scratch);
         let total: f64 = scratch.pieces.iter().map(|piece| piece.carried).sum();
         if total <= 0.0 {
             return;
         }
-        let share = total / f64::from(self.budget.max(1));
+        let share = total / f64::from(effort.rays.max(1));
         self.split_strong_sources(receiver, share, scratch);
-        self.aim(receiver, share, scratch);
+        self.aim(receiver, share, effort, scratch);
         self.rays.occluded(&scratch.segments, &mut scratch.occluded);
 
         // Each piece brings its form factor times its mean radiosity, corrected by what each ray finds in its place. A piece to which a ray
@@ -145,7 +140,7 @@ impl PointGather<'_> {
     }
 
     /// The sources of all links above the point that the point can see.
-    fn collect_sources(&self, receiver: &Receiver<'_>, leaf: NodeId, scratch: &mut GatherScratch) {
+    fn collect_sources(&self, receiver: &Receiver<'_>, leaf: NodeId, scratch: &mut LinkScratch) {
         scratch.pieces.clear();
         let mut node = Some(leaf);
         while let Some(above) = node {
@@ -198,12 +193,12 @@ impl PointGather<'_> {
     }
 
     /// Splits what carries more than its share, until no piece does.
-    fn split_strong_sources(&self, receiver: &Receiver<'_>, share: f64, scratch: &mut GatherScratch) {
+    fn split_strong_sources(&self, receiver: &Receiver<'_>, share: f64, scratch: &mut LinkScratch) {
         let is_strong = |piece: &Piece| {
             let splits = piece.part.map_or(0, |part| u32::from(part.splits));
             piece.carried > share * if piece.near { NEAR_RAYS } else { MAX_RAYS } && splits < MAX_SPLITS
         };
-        let GatherScratch { pieces, strong, .. } = scratch;
+        let LinkScratch { pieces, strong, .. } = scratch;
         strong.clear();
         pieces.retain(|piece| {
             let keep = !is_strong(piece);
@@ -237,17 +232,17 @@ impl PointGather<'_> {
     }
 
     /// Lays the rays to every piece: as many as it carries shares; where it carries less than one, a single ray by chance.
-    fn aim(&self, receiver: &Receiver<'_>, share: f64, scratch: &mut GatherScratch) {
-        let GatherScratch { pieces, segments, weights, met, .. } = scratch;
+    fn aim(&self, receiver: &Receiver<'_>, share: f64, effort: Effort, scratch: &mut LinkScratch) {
+        let LinkScratch { pieces, segments, weights, met, .. } = scratch;
         segments.clear();
         weights.clear();
         met.clear();
         let at_point =
-            receiver.point.to_array().iter().fold(self.seed, |seed, coordinate| sampling::hash(seed, coordinate.to_bits()));
+            receiver.point.to_array().iter().fold(effort.seed, |seed, coordinate| sampling::hash(seed, coordinate.to_bits()));
         for (index, piece) in pieces.iter_mut().enumerate() {
             let seed = sampling::hash(at_point, index as u64);
             piece.rays = (piece.carried / share).ceil().clamp(1.0, MAX_RAYS) as u32;
-            piece.chance = (piece.carried / share).clamp(self.least_chance, 1.0);
+            piece.chance = (piece.carried / share).clamp(effort.least_chance, 1.0);
             if sampling::unit(sampling::hash(seed, 1)) >= piece.chance {
                 piece.rays = 0;
                 continue;

@@ -1,0 +1,270 @@
+//! The light of lamps at a place, by rays that do without links.
+//!
+//! Each lamp is cut into pieces that are small as seen from the place, each with its exact form factor. Rays are spread over the
+//! pieces by what they carry, so no single ray weighs much, even a millimetre from a lamp. Where there are fewer rays than lamps,
+//! each ray draws a lamp from a tree first: the cost of a ray does not grow with the number of lamps.
+
+use glam::DVec3;
+
+use super::lamp_tree::LampTree;
+use super::light_paths::Place;
+use crate::form_factor::{kernel, point_to_polygon};
+use crate::geometry::{Facet, Part, sampling};
+use crate::hierarchy::for_each_piece;
+use crate::scene::{Scene, SurfaceId};
+use crate::transmittance::Rays;
+use crate::visibility::Segment;
+
+/// A piece is small if its radius is below this part of its distance.
+const SMALL: f64 = 0.5;
+
+/// A lamp is cut so many times at most.
+const MAX_SPLITS: u8 = 6;
+
+/// Where more than this part of all area emits, rays over the hemisphere meet emitters well enough, and there are no lamps.
+const MOSTLY_EMITTING: f64 = 0.2;
+
+/// The emitters that are sampled by rays of their own.
+pub(super) struct Lamps<'a> {
+    scene: &'a Scene,
+    surfaces: Vec<SurfaceId>,
+    /// Over the lamps, if there are any.
+    tree: Option<LampTree>,
+}
+
+/// A piece of a lamp as seen from a place.
+struct Piece {
+    lamp: SurfaceId,
+    part: Option<Part>,
+    form_factor: f64,
+    carried: f64,
+}
+
+/// A ray to a piece of a lamp.
+struct Drawn {
+    place: usize,
+    lamp: SurfaceId,
+    /// The piece's exact form factor, and the sample of it that this ray is.
+    form_factor: f64,
+    sampled: f64,
+    /// How many of its kind the ray stands for: pieces are drawn by what they carry.
+    share: f64,
+}
+
+/// The rays to lamps of some places, and the pieces that the last of them sees.
+#[derive(Default)]
+struct Aimed {
+    pieces: Vec<Piece>,
+    segments: Vec<Segment>,
+    drawn: Vec<Drawn>,
+}
+
+impl<'a> Lamps<'a> {
+    pub fn new(scene: &'a Scene) -> Self {
+        let area = |id: SurfaceId| scene.surface(id).polygon.area();
+        let all = || (0..scene.surfaces().len() as u32).map(SurfaceId);
+        let mut surfaces: Vec<SurfaceId> = all().filter(|&id| scene.material_of(id).emits()).collect();
+        if surfaces.iter().map(|&id| area(id)).sum::<f64>() > MOSTLY_EMITTING * all().map(area).sum::<f64>() {
+            surfaces.clear();
+        }
+        let tree = (!surfaces.is_empty()).then(|| LampTree::new(scene, &surfaces));
+        Self { scene, surfaces, tree }
+    }
+
+    /// Whether the emission of a surface is sampled here, so that other rays must leave it out.
+    pub fn contains(&self, surface: SurfaceId) -> bool {
+        !self.surfaces.is_empty() && self.scene.material_of(surface).emits()
+    }
+
+    /// Adds the irradiance from all lamps at each place, by `count` rays; without bias for any number of rays. `irradiance` has the
+    /// channels of the first place first.
+    pub fn add_sampled_irradiance(&self, places: &[Place], rays: &Rays<'_>, count: u32, irradiance: &mut [f64]) {
+        let Some(tree) = &self.tree else { return };
+        let mut aimed = Aimed::default();
+        for (index, place) in places.iter().enumerate() {
+            if count as usize >= self.surfaces.len() {
+                self.aim_at_all(place, index, count, &mut aimed);
+            } else {
+                self.aim_at_some(tree, place, index, count, &mut aimed);
+            }
+        }
+        let mut occluded = Vec::new();
+        rays.occluded(&aimed.segments, &mut occluded);
+
+        // What is blocked is taken from the exact form factor: there is no noise where nothing is blocked.
+        let channels = self.scene.channels();
+        for (drawn, occluded) in aimed.drawn.into_iter().zip(occluded) {
+            let visible = drawn.form_factor - if occluded { drawn.sampled } else { 0.0 };
+            let exitance = &self.scene.material_of(drawn.lamp).exitance;
+            for (h, e) in irradiance[drawn.place * channels..][..channels].iter_mut().zip(exitance) {
+                *h += visible * drawn.share * e;
+            }
+        }
+    }
+
+    /// Spreads the rays of a place over the pieces of all lamps by what they carry, systematically from a random start.
+    fn aim_at_all(&self, place: &Place, index: usize, count: u32, aimed: &mut Aimed) {
+        aimed.pieces.clear();
+        let normal = self.scene.surface(place.surface).polygon.facet().normal;
+        for &lamp in &self.surfaces {
+            self.cut(place.point, normal, lamp, None, &mut aimed.pieces);
+        }
+        let start = sampling::unit(sampling::hash(place.seed, 5));
+        let ray = |ray: u32| (f64::from(ray) + start) / f64::from(count);
+        self.aim(place, index, 1.0 / f64::from(count), (0..count).map(ray), aimed);
+    }
+
+    /// Draws a lamp from the tree for each ray of a place, systematically from a random start, and a piece of that lamp.
+    fn aim_at_some(&self, tree: &LampTree, place: &Place, index: usize, count: u32, aimed: &mut Aimed) {
+        let normal = self.scene.surface(place.surface).polygon.facet().normal;
+        let start = sampling::unit(sampling::hash(place.seed, 5));
+        let ray = |ray: u32| (f64::from(ray) + start) / f64::from(count);
+        let mut draws = (0..count).filter_map(|number| tree.draw(place.point, normal, ray(number))).peekable();
+
+        // Rays that draw the same lamp come one after the other.
+        while let Some(first) = draws.next() {
+            let mut rests = vec![first.rest];
+            while let Some(next) = draws.next_if(|next| next.lamp == first.lamp) {
+                rests.push(next.rest);
+            }
+            aimed.pieces.clear();
+            self.cut(place.point, normal, first.lamp, None, &mut aimed.pieces);
+            self.aim(place, index, 1.0 / (f64::from(count) * first.probability), rests.into_iter(), aimed);
+        }
+    }
+
+    /// Aims a ray for each of `places_in_sum`, rising in [0, 1): at the piece in whose share of what all pieces carry it falls. A
+    /// ray stands for `weight` of all light.
+    fn aim(&self, place: &Place, index: usize, weight: f64, places_in_sum: impl Iterator<Item = f64>, aimed: &mut Aimed) {
+        let Aimed { pieces, segments, drawn } = aimed;
+        let receiver = self.scene.surface(place.surface);
+        let normal = receiver.polygon.facet().normal;
+        let total: f64 = pieces.iter().map(|piece| piece.carried).sum();
+        if total <= 0.0 {
+            return;
+        }
+        let (mut number, mut above, mut of_piece) = (0, pieces[0].carried, 0);
+        for place_in_sum in places_in_sum {
+            while place_in_sum * total >= above && number + 1 < pieces.len() {
+                number += 1;
+                above += pieces[number].carried;
+                of_piece = 0;
+            }
+            let piece = &pieces[number];
+            let whole = self.scene.surface(piece.lamp).polygon.facet();
+            let facet = piece.part.as_ref().map_or(whole, |part| part.facet(whole.normal));
+            let seed = sampling::hash(place.seed, u64::from(piece.lamp.0) << 32 | number as u64);
+            let [u, v, ..] = sampling::sobol_4d(of_piece, seed);
+            let y = facet.point_at(u, v);
+            let to_plane = self.scene.surface(piece.lamp).plane;
+            segments.push(Segment { from: place.point.to_array(), to: y.to_array(), from_plane: receiver.plane, to_plane });
+            drawn.push(Drawn {
+                place: index,
+                lamp: piece.lamp,
+                form_factor: piece.form_factor,
+                sampled: facet.area * kernel(place.point, normal, y, facet.normal),
+                share: weight * total / piece.carried,
+            });
+            of_piece += 1;
+        }
+    }
+
+    /// Cuts a lamp, or a part of one, into pieces that are small as seen from `point`, and keeps those that can be seen.
+    fn cut(&self, point: DVec3, normal: DVec3, lamp: SurfaceId, part: Option<Part>, pieces: &mut Vec<Piece>) {
+        let whole = self.scene.surface(lamp).polygon.facet();
+        let facet: Facet<'_> = part.as_ref().map_or(whole, |part| part.facet(whole.normal));
+        let form_factor = point_to_polygon(point, normal, &facet);
+        if form_factor <= 0.0 {
+            return;
+        }
+        let splits = part.map_or(0, |part| part.splits);
+        if facet.radius * facet.radius > SMALL * SMALL * point.distance_squared(facet.centroid) && splits < MAX_SPLITS {
+            for_each_piece(&facet, |corners| self.cut(point, normal, lamp, Some(Part::new(corners, splits + 1)), pieces));
+            return;
+        }
+        let brightest = self.scene.material_of(lamp).exitance.iter().copied().fold(0.0, f64::max);
+        pieces.push(Piece { lamp, part, form_factor, carried: form_factor * brightest });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Polygon;
+    use crate::scene::{Material, Sides};
+    use crate::visibility::{Backend, OccluderMesh, build};
+
+    /// A floor and `count` small lamps above it, turned every way, some behind others.
+    fn lamps_over_a_floor(count: u64) -> Scene {
+        let material = |reflectance: f64, exitance: f64| Material {
+            name: format!("{exitance}"),
+            reflectance: vec![reflectance],
+            exitance: vec![exitance],
+        };
+        let quad = |corner: DVec3, u: DVec3, v: DVec3| {
+            Polygon::from_vertices(vec![corner, corner + u, corner + u + v, corner + v]).unwrap()
+        };
+        let mut faces = vec![(quad(DVec3::ZERO, 10.0 * DVec3::X, 10.0 * DVec3::Y), 0, 0)];
+        for lamp in 0..count {
+            let random = |draw| sampling::unit(sampling::hash(lamp, draw));
+            let direction = |draw| (DVec3::new(random(draw), random(draw + 1), random(draw + 2)) - 0.5).normalize();
+            let normal = (direction(10) - 0.6 * DVec3::Z).normalize();
+            let u = normal.cross(direction(20)).normalize();
+            let corner = DVec3::new(10.0 * random(1), 10.0 * random(2), 0.5 + 3.0 * random(3));
+            faces.push((quad(corner, 0.1 * u, 0.1 * normal.cross(u)), 1 + (lamp % 3) as u32, 1 + lamp as u32));
+        }
+        let materials = vec![material(0.5, 0.0), material(0.0, 1.0), material(0.0, 5.0), material(0.0, 20.0)];
+        Scene::new(1, materials, faces, Sides::Front).unwrap()
+    }
+
+    fn places(seed: u64) -> Vec<Place> {
+        let place = |k: u64| {
+            let coordinate = |draw| 10.0 * sampling::unit(sampling::hash(k, draw));
+            let point = DVec3::new(coordinate(40), coordinate(41), 0.0);
+            Place { point, surface: SurfaceId(0), seed: sampling::hash(seed, k) }
+        };
+        (0..20).map(place).collect()
+    }
+
+    #[test]
+    fn lamps_from_the_tree_bring_what_all_lamps_bring() {
+        let scene = lamps_over_a_floor(1000);
+        let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+        let rays = Rays::new(&*visibility, &scene);
+        let lamps = Lamps::new(&scene);
+
+        // With more rays than lamps all lamps are looked at; 16 rays choose among them, a thousand times.
+        let mut expected = vec![0.0; 20];
+        lamps.add_sampled_irradiance(&places(1), &rays, 50_000, &mut expected);
+        let (mut sum, mut sum_sq) = (vec![0.0; 20], vec![0.0; 20]);
+        let rounds = 1000;
+        for round in 0..rounds {
+            let mut found = vec![0.0; 20];
+            lamps.add_sampled_irradiance(&places(100 + round), &rays, 16, &mut found);
+            found.iter().zip(sum.iter_mut().zip(sum_sq.iter_mut())).for_each(|(h, (sum, sum_sq))| {
+                *sum += h;
+                *sum_sq += h * h;
+            });
+        }
+        for (place, expected) in expected.iter().enumerate() {
+            let n = rounds as f64;
+            let mean = sum[place] / n;
+            let sigma = ((sum_sq[place] / n - mean * mean) / n).sqrt();
+            // What is expected has noise of its own, less than 0.3% with 50 rays to a lamp on average.
+            assert!((mean - expected).abs() <= 4.5 * sigma + 0.003 * expected, "place {place}: {mean} +- {sigma}, not {expected}");
+            assert!(sigma * n.sqrt() < mean, "place {place}: a single look scatters by {}", sigma * n.sqrt() / mean);
+        }
+    }
+
+    #[test]
+    fn rays_do_not_grow_with_the_number_of_lamps() {
+        for count in [1, 16, 17, 1000] {
+            let scene = lamps_over_a_floor(count);
+            let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+            let rays = Rays::new(&*visibility, &scene);
+            Lamps::new(&scene).add_sampled_irradiance(&places(1), &rays, 24, &mut [0.0; 20]);
+            let cast = rays.segments().count();
+            assert!(cast + rays.spared() <= 20 * 24, "{count} lamps: {cast} rays");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Values at points, whichever way they are gathered.
+
+use glam::DVec3;
+
+use super::hemisphere::HemisphereGather;
+use super::light_paths::{Ends, Place};
+use super::over_links::{LinkGather, LinkScratch};
+use crate::geometry::sampling;
+use crate::hierarchy::Hierarchy;
+use crate::scene::{Scene, SurfaceId};
+
+/// How values at points are gathered.
+pub(crate) enum Way<'a> {
+    /// Over the links above the point.
+    Links(LinkGather<'a>),
+    /// By paths over the hemisphere.
+    Hemisphere(HemisphereGather<'a>),
+}
+
+/// Takes values at points.
+pub(crate) struct Reconstruction<'a> {
+    pub scene: &'a Scene,
+    pub hierarchy: &'a Hierarchy,
+    pub way: Way<'a>,
+    /// What a value takes.
+    pub effort: Effort,
+}
+
+/// How much a value takes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Effort {
+    /// Rays to a point.
+    pub rays: u32,
+    /// Over links, a source that carries less than a ray's share gets a ray with this probability at least: 1 for values, less for
+    /// pictures, where many points are seen and a little more noise at each is no harm.
+    pub least_chance: f64,
+    /// Picks the random numbers, together with the point.
+    pub seed: u64,
+}
+
+/// Memory that is reused from point to point.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    links: LinkScratch,
+    ends: Ends,
+    places: Vec<Place>,
+}
+
+impl Reconstruction<'_> {
+    /// The radiosities at points of surfaces, by channel, in W/m^2, point after point. A value does not depend on the points beside
+    /// it.
+    pub fn radiosities_at(
+        &self,
+        points: impl Iterator<Item = (DVec3, SurfaceId)>,
+        effort: Effort,
+        scratch: &mut Scratch,
+        radiosity: &mut [f64],
+    ) {
+        let channels = self.scene.channels();
+        match &self.way {
+            Way::Links(gather) => {
+                for ((point, surface), radiosity) in points.zip(radiosity.chunks_mut(channels)) {
+                    gather.radiosity_at(point, surface, effort, &mut scratch.links, radiosity);
+                }
+            }
+            Way::Hemisphere(gather) => {
+                let coordinates = |seed, point: DVec3| {
+                    point.to_array().iter().fold(seed, |seed, coordinate| sampling::hash(seed, coordinate.to_bits()))
+                };
+                let place = |(point, surface)| Place { point, surface, seed: coordinates(effort.seed, point) };
+                scratch.places.clear();
+                scratch.places.extend(points.map(place));
+                gather.sampled_irradiance(&scratch.places, effort.rays, &mut scratch.ends, radiosity);
+                for (place, radiosity) in scratch.places.iter().zip(radiosity.chunks_mut(channels)) {
+                    let material = self.scene.material_of(place.surface);
+                    for (channel, value) in radiosity.iter_mut().enumerate() {
+                        // Noise may take the irradiance below zero where all is dark.
+                        *value = material.exitance[channel] + material.reflectance[channel] * value.max(0.0);
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! Radiosities resolved at positions: one in every cell of the lattice, found by light paths alone.
+//!
+//! From a random position in each cell a few paths are followed to the cells where they end. What they find there is not known yet;
+//! so the paths are kept, and the positions take their radiosities from one another until nothing changes:
+//!
+//! ```text
+//! B_i = E_i + rho_i (direct_i + mean over paths p of (constant_p + weight_p B_end(p)))
+//! ```
+//!
+//! That is the radiosity equation with random rows instead of integrals, each unbiased. Its solution is noisy at a single position,
+//! which gathers over many positions average out; biased is it only where a path comes back to its own position, which few do.
+//!
+//! The light that lamp rays bring is left out of what a cell sends.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::lattice::Grid;
+use super::light_paths::{Ends, LightPaths, NO_CELL, Place};
+use crate::geometry::sampling;
+use crate::scene::Scene;
+
+/// How finely radiosities are resolved.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Resolution {
+    /// The size of a cell, in metres.
+    pub side: f64,
+    /// Paths from each position.
+    pub paths: u32,
+    /// Rays to lamps from each position.
+    pub lamp_rays: u32,
+}
+
+impl Resolution {
+    /// About `positions` cells over the surfaces of a scene.
+    pub fn of_positions(scene: &Scene, positions: usize, paths: u32, lamp_rays: u32) -> Self {
+        let area: f64 = scene.surfaces().iter().map(|surface| surface.polygon.area()).sum();
+        Self { side: (area / positions.max(1) as f64).sqrt(), paths, lamp_rays }
+    }
+
+    /// The same cells for the looks of an error estimate, which may be noisier than values.
+    pub fn for_looks(&self) -> Self {
+        Self { side: self.side, paths: self.paths.div_ceil(2), lamp_rays: self.lamp_rays.div_ceil(2) }
+    }
+
+    /// Whether the numbers are in range.
+    pub fn is_valid(&self) -> bool {
+        self.side.is_finite() && self.side > 0.0 && self.paths > 0 && self.lamp_rays > 0
+    }
+}
+
+/// What every cell sends, by channel: its radiosity in W/m^2, less what lamp rays bring.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Resolved {
+    channels: usize,
+    values: Vec<f32>,
+}
+
+/// Positions whose paths are followed together.
+const BATCH: usize = 128;
+
+/// Points tried in a cell until one lies on the surface.
+const TRIES: u64 = 8;
+
+/// Positions take their radiosities from one another until all changes still to come are below this part of the brightest, at most
+/// so often.
+const TOLERANCE: f64 = 1e-5;
+const MAX_SWEEPS: u32 = 5000;
+
+/// What is known of one cell before the radiosities are.
+#[derive(Clone, Copy)]
+enum Cell {
+    /// It does not meet the surface.
+    Empty,
+    Position(Place),
+}
+
+impl Resolved {
+    /// Solves for what every cell sends.
+    pub fn solve(paths: &LightPaths<'_>, resolution: &Resolution, seed: u64) -> Self {
+        let cells = spread_positions(paths, seed);
+        let mut equations = Equations::of_paths(paths, &cells, resolution);
+        let stand_in = stand_ins(paths, &cells, &equations);
+        for end in equations.end.iter_mut().filter(|end| **end != NO_CELL) {
+            *end = stand_in[*end as usize];
+        }
+        let values = equations.solve();
+
+        // Cells without a position of their own take the value of their stand-in.
+        let channels = paths.scene.channels();
+        let of_stand_in = |&cell: &u32| values[cell as usize * channels..][..channels].iter().map(|&value| value as f32);
+        Self { channels, values: stand_in.iter().flat_map(of_stand_in).collect() }
+    }
+
+    /// What a cell sends, by channel.
+    pub fn of(&self, cell: u32) -> &[f32] {
+        &self.values[cell as usize * self.channels..][..self.channels]
+    }
+
+    /// Whether it fits a number of cells and channels, and holds only numbers; in the dark noise may take them below 0.
+    pub fn is_valid(&self, cells: usize, channels: usize) -> bool {
+        self.channels == channels && self.values.len() == cells * channels && self.values.iter().all(|value| value.is_finite())
+    }
+
+    /// Bytes that the values take.
+    pub fn memory_bytes(&self) -> u64 {
+        size_of_val(&self.values[..]) as u64
+    }
+}
+
+/// A random position in every cell that meets its surface.
+fn spread_positions(paths: &LightPaths<'_>, seed: u64) -> Vec<Cell> {
+    let grids: Vec<_> = paths.lattice.grids().collect();
+    let of_grid = |(surface, grid): &(_, &Grid)| -> Vec<Cell> {
+        let facet = paths.scene.surface(*surface).polygon.facet();
+        let mut cells: Vec<Cell> = (0..grid.len())
+            .map(|index| {
+                let seed = sampling::hash(seed, u64::from(grid.first) + index as u64);
+                let tries = (0..TRIES).map(|attempt| sampling::hash(seed, attempt));
+                let mut points =
+                    tries.map(|draw| grid.point_in(index, sampling::unit(draw), sampling::unit(sampling::hash(draw, 1))));
+                let inside = points.find(|&point| facet.contains(point));
+                inside.map_or(Cell::Empty, |point| Cell::Position(Place { point, surface: *surface, seed }))
+            })
+            .collect();
+
+        // A sliver may slip through; then any point of the surface will do.
+        if cells.iter().all(|cell| matches!(cell, Cell::Empty)) {
+            let seed = sampling::hash(seed, u64::from(grid.first));
+            let point = facet.point_at(sampling::unit(seed), sampling::unit(sampling::hash(seed, 1)));
+            cells[0] = Cell::Position(Place { point, surface: *surface, seed });
+        }
+        cells
+    };
+    grids.par_iter().with_min_len(64).flat_map_iter(of_grid).collect()
+}
+
+/// One equation a cell: what it sends follows from what its paths' ends send.
+struct Equations {
+    channels: usize,
+    paths: usize,
+    /// By cell and channel.
+    constant: Vec<f64>,
+    /// By cell and path.
+    end: Vec<u32>,
+    /// By cell, path and channel; the reflectance and `1 / paths` are in it.
+    weight: Vec<f32>,
+    /// The part of each cell's paths that meet a back at once.
+    backs: Vec<f32>,
+}
+
+impl Equations {
+    /// Follows the paths of all positions.
+    fn of_paths(paths: &LightPaths<'_>, cells: &[Cell], resolution: &Resolution) -> Self {
+        let (channels, count) = (paths.scene.channels(), resolution.paths as usize);
+        let mut equations = Self {
+            channels,
+            paths: count,
+            constant: vec![0.0; cells.len() * channels],
+            end: vec![NO_CELL; cells.len() * count],
+            weight: vec![0.0; cells.len() * count * channels],
+            backs: vec![0.0; cells.len()],
+        };
+        let Self { constant, end, weight, backs, .. } = &mut equations;
+        let batches = cells
+            .par_chunks(BATCH)
+            .zip(constant.par_chunks_mut(BATCH * channels))
+            .zip(end.par_chunks_mut(BATCH * count))
+            .zip(weight.par_chunks_mut(BATCH * count * channels))
+            .zip(backs.par_chunks_mut(BATCH));
+        batches.for_each_init(Ends::default, |ends, ((((cells, constant), end), weight), backs)| {
+            let position = |(index, cell): (usize, &Cell)| match cell {
+                Cell::Position(place) => Some((index, *place)),
+                Cell::Empty => None,
+            };
+            let (indices, places): (Vec<usize>, Vec<Place>) = cells.iter().enumerate().filter_map(position).unzip();
+            let mut irradiance = vec![0.0; places.len() * channels];
+            paths.add_lamps(&places, resolution.lamp_rays, &mut irradiance);
+            paths.follow(&places, resolution.paths, 0, ends);
+
+            for (number, (&index, place)) in indices.iter().zip(&places).enumerate() {
+                let own = number * count..(number + 1) * count;
+                end[index * count..][..count].copy_from_slice(&ends.cell[own.clone()]);
+                backs[index] = ends.back[own.clone()].iter().filter(|&&back| back).count() as f32 / count as f32;
+                let material = paths.scene.material_of(place.surface);
+                let exitance = paths.unlamped_exitance(place.surface);
+                for channel in 0..channels {
+                    let rho = material.reflectance[channel];
+                    let mut found = 0.0;
+                    for path in own.clone() {
+                        found += ends.constant[path * channels + channel] / count as f64;
+                        let share = rho * ends.weight[path * channels + channel] / count as f64;
+                        weight[(index * count + path - own.start) * channels + channel] = share as f32;
+                    }
+                    let emitted = exitance.map_or(0.0, |exitance| exitance[channel]);
+                    constant[index * channels + channel] = emitted + rho * (irradiance[number * channels + channel] + found);
+                }
+            }
+        });
+        equations
+    }
+
+    /// Whether a position is covered: most of its paths meet a back at once.
+    fn is_covered(&self, cell: usize) -> bool {
+        self.backs[cell] > 0.5
+    }
+
+    /// What every position sends.
+    fn solve(&self) -> Vec<f64> {
+        let (channels, paths) = (self.channels, self.paths);
+        let (mut values, mut next) = (self.constant.clone(), vec![0.0; self.constant.len()]);
+        let mut previous = f64::INFINITY;
+        for _ in 0..MAX_SWEEPS {
+            next.par_chunks_mut(channels).with_min_len(1024).enumerate().for_each(|(cell, next)| {
+                next.copy_from_slice(&self.constant[cell * channels..][..channels]);
+                let ends = &self.end[cell * paths..][..paths];
+                let weights = self.weight[cell * paths * channels..].chunks(channels);
+                for (&end, weight) in ends.iter().zip(weights).filter(|(end, _)| **end != NO_CELL) {
+                    let sent = &values[end as usize * channels..][..channels];
+                    next.iter_mut().zip(weight).zip(sent).for_each(|((next, weight), sent)| *next += f64::from(*weight) * sent);
+                }
+            });
+            let changes = next.par_iter().zip(&values).map(|(new, old)| ((new - old).abs(), *new));
+            let (change, brightest) = changes.reduce(|| (0.0, 0.0), |a, b| (f64::max(a.0, b.0), f64::max(a.1, b.1)));
+            std::mem::swap(&mut values, &mut next);
+            let ratio = if previous.is_finite() { (change / previous).min(0.9999) } else { 0.9999 };
+            previous = change;
+            if change * ratio <= TOLERANCE * brightest * (1.0 - ratio) {
+                break;
+            }
+        }
+        values
+    }
+}
+
+/// For every cell the nearest one of its surface that has a position which is not covered: itself, for most.
+fn stand_ins(paths: &LightPaths<'_>, cells: &[Cell], equations: &Equations) -> Vec<u32> {
+    let mut stand_in: Vec<u32> = (0..cells.len() as u32).collect();
+    for (_, grid) in paths.lattice.grids() {
+        let first = grid.first as usize;
+        let serves = |cell: usize| matches!(cells[cell], Cell::Position(_)) && !equations.is_covered(cell);
+        let mut open: Vec<usize> = (first..first + grid.len()).filter(|&cell| !serves(cell)).collect();
+        if open.is_empty() || open.len() == grid.len() {
+            // Nothing to do; or all is covered, and no path from outside ends here but by rounding.
+            let any = (first..first + grid.len()).find(|&cell| matches!(cells[cell], Cell::Position(_))).unwrap_or(first);
+            open.into_iter().filter(|&cell| matches!(cells[cell], Cell::Empty)).for_each(|cell| stand_in[cell] = any as u32);
+            continue;
+        }
+
+        // The known spreads from cell to cell, a step in every round.
+        let columns = grid.columns as usize;
+        let mut is_open = vec![false; grid.len()];
+        open.iter().for_each(|cell| is_open[cell - first] = true);
+        while !open.is_empty() {
+            let found: Vec<(usize, u32)> = open
+                .iter()
+                .filter_map(|&cell| {
+                    let (index, column) = (cell - first, (cell - first) % columns);
+                    let left = (column > 0).then(|| index - 1);
+                    let right = (column + 1 < columns).then_some(index + 1);
+                    let (below, above) = (index.checked_sub(columns), (index + columns < grid.len()).then_some(index + columns));
+                    let neighbours = [left, right, below, above].into_iter().flatten();
+                    neighbours.into_iter().find(|&near| !is_open[near]).map(|near| (cell, stand_in[first + near]))
+                })
+                .collect();
+            for &(cell, by) in &found {
+                stand_in[cell] = by;
+                is_open[cell - first] = false;
+            }
+            open.retain(|cell| is_open[cell - first]);
+        }
+    }
+    stand_in
+}

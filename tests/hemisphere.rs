@@ -1,0 +1,128 @@
+//! The gather over the hemisphere against what is known exactly.
+#![allow(clippy::print_stdout, reason = "a test tells what it measured")]
+
+#[path = "support/rooms.rs"]
+mod rooms;
+#[path = "support/triangles.rs"]
+mod triangles;
+#[path = "support/two_squares.rs"]
+mod two_squares;
+
+use std::io::Cursor;
+use std::path::Path;
+
+use patchlight::form_factor::point_form_factor;
+use patchlight::output::{Provenance, read_solution_from, write_solution};
+use patchlight::pipeline::Evaluator;
+use patchlight::solve::{Gather, RunOptions, SolveOptions, SolveReport};
+use rooms::{Room, cube, points_of, solve, two_squares, values};
+use triangles::Random;
+use two_squares::TwoSquares;
+
+fn hemisphere(error: f64) -> SolveOptions {
+    SolveOptions { error, gather: Gather::Hemisphere, ..SolveOptions::default() }
+}
+
+#[test]
+fn a_uniform_furnace_is_uniform() {
+    // Every path in a closed room finds the same, so there is no noise: off are only the sweeps, which end with 1e-5 of it to come.
+    for rho in [0.5, 0.9, 0.99] {
+        let (evaluator, _) = solve(cube(&[rho], &[1.0]), &hemisphere(0.1));
+        let points: Vec<_> =
+            points_of(evaluator.solution().scene(), 300, &mut Random(7)).into_iter().map(|(point, _)| point).collect();
+        let expected = 1.0 / (1.0 - rho);
+        let worst = values(&evaluator, &points).iter().map(|value| (value / expected - 1.0).abs()).fold(0.0, f64::max);
+        println!("rho {rho}: {worst:e}");
+        assert!(worst <= 2e-5, "rho {rho}: off by {worst:e}");
+    }
+}
+
+/// A square that reflects, and over it one that emits, with black ones beside to dilute the part that emits, or without.
+fn under_one_polygon(diluted: bool) -> Room {
+    let mut room = Room::default();
+    let (grey, bright, black) = (room.material(&[0.5], &[0.0]), room.material(&[0.0], &[1.0]), room.material(&[0.0], &[0.0]));
+    room.quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], grey);
+    room.face(&[[0.0, 0.0, 0.6], [0.2, 1.4, 0.6], [1.3, 0.8, 0.6]], bright);
+    if diluted {
+        room.quad([20.0, 20.0, -5.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], black);
+    }
+    room
+}
+
+#[test]
+fn a_point_under_one_polygon_has_its_form_factor() {
+    for diluted in [false, true] {
+        let scene = under_one_polygon(diluted).scene();
+        let lamp = scene.surfaces()[1].polygon.clone();
+        let options = SolveOptions { point_rays: Some(256), ..hemisphere(0.5) };
+        let (evaluator, _) = solve(scene, &options);
+        let mut points = points_of(evaluator.solution().scene(), 4000, &mut Random(3));
+        points.retain(|(_, surface)| *surface == 0);
+        points.truncate(100);
+        let places: Vec<_> = points.iter().map(|(point, _)| *point).collect();
+        let exact: Vec<f64> = places.iter().map(|place| point_form_factor(place.position, place.normal, &lamp)).collect();
+        if diluted {
+            // A lamp, of which nothing is hidden: exact but for the rounding of values to f32.
+            assert!(places.len() > 10);
+            for (value, exact) in values(&evaluator, &places).iter().zip(&exact) {
+                assert!((value - 0.5 * exact).abs() <= 1e-6, "{value} instead of {}", 0.5 * exact);
+            }
+        } else {
+            // Most of the area emits: met by 256 paths, each with probability F. Evenly spread ones scatter less.
+            assert!(places.len() > 50);
+            let mut sum = 0.0;
+            for (value, exact) in values(&evaluator, &places).iter().zip(&exact) {
+                let sigma = 0.5 * (exact * (1.0 - exact) / 256.0).sqrt();
+                let off = (value - 0.5 * exact) / sigma;
+                assert!(off.abs() <= 4.5, "{value} instead of {}: {off} sigma", 0.5 * exact);
+                sum += off;
+            }
+            let mean = sum / (places.len() as f64).sqrt();
+            println!("mean of {} points: {mean} sigma", places.len());
+            assert!(mean.abs() <= 4.0, "{mean} sigma");
+        }
+    }
+}
+
+/// `||B - B_true|| / ||B_true - E||` over points of both squares.
+fn error_of_two_squares(blocker: bool, seed: u64) -> (f64, SolveReport) {
+    let exact = TwoSquares::new(blocker);
+    let (evaluator, report) = solve(two_squares(blocker), &SolveOptions { seed, ..hemisphere(0.02) });
+    let mut points = points_of(evaluator.solution().scene(), 3000, &mut Random(5));
+    points.retain(|(_, surface)| *surface < 2);
+    let places: Vec<_> = points.iter().map(|(point, _)| *point).collect();
+    let (mut error_sq, mut norm_sq) = (0.0, 0.0);
+    for (value, (point, surface)) in values(&evaluator, &places).iter().zip(&points) {
+        let truth = exact.at(*surface, [point.position[0], point.position[1]]);
+        let exitance = if *surface == 0 { 1.0 } else { 0.0 };
+        error_sq += (value - truth).powi(2);
+        norm_sq += (truth - exitance).powi(2);
+    }
+    ((error_sq / norm_sq).sqrt(), report)
+}
+
+#[test]
+fn two_squares_come_out_as_claimed() {
+    for blocker in [false, true] {
+        for seed in [0, 1] {
+            let (error, report) = error_of_two_squares(blocker, seed);
+            println!("blocker {blocker}, seed {seed}: error {error:.4}, claimed {:.4}", report.error.estimate);
+            assert!(report.converged && error <= 0.02, "blocker {blocker}, seed {seed}: {error}, {report:?}");
+        }
+    }
+}
+
+#[test]
+fn a_stored_solution_gives_the_same_values() {
+    let (evaluator, _) = solve(two_squares(true), &hemisphere(0.1));
+    assert_eq!(evaluator.solution().gather(), Gather::Hemisphere);
+    let mut file = Cursor::new(Vec::new());
+    write_solution(&mut file, evaluator.solution(), &Provenance::new(evaluator.solution().options())).unwrap();
+    file.set_position(0);
+    let stored = read_solution_from(file, Path::new("in memory")).unwrap();
+    assert!(stored == *evaluator.solution());
+
+    let points: Vec<_> = points_of(stored.scene(), 200, &mut Random(2)).into_iter().map(|(point, _)| point).collect();
+    let again = Evaluator::new(stored, &RunOptions::default()).unwrap();
+    assert_eq!(values(&evaluator, &points), values(&again, &points));
+}
