@@ -88,7 +88,14 @@ impl LampTree {
         let (left, right) = lamps.split_at_mut(lamps.len() / 2);
 
         // The node comes before its children, but is known only after them.
-        self.nodes.push(Node { centre: DVec3::ZERO, radius: 0.0, axis: DVec3::Z, spread: Spread::new(PI), power: 0.0, below: Below::Second(0) });
+        self.nodes.push(Node {
+            centre: DVec3::ZERO,
+            radius: 0.0,
+            axis: DVec3::Z,
+            spread: Spread::new(PI),
+            power: 0.0,
+            below: Below::Second(0),
+        });
         let ((first, left), (second, right)) = (self.add(scene, left), self.add(scene, right));
         let bounds = left.union(right);
         let (axis, spread) = cone_around(&self.nodes[first], &self.nodes[second]);

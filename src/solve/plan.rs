@@ -1,6 +1,6 @@
 //! How hard to try for a requested error, and what to do when it is not reached.
 
-use super::error_estimate::{ErrorEffort, ErrorEstimate};
+use super::error_estimate::ErrorEstimate;
 use super::{Gather, SolveOptions, Strategy};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
 use crate::reconstruct::Resolution;
@@ -195,9 +195,14 @@ impl Plan {
         self.resolution
     }
 
-    /// How hard the error estimate tries: its own noise must stay well below the error that is asked for.
-    pub fn error_effort(&self) -> ErrorEffort {
-        ErrorEffort { points: self.error_points, rays: self.look_rays }
+    /// Points at which the error is looked at.
+    pub fn error_points(&self) -> usize {
+        self.error_points
+    }
+
+    /// Rays of a look at a point: its noise must not be much larger than the error that is asked for.
+    pub fn look_rays(&self) -> u32 {
+        self.look_rays
     }
 
     /// Looks at the error that was reached, and sees to what is worst: noise of the estimate, noise at the points, or the links.
@@ -214,10 +219,7 @@ impl Plan {
         let may_be_sq = 2.0 * error.measured.powi(2) - error.claimed.powi(2);
         let is_promising = error.measured < PROMISING * requested || may_be_sq < (0.5 * requested).powi(2);
         if is_promising && self.error_points < *ERROR_POINTS.end() {
-            // The noise of the product falls with the root of the points, but with the rays themselves while looks are the
-            // noisier part.
             self.error_points += self.error_points / 2;
-            self.look_rays = (self.look_rays + self.look_rays / 2).min(MAX_LOOK_RAYS);
             return Verdict::LookCloser;
         }
         let excess = error.measured.max(0.5 * error.claimed) / (AIM * requested);
