@@ -32,6 +32,8 @@ pub(crate) struct ErrorEstimate {
     pub claimed: f64,
     /// The part that is noise of the gather at points: it shrinks with more rays a point.
     pub gather_noise: f64,
+    /// The noise of a single look: it shrinks with more rays a look.
+    pub look_noise: f64,
 }
 
 /// The claim lies so many standard deviations above the measured square.
@@ -60,6 +62,8 @@ struct Look {
     stands_for: f64,
     /// The irradiance in W/m^2, by channel.
     irradiances: [Vec<f64>; 2],
+    /// Rays of each look so far.
+    rays: u32,
 }
 
 /// What a user gets at a point.
@@ -78,8 +82,6 @@ pub(crate) struct Looking<'a> {
     pub paths: &'a LightPaths<'a>,
     /// What the two looks find where their paths end.
     pub resolved: [&'a Resolved; 2],
-    /// Rays of each look at each point.
-    pub rays: u32,
     pub seed: u64,
 }
 
@@ -97,27 +99,33 @@ impl ErrorSamples {
         self.values.clear();
     }
 
-    /// Looks at more points, until there are `points`. `false` if `cancelled` says so before they are there.
-    pub fn look(&mut self, points: usize, with: &Looking<'_>, cancelled: &(dyn Fn() -> bool + Sync)) -> bool {
-        let first = self.looks.len();
-        let channels = with.scene.channels();
-        let looks =
-            [0, 1].map(|half: usize| HemisphereGather { paths: with.paths, resolved: with.resolved[half], bounces: LOOK_BOUNCES });
+    /// Looks at more points until there are `points`, and with more rays until each look has `rays`. `false` if `cancelled` says so
+    /// before it is done.
+    pub fn look(&mut self, points: usize, rays: u32, with: &Looking<'_>, cancelled: &(dyn Fn() -> bool + Sync)) -> bool {
+        let (first, channels) = (self.looks.len(), with.scene.channels());
         let places = with.spread_places(points.saturating_sub(first), sampling::hash(with.seed, first as u64));
-        let found: Vec<Option<Look>> = places
-            .into_par_iter()
-            .map_init(PathScratch::default, |scratch, (place, stands_for)| {
-                let irradiances = [0, 1].map(|half: usize| {
-                    let mut irradiance = vec![0.0; channels];
-                    let place = Place { seed: sampling::hash(place.seed, 10 + half as u64), ..place };
-                    looks[half].sampled_irradiance(&[place], with.rays, scratch, &mut irradiance);
-                    irradiance
-                });
-                (!cancelled()).then_some(Look { place, stands_for, irradiances })
-            })
-            .collect();
-        let found: Option<Vec<Look>> = found.into_iter().collect();
-        found.map(|found| self.looks.extend(found)).is_some()
+        let unseen = |(place, stands_for)| Look { place, stands_for, irradiances: [0, 1].map(|_| vec![0.0; channels]), rays: 0 };
+        self.looks.extend(places.into_iter().map(unseen));
+
+        let gathers =
+            [0, 1].map(|half: usize| HemisphereGather { paths: with.paths, resolved: with.resolved[half], bounces: LOOK_BOUNCES });
+        self.looks.par_iter_mut().for_each_init(
+            || (PathScratch::default(), vec![0.0; channels]),
+            |(scratch, irradiance), look| {
+                let more = rays.saturating_sub(look.rays);
+                if more == 0 || cancelled() {
+                    return;
+                }
+                let share = f64::from(more) / f64::from(look.rays + more);
+                for (half, known) in look.irradiances.iter_mut().enumerate() {
+                    let seed = sampling::hash(look.place.seed, u64::from(look.rays) << 8 | 10 + half as u64);
+                    gathers[half].sampled_irradiance(&[Place { seed, ..look.place }], more, scratch, irradiance);
+                    known.iter_mut().zip(irradiance.iter()).for_each(|(known, found)| *known += share * (found - *known));
+                }
+                look.rays += more;
+            },
+        );
+        !cancelled()
     }
 
     /// Estimates the error of the values that `reconstruction` gives: 0 if nothing reflects any light, infinite if nothing can be
@@ -132,9 +140,9 @@ impl ErrorSamples {
         // Products of the two looks, point by point.
         let scene = reconstruction.scene;
         let count = self.looks.len() as f64;
-        let (mut error_sq, mut noise_sq, mut norm_sq) = (0.0, 0.0, 0.0);
+        let (mut error_sq, mut noise_sq, mut look_noise_sq, mut norm_sq) = (0.0, 0.0, 0.0, 0.0);
         let mut by_point = Vec::with_capacity(self.looks.len());
-        for (Look { place, stands_for, irradiances }, Value { radiosity, again }) in self.looks.iter().zip(&self.values) {
+        for (Look { place, stands_for, irradiances, .. }, Value { radiosity, again }) in self.looks.iter().zip(&self.values) {
             let material = scene.material_of(place.surface);
             let weight = stands_for / count;
             let mut product = 0.0;
@@ -144,6 +152,7 @@ impl ErrorSamples {
                 let found = radiosity[channel] - exitance;
                 product += weight * (found - reflected[0]) * (found - reflected[1]);
                 norm_sq += weight * reflected[0] * reflected[1];
+                look_noise_sq += weight * 0.5 * (reflected[0] - reflected[1]).powi(2);
                 if let Some(again) = again {
                     noise_sq += AGAIN as f64 * weight * 0.5 * (radiosity[channel] - again[channel]).powi(2);
                 }
@@ -155,7 +164,7 @@ impl ErrorSamples {
             return Some(ErrorEstimate::default());
         }
         if norm_sq.is_nan() || norm_sq <= 0.0 {
-            return Some(ErrorEstimate { measured: f64::INFINITY, claimed: f64::INFINITY, gather_noise: 0.0 });
+            return Some(ErrorEstimate { measured: f64::INFINITY, claimed: f64::INFINITY, gather_noise: 0.0, look_noise: 0.0 });
         }
 
         // The scatter of the points gives the confidence limit.
@@ -167,6 +176,7 @@ impl ErrorSamples {
             measured: relative(error_sq),
             claimed: UNSEEN * relative(error_sq.max(0.0) + CONFIDENCE_SIGMAS * deviation) + LEFT_BY_SWEEPS,
             gather_noise: relative(noise_sq),
+            look_noise: relative(look_noise_sq),
         })
     }
 
@@ -206,7 +216,7 @@ impl Looking<'_> {
         let brightness = |leaf: NodeId| {
             let exitance = &scene.material_of(surface_of(leaf)).exitance;
             let reflected = radiosity.of(leaf).iter().zip(exitance).map(|(b, e)| b - e).fold(0.0, f64::max);
-            if mean > 0.0 { mean + reflected } else { 1.0 }
+            if mean > 0.0 { mean + reflected * reflected / mean } else { 1.0 }
         };
         let reflects = |leaf: NodeId| scene.material_of(surface_of(leaf)).reflectance.iter().any(|&rho| rho > 0.0);
         let leaves: Vec<NodeId> = hierarchy.leaves_in_order().into_iter().filter(|&leaf| reflects(leaf)).collect();

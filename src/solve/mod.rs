@@ -313,11 +313,10 @@ impl<'a> Solver<'a> {
             radiosity: &self.radiosity,
             paths: &resolved.paths,
             resolved: resolved.for_looks.each_ref(),
-            rays: plan.look_rays(),
             seed: sampling::hash(self.options.seed, u64::MAX),
         };
         let mut samples = std::mem::take(&mut self.error_samples);
-        if samples.look(plan.error_points(), &looking, &cancelled) {
+        if samples.look(plan.error_points(), plan.look_rays(), &looking, &cancelled) {
             let effort = Effort { rays: plan.point_rays(), least_chance: 1.0, seed: self.options.seed };
             let hemisphere = resolved.for_values.as_ref();
             let hemisphere = hemisphere.map(|own| HemisphereGather { paths: &resolved.paths, resolved: own, bounces: 0 });
