@@ -1,5 +1,7 @@
 //! Random numbers that depend on ids alone, never on threads: counter-based hashing and Owen-scrambled Sobol points.
 
+use std::sync::LazyLock;
+
 /// A hash of two numbers (the finalizer of SplitMix64: Steele, Lea, Flood 2014).
 pub(crate) fn hash(a: u64, b: u64) -> u64 {
     let mut z = a.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ b.wrapping_add(0x6a09_e667_f3bc_c909);
@@ -11,6 +13,33 @@ pub(crate) fn hash(a: u64, b: u64) -> u64 {
 /// A uniform number in [0, 1) from a hash.
 pub(crate) fn unit(hash: u64) -> f64 {
     (hash >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+}
+
+/// The first points of one Owen-scrambled Sobol sequence in two dimensions, as numbers of [`SHIFT_BITS`] bits.
+static SOBOL_2D: LazyLock<Box<[[u32; 2]]>> = LazyLock::new(|| {
+    let bits = |part: f64| (part * f64::from(1_u32 << SHIFT_BITS)) as u32;
+    (0..SOBOL_2D_POINTS)
+        .map(|index| {
+            let [u, v, ..] = sobol_4d(index, 0);
+            [bits(u), bits(v)]
+        })
+        .collect()
+});
+
+/// Indices repeat after so many points.
+const SOBOL_2D_POINTS: u32 = 1 << 13;
+
+const SHIFT_BITS: u32 = 24;
+
+/// Points `0..` of a Sobol sequence in two dimensions, all shifted by the same random bits, which `seed` picks: each is uniform in the
+/// unit square by itself, together they are spread as evenly as the sequence is. Ten times cheaper than a scrambling of its own.
+pub(crate) fn shifted_sobol_2d(seed: u64) -> impl Fn(u32) -> [f64; 2] {
+    let points = &**SOBOL_2D;
+    let shift = [seed, seed >> 32].map(|part| hash(part, 7) as u32 & ((1 << SHIFT_BITS) - 1));
+    move |index| {
+        let point = points[(index & (SOBOL_2D_POINTS - 1)) as usize];
+        [0, 1].map(|axis: usize| (f64::from(point[axis] ^ shift[axis]) + 0.5) / f64::from(1_u32 << SHIFT_BITS))
+    }
 }
 
 /// Point `index` of an Owen-scrambled Sobol sequence in four dimensions (Burley 2020); `seed` picks the scrambling.

@@ -157,8 +157,9 @@ impl<'a> LightPaths<'a> {
         let surface = self.scene.surface(place.surface);
         let frame = Frame::around(surface.polygon.facet().normal);
         let (origin, origin_plane, seed) = (place.point.to_array(), surface.plane, place.seed);
+        let spread = sampling::shifted_sobol_2d(seed);
         indices.map(move |index| {
-            let [u, v, ..] = sampling::sobol_4d(index, seed);
+            let [u, v] = spread(index);
             let (radius, angle) = (u.sqrt(), TAU * v);
             let direction = frame.to_world(DVec3::new(radius * angle.cos(), radius * angle.sin(), (1.0 - u).sqrt()));
             Ray { origin, direction: direction.to_array(), origin_plane }

@@ -76,11 +76,12 @@ const CLUSTERED_SURFACES: usize = 64;
 /// The same for paths over the hemisphere, from an office: few of them gain more by being spread evenly than many.
 const HEMISPHERE_RAYS_AT_2_PERCENT: f64 = 230.0;
 const FEW_HEMISPHERE_RAYS_POWER: f64 = 1.6;
-const MANY_HEMISPHERE_RAYS_POWER: f64 = 1.6;
+const MANY_HEMISPHERE_RAYS_POWER: f64 = 2.0;
 
 /// Positions at which radiosities are resolved: so many for 2%, within these limits, times so much where they are found too few.
 /// Their noise averages out over the ends of many paths: on an office 16,384 did nearly as well as 65,536.
 const POSITIONS_AT_2_PERCENT: f64 = 20_000.0;
+const POSITIONS_POWER: f64 = 1.5;
 const POSITIONS: std::ops::RangeInclusive<f64> = 8192.0..=262_144.0;
 const MORE_POSITIONS: f64 = 3.0;
 
@@ -120,7 +121,8 @@ impl Plan {
             Gather::Hemisphere => (HEMISPHERE_RAYS_AT_2_PERCENT, MANY_HEMISPHERE_RAYS_POWER),
             _ => (RAYS_AT_2_PERCENT, RAYS_POWER),
         };
-        let positions = (POSITIONS_AT_2_PERCENT * (0.02 / options.error).sqrt()).clamp(*POSITIONS.start(), *POSITIONS.end());
+        let positions =
+            (POSITIONS_AT_2_PERCENT * (0.02 / options.error).powf(POSITIONS_POWER)).clamp(*POSITIONS.start(), *POSITIONS.end());
         let resolution = Resolution::of_positions(scene, positions as usize, POSITION_PATHS, POSITION_LAMP_RAYS);
         Self {
             options: options.clone(),
