@@ -11,7 +11,7 @@ use crate::geometry::Facet;
 use crate::scene::{Scene, SurfaceId};
 
 /// Surfaces beyond this many, the smallest ones, have no cell.
-const MAX_SURFACES: usize = 1 << 18;
+const MAX_SURFACES: usize = 1 << 22;
 
 /// Cells on one side of a surface, at most.
 const MAX_SIDE: f64 = 4096.0;

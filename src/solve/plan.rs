@@ -47,7 +47,7 @@ const FIRST_STEPS: [f64; 3] = [16.0, 4.0, 1.0];
 const MAX_REFINEMENTS: u32 = 8;
 
 /// Times that radiosities are resolved more finely.
-const MAX_RESOLVES: u32 = 2;
+const MAX_RESOLVES: u32 = 6;
 
 /// Looks at more points after which the estimate will not get better.
 const MAX_LOOKS: u32 = 16;
