@@ -35,7 +35,7 @@ impl<'a> Enclosure<'a> {
     /// Finds the room and the solids; `None` if the scene is not made like that.
     pub fn find(scene: &'a Scene) -> Option<Self> {
         let tolerance = CONTACT_OF_SIZE * scene.bounds().diagonal();
-        let body_of = closed_bodies(scene)?;
+        let body_of = closed_bodies(scene, tolerance)?;
         let count = body_of.iter().max().map_or(0, |most| most + 1);
         let mut bodies: Vec<Body> = (0..count).map(|_| Body { surfaces: Vec::new(), bounds: Aabb::EMPTY }).collect();
         for (index, &body) in body_of.iter().enumerate() {
@@ -99,15 +99,17 @@ impl<'a> Enclosure<'a> {
 
 /// The number of the closed body of each surface: surfaces that share edges, each edge run through once in either direction. `None` if an edge
 /// is left over.
-fn closed_bodies(scene: &Scene) -> Option<Vec<usize>> {
-    // Adding 0 makes -0 and 0 the same.
-    let key = |v: DVec3| v.to_array().map(|x| (x + 0.0).to_bits());
-    let mut by_edge = HashMap::new();
-    let edges = |surface: usize| {
-        let vertices = scene.surfaces()[surface].polygon.facet().vertices;
-        (0..vertices.len()).map(move |k| (key(vertices[k]), key(vertices[if k + 1 == vertices.len() { 0 } else { k + 1 }])))
-    };
+fn closed_bodies(scene: &Scene, tolerance: f64) -> Option<Vec<usize>> {
     let count = scene.surfaces().len();
+    let mut corners = Corners { tolerance, known: Vec::new(), cells: HashMap::new() };
+    let numbers: Vec<Vec<usize>> = (scene.surfaces().iter())
+        .map(|surface| surface.polygon.facet().vertices.iter().map(|&vertex| corners.find_or_add(vertex)).collect())
+        .collect();
+    let edges = |surface: usize| {
+        let corners = &numbers[surface];
+        (0..corners.len()).map(|k| (corners[k], corners[if k + 1 == corners.len() { 0 } else { k + 1 }]))
+    };
+    let mut by_edge = HashMap::new();
     for surface in 0..count {
         for edge in edges(surface) {
             if by_edge.insert(edge, surface).is_some() {
@@ -137,4 +139,33 @@ fn closed_bodies(scene: &Scene) -> Option<Vec<usize>> {
         next += 1;
     }
     Some(body_of)
+}
+
+/// Numbers corners; those within the tolerance of each other are one.
+struct Corners {
+    tolerance: f64,
+    known: Vec<DVec3>,
+    cells: HashMap<[i64; 3], Vec<usize>>,
+}
+
+impl Corners {
+    fn find_or_add(&mut self, vertex: DVec3) -> usize {
+        // Cells are a few tolerances wide: what is near lies in those that the tolerance reaches.
+        let cell = |v: DVec3| v.to_array().map(|x| (x / (4.0 * self.tolerance)).floor() as i64);
+        let (low, high) = (cell(vertex - self.tolerance), cell(vertex + self.tolerance));
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                for z in low[2]..=high[2] {
+                    let near = self.cells.get(&[x, y, z]).into_iter().flatten();
+                    if let Some(&found) = near.into_iter().find(|&&known| self.known[known].distance(vertex) <= self.tolerance) {
+                        return found;
+                    }
+                }
+            }
+        }
+        let own = cell(vertex);
+        self.cells.entry(own).or_default().push(self.known.len());
+        self.known.push(vertex);
+        self.known.len() - 1
+    }
 }

@@ -14,6 +14,7 @@
 mod blockers;
 mod enclosure;
 mod pair;
+mod point_bounds;
 mod radiosity_bounds;
 mod separation;
 mod shadow;
@@ -21,6 +22,7 @@ mod system;
 
 use serde::Serialize;
 
+pub use point_bounds::PointBounds;
 pub(crate) use radiosity_bounds::{BoundsInput, bound_radiosities};
 pub use radiosity_bounds::{BoundsReport, ChannelError, EvidenceShare, RadiosityBounds};
 

@@ -56,7 +56,11 @@ impl<'a> PairBounds<'a> {
 
     /// What a pair transfers at most, whatever is in the way: cheap, for pairs without a link.
     pub fn upper_unlinked(&self, receiver: NodeId, source: NodeId) -> f64 {
-        if self.hierarchy.is_cluster(receiver) || self.hierarchy.is_cluster(source) {
+        let plane = |surface| self.scene.surface(surface).plane;
+        let planes = [receiver, source].map(|node| self.hierarchy.surface_of(node).map(plane));
+        if planes[0].is_some() && planes[0] == planes[1] {
+            0.0
+        } else if self.hierarchy.is_cluster(receiver) || self.hierarchy.is_cluster(source) {
             self.upper_of_boxes(receiver, source)
         } else {
             bound_unoccluded(&self.hierarchy.facet(receiver), &self.hierarchy.facet(source))[1]

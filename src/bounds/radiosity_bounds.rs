@@ -8,7 +8,7 @@ use super::pair::PairBounds;
 use super::system::{Entry, Iterate, Leaf, System};
 use super::{Certainty, Evidence, FormFactorBounds, FormFactorRule};
 use crate::hierarchy::{Hierarchy, NodeId};
-use crate::links::LinkSet;
+use crate::links::{LinkSet, Pair};
 use crate::scene::{Scene, SurfaceId};
 
 /// Sweeps end when they change bounds by less than this part of the widest gap.
@@ -16,6 +16,9 @@ const SWEEP_TOLERANCE: f64 = 1e-3;
 
 /// Enough for a reflectance of 0.99 to come within the tolerance.
 const MOST_SWEEPS: u32 = 1000;
+
+/// Pairs without a link are taken apart into so many, or as many as there are links.
+const LEAST_UNLINKED: usize = 100_000;
 
 /// What is bounded.
 pub(crate) struct BoundsInput<'a> {
@@ -124,13 +127,38 @@ fn linked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<Bo
 }
 
 /// Dormant pairs, and those of which no ray arrived: they may carry what they can, and need not carry anything.
+///
+/// Clusters are taken apart: most of their surfaces cannot see each other at all. Where that makes too many pairs, the rest stay whole.
 fn unlinked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<BoundedPair> {
-    let pairs: Vec<_> = input.links.dormant().iter().chain(input.links.unseen()).copied().collect();
-    let bound = |pair: &crate::links::Pair| {
+    let BoundsInput { scene, hierarchy, links, .. } = *input;
+    let most = LEAST_UNLINKED.max(links.len());
+    let mut waiting: Vec<Pair> = links.dormant().iter().chain(links.unseen()).copied().collect();
+    let mut found = Vec::new();
+    while let Some(pair) = waiting.pop() {
+        let is_black = |surface| scene.material_of(surface).reflectance.iter().all(|&rho| rho == 0.0);
+        if hierarchy.surface_of(pair.receiver).is_some_and(is_black) {
+            continue;
+        }
         let upper = pair_bounds.upper_unlinked(pair.receiver, pair.source);
-        (pair.receiver, pair.source, FormFactorBounds::guaranteed(0.0, upper, Evidence::Unlinked))
-    };
-    pairs.par_iter().with_min_len(64).map(bound).collect()
+        if upper == 0.0 {
+            continue;
+        }
+        let receiver_is_larger = hierarchy.area(pair.receiver) >= hierarchy.area(pair.source);
+        match (hierarchy.is_cluster(pair.receiver), hierarchy.is_cluster(pair.source)) {
+            _ if waiting.len() + found.len() >= most => {}
+            (true, source) if receiver_is_larger || !source => {
+                waiting.extend(hierarchy.children(pair.receiver).map(|receiver| Pair { receiver, ..pair }));
+                continue;
+            }
+            (_, true) => {
+                waiting.extend(hierarchy.children(pair.source).map(|source| Pair { source, ..pair }));
+                continue;
+            }
+            _ => {}
+        }
+        found.push((pair.receiver, pair.source, FormFactorBounds::guaranteed(0.0, upper, Evidence::Unlinked)));
+    }
+    found
 }
 
 fn system<'a>(input: &BoundsInput<'a>, pairs: &[BoundedPair]) -> System<'a> {

@@ -158,7 +158,6 @@ impl Settings {
         };
         match key {
             "sides" => self.sides = parse_sides(value)?,
-            "bounds" => check_bounds(value)?,
             "backend" => self.run.backend = value.parse().map_err(Failure::usage)?,
             "threads" => {
                 let threads = value.parse();
@@ -182,16 +181,6 @@ fn check_threads(threads: usize) -> Result<(), Failure> {
         return Err(Failure::usage(format_args!("threads is {threads}, it must be at most {MOST}; 0 takes one per core")));
     }
     Ok(())
-}
-
-fn check_bounds(text: &str) -> Result<(), Failure> {
-    match text {
-        "none" | "estimate" => Ok(()),
-        "guaranteed" => Err(Failure::usage(
-            "bounds 'guaranteed': this version has no proven bounds; use 'estimate', the error with its confidence",
-        )),
-        _ => Err(Failure::usage(format_args!("bounds is '{text}', it must be none or estimate"))),
-    }
 }
 
 /// Sides by name.

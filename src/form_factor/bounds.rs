@@ -35,8 +35,8 @@ const LEAST_SLOPE: f64 = 16.0;
 /// A part is long if the square of its radius exceeds this many times its area; of an equilateral triangle it is 0.77 times.
 const LONGEST: f64 = 1.5;
 
-/// An upper bound this near to a form factor that is attained is good enough.
-const GOOD_ENOUGH: f64 = 1.005;
+/// An upper bound that is above a form factor which is attained by this part of the range over the receiver is good enough.
+const GOOD_ENOUGH: f64 = 0.05;
 
 /// A vertex that touches the source is looked at from so far towards the middle of the receiver, as a part of the way.
 const STEP_INWARD: f64 = 1.0 / (1 << 20) as f64;
@@ -55,8 +55,11 @@ pub(crate) fn bound_unoccluded(receiver: &Facet<'_>, source: &Facet<'_>) -> [f64
     };
     match clip_to_front(receiver, source.vertices[0], source.normal) {
         Clip::Nothing => [0.0, 0.0],
-        Clip::Whole => [lower(receiver, &source), upper(receiver, &source)],
-        Clip::Part(part) => [0.0, upper(&part.facet(), &source)],
+        Clip::Whole => {
+            let least = lower(receiver, &source);
+            [least, upper(receiver, &source, least).max(least)]
+        }
+        Clip::Part(part) => [0.0, upper(&part.facet(), &source, 0.0)],
     }
 }
 
@@ -90,12 +93,14 @@ fn touches(source: &Facet<'_>, vertex: DVec3, size: f64) -> bool {
     source.height(vertex).abs() <= contact && source.distance_to(vertex) <= contact
 }
 
-/// The largest over the receiver, all of which is in front of the source.
-fn upper(receiver: &Facet<'_>, source: &Facet<'_>) -> f64 {
+/// The largest over the receiver, all of which is in front of the source; the least is known.
+fn upper(receiver: &Facet<'_>, source: &Facet<'_>, least: f64) -> f64 {
     let mut touching = receiver.vertices.iter().filter(|&&vertex| touches(source, vertex, receiver.radius));
     match (touching.next(), touching.next()) {
-        (Some(&corner), None) => upper_around_corner(receiver, source, corner).unwrap_or_else(|| searched_upper(receiver, source)),
-        _ => searched_upper(receiver, source),
+        (Some(&corner), None) => {
+            upper_around_corner(receiver, source, corner, least).unwrap_or_else(|| searched_upper(receiver, source, least))
+        }
+        _ => searched_upper(receiver, source, least),
     }
 }
 
@@ -105,7 +110,7 @@ fn upper(receiver: &Facet<'_>, source: &Facet<'_>) -> f64 {
 /// corner. So the largest over the receiver is at most the largest of C over a part that all these rays pass through, and no
 /// less either, as P looks more and more like C on the way to the corner. Of C the part up to a distance K is taken; what is beyond adds
 /// less than `d Integral of 16 / r^2 dr = 16 d / K` where the part is no farther than d and `K >= 2 d`.
-fn upper_around_corner(receiver: &Facet<'_>, source: &Facet<'_>, corner: DVec3) -> Option<f64> {
+fn upper_around_corner(receiver: &Facet<'_>, source: &Facet<'_>, corner: DVec3, least: f64) -> Option<f64> {
     let neighbours = |polygon: &Facet<'_>| {
         let nearest = |&k: &usize| polygon.vertices[k].distance_squared(corner);
         let (count, at) = (polygon.vertices.len(), (0..polygon.vertices.len()).min_by(|a, b| nearest(a).total_cmp(&nearest(b)))?);
@@ -127,13 +132,14 @@ fn upper_around_corner(receiver: &Facet<'_>, source: &Facet<'_>, corner: DVec3) 
     let foot = (-ends[0].dot(chord) / chord.length_squared()).clamp(0.0, 1.0);
     let cut_at = (ends[0] + foot * chord).length();
     let is_wide = cone.area > 0.0 && cut_at >= 2.0 * reach;
-    is_wide.then(|| (searched_upper(&part.facet(), &cone) + 16.0 * reach / cut_at).min(lune(receiver.normal, source.normal)))
+    is_wide.then(|| (searched_upper(&part.facet(), &cone, least) + 16.0 * reach / cut_at).min(lune(receiver.normal, source.normal)))
 }
 
 /// A cone is followed so many times as far as the part of the receiver reaches that looks at it.
 const CONE_LENGTH: f64 = 1e5;
 
-fn searched_upper(receiver: &Facet<'_>, source: &Facet<'_>) -> f64 {
+/// The same by search.
+fn searched_upper(receiver: &Facet<'_>, source: &Facet<'_>, least: f64) -> f64 {
     let lune = lune(receiver.normal, source.normal);
     let look = |x| point_factor(x, receiver.normal, source.vertices);
     let most_of = |factor: &PointFactor| factor.value + factor.value_noise;
@@ -163,7 +169,7 @@ fn searched_upper(receiver: &Facet<'_>, source: &Facet<'_>) -> f64 {
     let mut parts = vec![(lune, ClippedFacet::copy_of(receiver))];
     for _ in 0..MAX_LOOKS {
         let Some(highest) = (0..parts.len()).max_by(|&a, &b| parts[a].0.total_cmp(&parts[b].0)) else { break };
-        if parts[highest].0 <= GOOD_ENOUGH * best {
+        if parts[highest].0 <= best + GOOD_ENOUGH * (best - least) {
             break;
         }
         let (bound, part) = parts.swap_remove(highest);
