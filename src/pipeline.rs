@@ -183,4 +183,18 @@ impl Evaluator {
         let render = || reconstruct::render(&reconstruction, &rays, &through, camera.width, camera.height, observer);
         Ok(self.pool.install(render))
     }
+
+    /// A picture of the width of the bounds, `(upper - lower) / pi`, black where a back or nothing is met. `None` if there are no bounds,
+    /// or if the observer cancels.
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`].
+    pub fn render_width(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
+        let through = camera.rays()?;
+        let Some(bounds) = &self.bounds else { return Ok(None) };
+        let Solution { scene, hierarchy, .. } = &self.solution;
+        let rays = Rays::new(&*self.visibility, scene);
+        let image = Image::black(camera.width, camera.height, scene.channels());
+        Ok(self.pool.install(|| bounds.render_width(scene, hierarchy, &rays, &through, image, observer)))
+    }
 }

@@ -14,6 +14,7 @@
 mod blockers;
 mod enclosure;
 mod pair;
+mod picture;
 mod point_bounds;
 mod radiosity_bounds;
 mod separation;

@@ -17,6 +17,9 @@ const SWEEP_TOLERANCE: f64 = 1e-3;
 /// Enough for a reflectance of 0.99 to come within the tolerance.
 const MOST_SWEEPS: u32 = 1000;
 
+/// Links are bounded leaf by leaf while that makes no more pairs than this, or than there are links.
+const MOST_LINKED: usize = 2_000_000;
+
 /// Pairs without a link are taken apart into so many, or as many as there are links.
 const LEAST_UNLINKED: usize = 100_000;
 
@@ -120,10 +123,28 @@ pub(crate) fn bound_radiosities(input: &BoundsInput<'_>) -> (RadiosityBounds, Bo
 /// A receiver, a source, and what their form factor is at least and at most.
 type BoundedPair = (NodeId, NodeId, FormFactorBounds);
 
+/// What each leaf gathers over its links and those above it, each bounded for the leaf itself: a smaller receiver than the link's leaves less open.
+/// Where that makes too many pairs, links are bounded as they are.
 fn linked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<BoundedPair> {
-    let links: Vec<(NodeId, NodeId)> = input.links.iter().map(|(receiver, link)| (receiver, link.source)).collect();
+    let BoundsInput { hierarchy, links, .. } = *input;
+    let mut at_leaves = Vec::new();
+    'leaves: for leaf in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
+        let mut above = Some(leaf);
+        while let Some(node) = above {
+            at_leaves.extend(links.of(node).iter().map(|link| (leaf, link.source)));
+            if at_leaves.len() > MOST_LINKED.max(links.len()) {
+                break 'leaves;
+            }
+            above = hierarchy.parent(node);
+        }
+    }
+    let pairs = if at_leaves.len() > MOST_LINKED.max(links.len()) {
+        links.iter().map(|(receiver, link)| (receiver, link.source)).collect()
+    } else {
+        at_leaves
+    };
     let bound = |&(receiver, source): &(NodeId, NodeId)| (receiver, source, pair_bounds.bounds(receiver, source));
-    links.par_iter().with_min_len(64).map(bound).collect()
+    pairs.par_iter().with_min_len(64).map(bound).collect()
 }
 
 /// Dormant pairs, and those of which no ray arrived: they may carry what they can, and need not carry anything.
