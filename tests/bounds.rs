@@ -15,11 +15,14 @@ mod two_squares;
 use fixtures::{form_factor_cases, solution_cases, solution_value, value, vector, vectors};
 use kirchhoff::{Kirchhoff, kirchhoff};
 use patchlight::bounds::{BoundsReport, Certainty, Evidence, FormFactorRule, RadiosityBounds, bound_pair};
+use patchlight::form_factor::point_form_factor;
+use patchlight::geometry::Polygon;
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
 use patchlight::reconstruct::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
 use patchlight::solve::{Bounds, RunOptions, SolveOptions, SolveReport, Strategy};
+use patchlight::visibility::{self, Backend, OccluderMesh, Segment, Visibility};
 use rooms::{Room, cube, icosphere, points_of, solve, straight, values};
 use triangles::Random;
 use two_squares::TwoSquares;
@@ -104,7 +107,7 @@ fn occluded_cases_lie_within_the_bounds() {
             room.scene()
         };
         let mut widths = Vec::new();
-        for h in [1.0, 0.5, 0.25, 0.125, 0.0625] {
+        for h in [1.0, 0.5, 0.25, 0.125] {
             let (evaluator, report) = bounded(scene(), &uniform(h));
             let bounds = evaluator.bounds().unwrap();
             let [lower, upper] = mean_bounds(&evaluator, bounds, 0).map(|b| 2.0 * b);
@@ -121,9 +124,9 @@ fn occluded_cases_lie_within_the_bounds() {
         println!("{name}: mean widths {widths:.4?}");
         // Shadows of blockers in the middle are known: the bounds close in with the elements.
         let touches = name == "occl_vertical_partition_full";
-        assert!(touches || widths[4] < 0.35 * widths[1] || widths[4] < 1e-9, "{name}: {widths:?}");
+        assert!(touches || widths[3] < 0.35 * widths[1] || widths[3] < 1e-9, "{name}: {widths:?}");
     }
-    assert_eq!(checked, 11 * 5);
+    assert_eq!(checked, 11 * 4);
 }
 
 #[test]
@@ -143,6 +146,91 @@ fn a_blocker_that_covers_all_hides_all() {
     assert!(seen.lower > 0.7 && seen.upper < 0.95, "{seen:?}");
     let by_samples = bound_pair(&scene, &hierarchy, floor, sheet, FormFactorRule::CentreAndVertices);
     assert_eq!(by_samples.certainty, Certainty::Estimate);
+}
+
+/// Form factors with anything in the way, by rays from points: `n * n` of them to cells of equal area, each with its exact form factor.
+fn form_factor_by_rays(scene: &Scene, visibility: &dyn Visibility, x: SurfacePoint, n: usize) -> [f64; 2] {
+    let [receiver, source] = [0, 1].map(|surface| scene.surface(SurfaceId(surface)));
+    let corners: Vec<[f64; 3]> = source.polygon.vertices().collect();
+    let at = |s: f64, t: f64| -> [f64; 3] {
+        std::array::from_fn(|k| corners[0][k] + s * (corners[1][k] - corners[0][k]) + t * (corners[3][k] - corners[0][k]))
+    };
+    // A cell counts for both where its corners do not agree.
+    let place = |k: usize| k as f64 / n as f64;
+    let segment = |k: usize| Segment {
+        from: x.position,
+        to: at(place(k % (n + 1)), place(k / (n + 1))),
+        from_plane: receiver.plane(),
+        to_plane: source.plane(),
+    };
+    let segments: Vec<Segment> = (0..(n + 1) * (n + 1)).map(segment).collect();
+    let mut occluded = vec![false; segments.len()];
+    visibility.occluded(&segments, &mut occluded);
+    let (mut visible, mut doubtful) = (0.0, 0.0);
+    for i in 0..n {
+        for j in 0..n {
+            let hidden = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].iter().filter(|(i, j)| occluded[j * (n + 1) + i]).count();
+            if hidden == 4 {
+                continue;
+            }
+            let (a, b) = (at(place(i), place(j)), at(place(i + 1), place(j + 1)));
+            let cell = Polygon::new(&[a, at(place(i + 1), place(j)), b, at(place(i), place(j + 1))]).unwrap();
+            let factor = point_form_factor(x.position, x.normal, &cell);
+            *(if hidden == 0 { &mut visible } else { &mut doubtful }) += factor;
+        }
+    }
+    [visible, visible + doubtful]
+}
+
+#[test]
+fn random_blockers_anywhere_never_lead_to_a_wrong_proof() {
+    let mut random = Random(31);
+    let mut kinds = [0; 3];
+    for round in 0..300 {
+        // Two parallelograms that see each other, and one to three others, some on the floor, some with an edge or a plane in common.
+        let mut room = Room::default();
+        let (grey, black) = (room.material(&[0.5], &[0.1]), room.material(&[0.0], &[0.0]));
+        room.quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], grey);
+        if round % 2 == 0 {
+            let [x, y, z] = [random.between(-0.5, 0.5), random.between(-0.5, 0.5), random.between(0.7, 1.2)];
+            room.quad(
+                [x, y, z],
+                [random.between(-0.2, 0.2), random.between(0.6, 1.0), 0.0],
+                [random.between(0.6, 1.0), 0.0, 0.0],
+                grey,
+            );
+        } else {
+            room.quad([random.between(-0.5, 0.0), 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, random.between(0.3, 1.5)], grey);
+        }
+        for _ in 0..1 + round % 3 {
+            let corner = [random.between(-0.2, 0.8), random.between(-0.2, 0.8), random.between(0.05, 0.6)];
+            let (u, v) = match round % 5 {
+                0 => ([random.between(0.05, 1.0), 0.0, 0.0], [0.0, random.between(0.05, 1.0), 0.0]),
+                1 => ([0.0, random.between(0.05, 0.8), 0.0], [0.0, 0.0, -corner[2]]),
+                _ => (random.point(0.6), random.point(0.6)),
+            };
+            room.quad(corner, u, v, black);
+        }
+        let scene = room.scene();
+        let hierarchy = patchlight::hierarchy::Hierarchy::new(&scene);
+        let visibility = visibility::build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
+        let nodes = [0, 1].map(|surface| hierarchy.node_of(SurfaceId(surface)));
+        let found = bound_pair(&scene, &hierarchy, nodes[0], nodes[1], FormFactorRule::QuasiConcave);
+        kinds[found.evidence as usize] += 1;
+        for _ in 0..6 {
+            let x = rooms::point_of(&scene.surfaces()[0].polygon, &mut random);
+            let [least, most] = form_factor_by_rays(&scene, &*visibility, x, 32);
+            // Even if something thinner than a cell was missed on the way, the bounds may not contradict what was seen by so much.
+            let slack = 0.01 * most + 1e-9;
+            assert!(
+                found.lower <= most + slack && least <= found.upper + slack,
+                "round {round}, {:?}: [{least}, {most}] was seen, {found:?}",
+                x.position
+            );
+        }
+    }
+    println!("whole, in part with known shadows, unproved: {kinds:?}");
+    assert!(kinds.iter().all(|&count| count > 15), "{kinds:?}");
 }
 
 #[test]
@@ -194,10 +282,21 @@ fn square_probes(blocker: bool) -> Vec<(SurfacePoint, f64)> {
 
 #[test]
 fn two_squares_lie_within_the_bounds_and_near_them() {
+    check_two_squares(&[1.0, 0.5, 0.25, 0.125]);
+}
+
+/// Down to finer elements: `cargo test --release --test bounds -- --ignored --nocapture`.
+#[test]
+#[ignore = "a minute"]
+fn two_squares_of_small_elements_lie_within_the_bounds_and_near_them() {
+    check_two_squares(&[0.125, 0.0625, 0.03125]);
+}
+
+fn check_two_squares(sizes: &[f64]) {
     for blocker in [false, true] {
         let exact = TwoSquares::new(blocker);
         let mut widths = Vec::new();
-        for h in [1.0, 0.5, 0.25, 0.125, 0.0625] {
+        for &h in sizes {
             let (evaluator, report) = bounded(rooms::two_squares(blocker), &uniform(h));
             let (solution, bounds) = (evaluator.solution(), evaluator.bounds().unwrap());
             assert_at_points("two squares", &evaluator, &square_probes(blocker), 1e-12);
@@ -232,7 +331,7 @@ fn two_squares_lie_within_the_bounds_and_near_them() {
             widths.push(bounds_of(&report).channels[0].l1);
         }
         println!("blocker {blocker}: L1 widths {widths:.5?}");
-        assert!(widths[1..].windows(2).all(|pair| pair[1] < 0.7 * pair[0]), "{widths:?}");
+        assert!(widths[usize::from(sizes[0] == 1.0)..].windows(2).all(|pair| pair[1] < 0.7 * pair[0]), "{widths:?}");
     }
 }
 
@@ -278,7 +377,7 @@ fn check_kirchhoff(name: &str, furnace: &Kirchhoff, evaluator: &Evaluator, bound
     let mut gap = 0.0_f64;
     for leaf in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
         let material = scene.material_of(hierarchy.surface_of(leaf).unwrap());
-        let polygon = patchlight::geometry::Polygon::new(&hierarchy.polygon(leaf)).unwrap();
+        let polygon = Polygon::new(&hierarchy.polygon(leaf)).unwrap();
         for _ in 0..4 {
             let covered = furnace.is_covered(rooms::point_of(&polygon, random).position);
             for (channel, b0) in furnace.b0.iter().enumerate() {
@@ -412,6 +511,20 @@ fn values_are_kept_within_the_bounds_and_threads_change_nothing() {
     let again = Evaluator::new(one.solution().clone(), &RunOptions::default()).unwrap();
     assert_eq!(again.bounds(), one.bounds());
     assert!(bounds_of(&report).relative_error > 0.0);
+}
+
+#[test]
+fn what_overlaps_in_one_plane_leaves_nothing_guaranteed() {
+    // A lamp in the plane of the ceiling: points below see both, so form factors add up to more than 1.
+    let room = |lift: f64| {
+        let mut room = Room::default();
+        let (wall, lamp) = (room.material(&[0.5], &[0.0]), room.material(&[0.0], &[1.0]));
+        room.cuboid([0.0; 3], straight(1.0, 1.0, 1.0), true, |_, _| wall);
+        room.quad([0.4, 0.4, 1.0 - lift], [0.0, 0.2, 0.0], [0.2, 0.0, 0.0], lamp);
+        let (evaluator, _) = solve(room.scene(), &SolveOptions { error: 0.5, ..SolveOptions::default() });
+        evaluator.bound(FormFactorRule::QuasiConcave).1.certainty
+    };
+    assert_eq!((room(0.0), room(0.01)), (Certainty::Estimate, Certainty::Guaranteed));
 }
 
 #[test]

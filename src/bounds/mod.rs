@@ -8,11 +8,15 @@
 //!   fronts: `enclosure`);
 //! - what that says in all: errors in the usual norms, and on what kind of evidence the light travels (`radiosity_bounds`).
 //!
+//! What is proved is about polygons that are planar and do not overlap in one plane, with visibility as [`visibility`](crate::visibility)
+//! defines it. Vertices of a polygon off its plane, by up to 1e-6 of its size, are not allowed for.
+//!
 //! After Lischinski 1994, chapter 5, from which it departs: form factors are bounded by a theorem instead of samples, the upper system is
 //! solved exactly under the condition that form factors add up to at most 1, and is approached from above.
 
 mod blockers;
 mod enclosure;
+mod overlap;
 mod pair;
 mod picture;
 mod point_bounds;

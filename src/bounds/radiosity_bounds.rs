@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::enclosure::Enclosure;
+use super::overlap::has_overlap;
 use super::pair::PairBounds;
 use super::system::{Entry, Iterate, Leaf, System};
 use super::{Certainty, Evidence, FormFactorBounds, FormFactorRule};
@@ -89,7 +90,7 @@ pub struct EvidenceShare {
 /// What the bounds say about the whole.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BoundsReport {
-    /// The weakest of all pairs.
+    /// The weakest of all pairs. An estimate where surfaces overlap in one plane: both are seen there, and form factors may exceed 1 in all.
     pub certainty: Certainty,
     /// A bound of the error of any values within the bounds, in the norm of [`SolveOptions::error`](crate::solve::SolveOptions::error):
     /// `||upper - lower|| / ||lower - E||`; infinite where the lower bounds prove no reflection.
@@ -231,7 +232,7 @@ fn report(input: &BoundsInput<'_>, system: &System<'_>, pairs: &[BoundedPair], i
 
     let weakest = pairs.iter().map(|(.., f)| f.certainty).max().unwrap_or(Certainty::Guaranteed);
     BoundsReport {
-        certainty: weakest,
+        certainty: if has_overlap(input.scene) { Certainty::Estimate } else { weakest },
         relative_error: if width_sq == 0.0 { 0.0 } else { (width_sq / reflected_sq).sqrt() },
         channels,
         evidence: evidence_shares(input, pairs, iterate),
