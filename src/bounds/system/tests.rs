@@ -1,5 +1,7 @@
 //! The square duct, in two dimensions: walls of one strip kernel whose bounds are elementary, so that the systems are tested alone.
 
+#![allow(clippy::print_stdout, reason = "a test tells what it measured")]
+
 use super::*;
 
 /// Walls of length 1 in the order of THEORY's cases: s runs counter-clockwise, each wall starts where the one before ends.
@@ -73,23 +75,32 @@ struct Reference {
 
 impl Reference {
     fn new(cells: usize) -> Self {
-        let middle = |k: usize| (k as f64 + 0.5) / cells as f64;
         let mut reference = Self { cells, values: (0..4 * cells).map(|k| EXITANCE[k / cells][0]).collect() };
+        let rows: Vec<Vec<f64>> =
+            (0..4 * cells).map(|k| reference.weights(k / cells, ((k % cells) as f64 + 0.5) / cells as f64)).collect();
         for _ in 0..60 {
-            reference.values = (0..4 * cells).map(|k| reference.at(k / cells, middle(k % cells))).collect();
+            reference.values = rows.iter().enumerate().map(|(k, row)| reference.gather(k / cells, row)).collect();
         }
         reference
     }
 
+    /// The form factors from s on a wall to all cells.
+    fn weights(&self, wall: usize, s: f64) -> Vec<f64> {
+        let place = |k: usize| k as f64 / self.cells as f64;
+        let of_cell = |cell: usize| {
+            let (ahead, l) = ((cell / self.cells + 4 - wall) % 4, cell % self.cells);
+            factor(s, ahead, place(l), place(l + 1))
+        };
+        (0..4 * self.cells).map(of_cell).collect()
+    }
+
+    fn gather(&self, wall: usize, weights: &[f64]) -> f64 {
+        let irradiance: f64 = weights.iter().zip(&self.values).map(|(weight, value)| weight * value).sum();
+        EXITANCE[wall][0] + REFLECTANCE[wall][0] * irradiance
+    }
+
     fn at(&self, wall: usize, s: f64) -> f64 {
-        let (n, mut sum) = (self.cells, 0.0);
-        for ahead in 1..4 {
-            let other = (wall + ahead) % 4;
-            for (l, value) in self.values[other * n..][..n].iter().enumerate() {
-                sum += value * factor(s, ahead, l as f64 / n as f64, (l + 1) as f64 / n as f64);
-            }
-        }
-        EXITANCE[wall][0] + REFLECTANCE[wall][0] * sum
+        self.gather(wall, &self.weights(wall, s))
     }
 }
 
@@ -151,9 +162,60 @@ fn bounds_of_the_duct_hold_at_every_probe_after_every_sweep_and_are_tight() {
         let (iterate, _) = system.solve(1e-6, 1000);
         check(&iterate);
         let found = iterate.upper.iter().zip(&iterate.lower).map(|(upper, lower)| upper - lower).sum::<f64>() / (4 * n) as f64;
+        println!("{n} elements a wall: mean width {found:.5}");
         assert!(found <= 1.2 * width, "{n} elements: mean width {found}, not {width}");
         assert!(found >= 0.5 * width, "{n} elements: mean width {found} is too good to be true");
     }
+}
+
+/// Two strips that face each other, open at the sides (THEORY A6): strip (0 or 1), place, radiosity; and the means.
+const STRIP_PROBES: [(usize, f64, f64); 6] = [
+    (0, 0.5, 1.069_486_410_838_9),
+    (0, 0.25, 1.065_339_316_365_9),
+    (0, 0.0, 1.054_619_181_195_5),
+    (1, 0.5, 0.333_295_714_423_12),
+    (1, 0.25, 0.313_924_541_070_09),
+    (1, 0.0, 0.263_399_581_034_84),
+];
+const STRIP_MEANS: [f64; 2] = [1.064_229_115_649_8, 0.308_662_992_991_33];
+
+#[test]
+fn bounds_of_open_strips_hold_at_every_probe_and_close_in() {
+    let (exitance, reflectance) = ([[1.0], [0.0]], [[0.5], [0.7]]);
+    let mut widths = Vec::new();
+    for n in [4, 8, 16, 32] {
+        let place = |k: usize| k as f64 / n as f64;
+        let mut entries = Vec::new();
+        for receiver in 0..2 * n {
+            for l in 0..n {
+                // The other strip runs the same way here, and the walls of the duct run opposite ways.
+                let (k, source) = (receiver % n, (1 - receiver / n) * n + l);
+                let [lower, upper] = range(place(k), place(k + 1), 2, 1.0 - place(l + 1), 1.0 - place(l));
+                entries.push(Entry { source: source as u32, lower, upper });
+            }
+        }
+        let leaf = |node: usize| Leaf {
+            node: node as u32,
+            exitance: &exitance[node / n],
+            reflectance: &reflectance[node / n],
+            enclosed: false,
+        };
+        let system = System {
+            channels: 1,
+            parents: (0..2 * n as u32).collect(),
+            starts: (0..=2 * n as u32).map(|node| node * n as u32).collect(),
+            entries,
+            leaves: (0..2 * n).map(leaf).collect(),
+        };
+        let (iterate, _) = system.solve(1e-9, 200);
+        STRIP_PROBES.iter().for_each(|&(strip, s, value)| assert_within(n, &iterate, strip, s, value, 0.0));
+        for (strip, mean) in STRIP_MEANS.iter().enumerate() {
+            let of = |values: &[f64]| values[strip * n..][..n].iter().sum::<f64>() / n as f64;
+            assert!(of(&iterate.lower) <= *mean && *mean <= of(&iterate.upper), "{n}: mean of strip {strip}");
+        }
+        widths.push(iterate.upper.iter().zip(&iterate.lower).map(|(upper, lower)| upper - lower).sum::<f64>() / (2 * n) as f64);
+    }
+    assert!(widths.windows(2).all(|pair| pair[1] < 0.6 * pair[0]), "{widths:?}");
 }
 
 #[test]
