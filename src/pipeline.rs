@@ -43,7 +43,8 @@ pub struct Evaluator {
     pool: rayon::ThreadPool,
 }
 
-/// Solves `scene`. A run that a limit or the observer ends early is no error: the report says so, and the solution so far is returned.
+/// Solves `scene`. A run that a limit or the observer ends early is no error: the report says so, and the solution so far is
+/// returned.
 ///
 /// # Errors
 /// See [`PipelineError`].
@@ -67,8 +68,9 @@ pub fn solve(
     Ok((evaluator, report))
 }
 
-/// Like [`solve`], but asks `visibility`, whatever it is: a backend of one's own, or one that keeps a record of what it is asked. It
-/// must answer for the triangles of [`OccluderMesh::of_scene`](visibility::OccluderMesh::of_scene); `run.backend` is not looked at.
+/// Like [`solve`], but asks `visibility`, whatever it is: a backend of one's own, or one that keeps a record of what it is asked.
+/// It must answer for the triangles of [`OccluderMesh::of_scene`](visibility::OccluderMesh::of_scene); `run.backend` is not looked
+/// at.
 ///
 /// # Errors
 /// See [`PipelineError`].
@@ -135,9 +137,9 @@ impl Evaluator {
         self.bounds.as_ref()
     }
 
-    /// Bounds the radiosities of every node over the links of the solution, whatever it was solved with. Of clusters less is known than of
-    /// surfaces, so bounds are wide where these are linked. The links of the strategies of 1994 do not account for all pairs, so theirs
-    /// prove nothing.
+    /// Bounds the radiosities of every node over the links of the solution, whatever it was solved with. Of clusters less is known
+    /// than of surfaces, so bounds are wide where these are linked. The links of the strategies of 1994 do not account for all
+    /// pairs, so theirs prove nothing.
     pub fn bound(&self, rule: FormFactorRule) -> (RadiosityBounds, BoundsReport) {
         let Solution { scene, hierarchy, links, .. } = &self.solution;
         self.pool.install(|| bounds::bound_radiosities(&BoundsInput { scene, hierarchy, links, rule }))
@@ -159,7 +161,8 @@ impl Evaluator {
         Camera::default_view(self.solution.scene(), self.visibility.as_ref(), width, height)
     }
 
-    /// Radiosities at points, in their order, kept within the bounds where there are any. Cancelled by the observer, it returns `None`.
+    /// Radiosities at points, in their order, kept within the bounds where there are any. Cancelled by the observer, it returns
+    /// `None`.
     pub fn values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Values> {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
         let paths = self.solution.light_paths(&rays);
@@ -184,8 +187,8 @@ impl Evaluator {
         Ok(self.pool.install(render))
     }
 
-    /// A picture of the width of the bounds, `(upper - lower) / pi`, black where a back or nothing is met. `None` if there are no bounds,
-    /// or if the observer cancels.
+    /// A picture of the width of the bounds, `(upper - lower) / pi`, black where a back or nothing is met. `None` if there are no
+    /// bounds, or if the observer cancels.
     ///
     /// # Errors
     /// As [`Evaluator::render`].

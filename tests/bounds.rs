@@ -80,8 +80,8 @@ fn bounds_of(report: &SolveReport) -> &BoundsReport {
     report.bounds.as_ref().unwrap()
 }
 
-/// The visible form factors of the cases with blockers: the source emits 1, the receiver reflects 1/2, so twice the radiosity is the form
-/// factor.
+/// The visible form factors of the cases with blockers: the source emits 1, the receiver reflects 1/2, so twice the radiosity is
+/// the form factor.
 #[test]
 fn occluded_cases_lie_within_the_bounds() {
     let mut checked = 0;
@@ -148,7 +148,8 @@ fn a_blocker_that_covers_all_hides_all() {
     assert_eq!(by_samples.certainty, Certainty::Estimate);
 }
 
-/// Form factors with anything in the way, by rays from points: `n * n` of them to cells of equal area, each with its exact form factor.
+/// Form factors with anything in the way, by rays from points: `n * n` of them to cells of equal area, each with its exact form
+/// factor.
 fn form_factor_by_rays(scene: &Scene, visibility: &dyn Visibility, x: SurfacePoint, n: usize) -> [f64; 2] {
     let [receiver, source] = [0, 1].map(|surface| scene.surface(SurfaceId(surface)));
     let corners: Vec<[f64; 3]> = source.polygon.vertices().collect();
@@ -187,7 +188,8 @@ fn random_blockers_anywhere_never_lead_to_a_wrong_proof() {
     let mut random = Random(31);
     let mut kinds = [0; 3];
     for round in 0..300 {
-        // Two parallelograms that see each other, and one to three others, some on the floor, some with an edge or a plane in common.
+        // Two parallelograms that see each other, and one to three others, some on the floor, some with an edge or a plane in
+        // common.
         let mut room = Room::default();
         let (grey, black) = (room.material(&[0.5], &[0.1]), room.material(&[0.0], &[0.0]));
         room.quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], grey);

@@ -53,7 +53,8 @@ fn sample(receiver: &Polygon, source: &Polygon, looks: usize, random: &mut Rando
     found
 }
 
-/// Bounds against points for `count` random pairs of a kind: the worst violations below and above, and all slacks `upper / most - 1`.
+/// Bounds against points for `count` random pairs of a kind: the worst violations below and above, and all slacks `upper / most -
+/// 1`.
 fn check_kind(kind: Kind, count: usize, looks: usize) -> (f64, f64, Vec<f64>) {
     let mut random = Random::new(0xb0_0d + kind as u64);
     let (mut below, mut above, mut slacks) = (0.0_f64, 0.0_f64, Vec::new());

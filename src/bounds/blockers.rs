@@ -1,9 +1,9 @@
 //! What of a source a whole receiver sees for certain, and what it may see: proofs over the surfaces of the scene.
 //!
-//! A surface can hide something only if it meets the convex hull of receiver and source, in front of both planes. If none does, all is
-//! visible. Each one that does takes its penumbra region from what is seen for certain, and its umbra from what may be seen.
-//! Surfaces in the plane of either end hide nothing, as everywhere. Cost: one walk through the clusters, about a microsecond for each
-//! surface whose box is met.
+//! A surface can hide something only if it meets the convex hull of receiver and source, in front of both planes. If none does, all
+//! is visible. Each one that does takes its penumbra region from what is seen for certain, and its umbra from what may be seen.
+//! Surfaces in the plane of either end hide nothing, as everywhere. Cost: one walk through the clusters, and a separation test for
+//! each surface whose box is met.
 
 use glam::DVec3;
 
@@ -19,7 +19,8 @@ const MAX_BLOCKERS: usize = 16;
 /// Past so many pieces nothing is seen for certain.
 const MAX_PIECES: usize = 64;
 
-/// Parts of the size of the scene within which things touch, as in [`OccluderMesh::contact_tolerance`](crate::visibility::OccluderMesh).
+/// Parts of the size of the scene within which things touch, as in
+/// [`OccluderMesh::contact_tolerance`](crate::visibility::OccluderMesh).
 const CONTACT_OF_SIZE: f64 = 1e-12;
 
 /// What a receiver sees of a source.

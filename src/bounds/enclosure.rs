@@ -1,9 +1,10 @@
 //! Which elements see fronts alone, in every direction: their form factors add up to 1.
 //!
-//! Let w(p) count, along a ray from p to infinity, the surfaces that it meets from the front less those that it meets from the back. Over
-//! surfaces that close up edge by edge this is the same for every ray. Where w is 1 at most, a ray that starts where it is 1 must come
-//! down to 0 at the first surface that it meets, which is a front. That is proved for one convex room with convex solids in it: w is 1 in
-//! the room, one less in each solid. Any other scene counts as open, and so does an element with something standing on it.
+//! Let w(p) count, along a ray from p to infinity, the surfaces that it meets from the front less those that it meets from the
+//! back. Over surfaces that close up edge by edge this is the same for every ray. Where w is 1 at most, a ray that starts where it
+//! is 1 must come down to 0 at the first surface that it meets, which is a front. That is proved for one convex room with convex
+//! solids in it: w is 1 in the room, one less in each solid. Any other scene counts as open, and so does an element with something
+//! standing on it.
 
 use std::collections::HashMap;
 
@@ -97,8 +98,8 @@ impl<'a> Enclosure<'a> {
     }
 }
 
-/// The number of the closed body of each surface: surfaces that share edges, each edge run through once in either direction. `None` if an edge
-/// is left over.
+/// The number of the closed body of each surface: surfaces that share edges, each edge run through once in either direction. `None`
+/// if an edge is left over.
 fn closed_bodies(scene: &Scene, tolerance: f64) -> Option<Vec<usize>> {
     let count = scene.surfaces().len();
     let mut corners = Corners { tolerance, known: Vec::new(), cells: HashMap::new() };

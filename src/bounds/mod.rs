@@ -2,17 +2,18 @@
 //!
 //! Three steps, each a file or two:
 //!
-//! - form factors: from every point of a receiver to a source, between which numbers (`pair`; what is in the way: `blockers`, `shadow`,
-//!   `separation`; unoccluded: `form_factor::bounds`);
-//! - radiosities: two systems of inequalities, iterated from outside, so that every iterate holds (`system`; which receivers see nothing but
-//!   fronts: `enclosure`);
+//! - form factors: from every point of a receiver to a source, between which numbers (`pair`; what is in the way: `blockers`,
+//!   `shadow`, `separation`; unoccluded: `form_factor::bounds`);
+//! - radiosities: two systems of inequalities, iterated from outside, so that every iterate holds (`system`; which receivers see
+//!   nothing but fronts: `enclosure`);
 //! - what that says in all: errors in the usual norms, and on what kind of evidence the light travels (`radiosity_bounds`).
 //!
-//! What is proved is about polygons that are planar and do not overlap in one plane, with visibility as [`visibility`](crate::visibility)
-//! defines it. Vertices of a polygon off its plane, by up to 1e-6 of its size, are not allowed for.
+//! What is proved is about polygons that are planar and do not overlap in one plane, with visibility as
+//! [`visibility`](crate::visibility) defines it. Vertices of a polygon off its plane, by up to 1e-6 of its size, are not allowed
+//! for.
 //!
-//! After Lischinski 1994, chapter 5, from which it departs: form factors are bounded by a theorem instead of samples, the upper system is
-//! solved exactly under the condition that form factors add up to at most 1, and is approached from above.
+//! After Lischinski 1994, chapter 5, from which it departs: form factors are bounded by a theorem instead of samples, the upper
+//! system is solved exactly under the condition that form factors add up to at most 1, and is approached from above.
 
 mod blockers;
 mod enclosure;

@@ -1,7 +1,7 @@
 //! Whether surfaces of one plane and facing lie on each other.
 //!
-//! Surfaces in one plane hide nothing from each other, nor from what looks at them. Where two of them overlap, both are seen at the same
-//! place, and form factors may add up to more than 1, on which the bounds rest.
+//! Surfaces in one plane hide nothing from each other, nor from what looks at them. Where two of them overlap, both are seen at the
+//! same place, and form factors may add up to more than 1, on which the bounds rest.
 
 use std::collections::HashMap;
 
@@ -11,7 +11,8 @@ use super::separation::edges;
 use crate::geometry::Facet;
 use crate::scene::Scene;
 
-/// Surfaces overlap if they reach into each other by more than this part of the size of the scene: files round to six or seven digits.
+/// Surfaces overlap if they reach into each other by more than this part of the size of the scene: files round to six or seven
+/// digits.
 const TOUCHING: f64 = 1e-6;
 
 /// Whether any two surfaces that face one way in one plane overlap. O(n log n) unless many share a plane and a strip of it.

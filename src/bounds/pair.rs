@@ -83,8 +83,9 @@ impl<'a> PairBounds<'a> {
 
     /// The most that nodes in two boxes can exchange, as seen from any point with any normal of the receiver.
     ///
-    /// A sphere of radius R at distance d takes at most `(R / d)^2` of the view, whichever way one looks; faces of area A at least at
-    /// distance d take at most `A cos cos / (pi d^2)`, the cosine of a polygon being at most its greatest height over d. Within one box, everything.
+    /// A sphere of radius R at distance d takes at most `(R / d)^2` of the view, whichever way one looks; faces of area A at least
+    /// at distance d take at most `A cos cos / (pi d^2)`, the cosine of a polygon being at most its greatest height over d. Within
+    /// one box, everything.
     fn upper_of_boxes(&self, receiver: NodeId, source: NodeId) -> f64 {
         let (from, to) = (self.box_of(receiver), self.box_of(source));
         let gap = (from.min - to.max).max(to.min - from.max).max(DVec3::ZERO);

@@ -18,7 +18,8 @@ use crate::visibility::Ray;
 const SUBSAMPLES: u32 = 4;
 
 impl RadiosityBounds {
-    /// `(upper - lower) / pi` through the pixels of an `image` that is still black, as for radiances; `None` if the observer cancels.
+    /// `(upper - lower) / pi` through the pixels of an `image` that is still black, as for radiances; `None` if the observer
+    /// cancels.
     pub(crate) fn render_width(
         &self,
         scene: &Scene,

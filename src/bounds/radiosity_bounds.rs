@@ -90,10 +90,12 @@ pub struct EvidenceShare {
 /// What the bounds say about the whole.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BoundsReport {
-    /// The weakest of all pairs. An estimate where surfaces overlap in one plane: both are seen there, and form factors may exceed 1 in all.
+    /// The weakest of all pairs. An estimate where surfaces overlap in one plane: both are seen there, and form factors may exceed
+    /// 1 in all.
     pub certainty: Certainty,
-    /// A bound of the error of any values within the bounds, in the norm of [`SolveOptions::error`](crate::solve::SolveOptions::error):
-    /// `||upper - lower|| / ||lower - E||`; infinite where the lower bounds prove no reflection.
+    /// A bound of the error of any values within the bounds, in the norm of
+    /// [`SolveOptions::error`](crate::solve::SolveOptions::error): `||upper - lower|| / ||lower - E||`; infinite where the lower
+    /// bounds prove no reflection.
     pub relative_error: f64,
     /// By channel.
     pub channels: Vec<ChannelError>,
@@ -124,8 +126,8 @@ pub(crate) fn bound_radiosities(input: &BoundsInput<'_>) -> (RadiosityBounds, Bo
 /// A receiver, a source, and what their form factor is at least and at most.
 type BoundedPair = (NodeId, NodeId, FormFactorBounds);
 
-/// What each leaf gathers over its links and those above it, each bounded for the leaf itself: a smaller receiver than the link's leaves less open.
-/// Where that makes too many pairs, links are bounded as they are.
+/// What each leaf gathers over its links and those above it, each bounded for the leaf itself: a smaller receiver than the link's
+/// leaves less open. Where that makes too many pairs, links are bounded as they are.
 fn linked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<BoundedPair> {
     let BoundsInput { hierarchy, links, .. } = *input;
     let mut at_leaves = Vec::new();
@@ -150,7 +152,8 @@ fn linked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<Bo
 
 /// Dormant pairs, and those of which no ray arrived: they may carry what they can, and need not carry anything.
 ///
-/// Clusters are taken apart: most of their surfaces cannot see each other at all. Where that makes too many pairs, the rest stay whole.
+/// Clusters are taken apart: most of their surfaces cannot see each other at all. Where that makes too many pairs, the rest stay
+/// whole.
 fn unlinked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<BoundedPair> {
     let BoundsInput { scene, hierarchy, links, .. } = *input;
     let most = LEAST_UNLINKED.max(links.len());

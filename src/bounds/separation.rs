@@ -1,8 +1,9 @@
 //! Whether a polygon stays out of the way between two others: out of the convex hull of both.
 //!
-//! Two convex polytopes are apart if and only if one of few directions shows it: the normal of a face of one, or the cross product of an edge
-//! of each (separating axes; Gottschalk, Lin, Manocha 1996). Faces of the hull of two polygons are these themselves, and triangles of
-//! an edge of one with a vertex of the other; its edges are theirs, and the connections of their vertices. What only touches is apart.
+//! Two convex polytopes are apart if and only if one of few directions shows it: the normal of a face of one, or the cross product
+//! of an edge of each (separating axes; Gottschalk, Lin, Manocha 1996). Faces of the hull of two polygons are these themselves, and
+//! triangles of an edge of one with a vertex of the other; its edges are theirs, and the connections of their vertices. What only
+//! touches is apart.
 
 use glam::DVec3;
 

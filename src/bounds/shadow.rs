@@ -1,17 +1,18 @@
 //! What a polygon in the way hides of a source: umbra and penumbra of a whole receiver, exactly.
 //!
-//! From a point x of the receiver, q of the blocker throws its shadow on the source's plane at `(h(x) q - h(q) x) / (h(x) - h(q))`, h being the
-//! height above that plane. As x is a mean of the receiver's vertices, the shadow is a mean of their shadows: it lies in the convex hull of
-//! the shadows from all vertices, the **penumbra region**. Seen from a point of the source the receiver is projected on the
-//! blocker's plane as a convex set, so what all vertices have in shadow lies in shadow from everywhere: the **umbra**, where receiver and
-//! source lie on opposite sides of the blocker.
+//! From a point x of the receiver, q of the blocker throws its shadow on the source's plane at `(h(x) q - h(q) x) / (h(x) - h(q))`,
+//! h being the height above that plane. As x is a mean of the receiver's vertices, the shadow is a mean of their shadows: it lies
+//! in the convex hull of the shadows from all vertices, the **penumbra region**. Seen from a point of the source the receiver is
+//! projected on the blocker's plane as a convex set, so what all vertices have in shadow lies in shadow from everywhere: the
+//! **umbra**, where receiver and source lie on opposite sides of the blocker.
 
 use glam::DVec3;
 
 use super::separation::edges;
 use crate::geometry::{Clip, ClippedFacet, Facet, Frame, clip_to_front};
 
-/// A blocker must stay below every vertex of the receiver by this part of the vertex' height above the source, or its shadow reaches too far.
+/// A blocker must stay below every vertex of the receiver by this part of the vertex' height above the source, or its shadow
+/// reaches too far.
 const LEAST_CLEARANCE: f64 = 1e-6;
 
 /// Edges of a contour shorter than this part of the longest are what rounding leaves.
@@ -28,8 +29,8 @@ pub(super) struct Shadow {
     pub umbra: Option<Vec<Region>>,
 }
 
-/// The shadow of `blocker`, all of which is in front of the source; `None` where it reaches as high above the source as the receiver does.
-/// Regions are `margin` metres larger or smaller, to be on the safe side.
+/// The shadow of `blocker`, all of which is in front of the source; `None` where it reaches as high above the source as the
+/// receiver does. Regions are `margin` metres larger or smaller, to be on the safe side.
 pub(super) fn shadow(receiver: &[DVec3], source: &Facet<'_>, blocker: &Facet<'_>, margin: f64) -> Option<Shadow> {
     let frame = Frame::around(source.normal);
     let flat = |point: DVec3| [frame.tangent.dot(point), frame.bitangent.dot(point)];

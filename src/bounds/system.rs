@@ -1,17 +1,17 @@
 //! The two systems of inequalities: for every leaf the least and the most that it can reflect.
 //!
-//! At any point x of a leaf `B(x) = E + rho sum_j F_j(x) B_j`, with B_j a mean of what x sees of source j. With `F_j` between its bounds and
-//! all of them together at most 1,
+//! At any point x of a leaf `B(x) = E + rho sum_j F_j(x) B_j`, with B_j a mean of what x sees of source j. With `F_j` between its
+//! bounds and all of them together at most 1,
 //!
 //! ```text
 //! B(x) <= E + rho max { sum F_j U_j : l_j <= F_j <= u_j, sum F_j <= 1 }       U_j >= the radiosity anywhere on j
 //! B(x) >= E + rho min { sum F_j L_j : l_j <= F_j <= u_j, sum F_j = 1 }        where x sees fronts alone, else sum l_j L_j
 //! ```
 //!
-//! Each is a linear program that is solved by pouring: everyone gets the least, and what is left of 1 goes to the brightest (the dimmest) up to
-//! their most. Both right sides grow with U and L. So from `U = E_max / (1 - rho_max)`, which is true, every sweep gives something
-//! true and no larger, and from `L = E` something true and no smaller: one may stop at any time. (Lischinski 1994, equation 5.3, starts the
-//! upper system from E, where only the limit is a bound, and pours without the l_j.)
+//! Each is a linear program that is solved by pouring: everyone gets the least, and what is left of 1 goes to the brightest (the
+//! dimmest) up to their most. Both right sides grow with U and L. So from `U = E_max / (1 - rho_max)`, which is true, every sweep
+//! gives something true and no larger, and from `L = E` something true and no smaller: one may stop at any time. (Lischinski 1994,
+//! equation 5.3, starts the upper system from E, where only the limit is a bound, and pours without the l_j.)
 //!
 //! A leaf gathers over its own entries and those of all its ancestors; an inner source stands for its brightest (its dimmest) leaf.
 
@@ -60,8 +60,8 @@ fn rounding(terms: usize) -> f64 {
 }
 
 impl System<'_> {
-    /// Bounds that hold whatever the form factors are: no surface emits less than E, and none can be brighter than the brightest would be with
-    /// the highest reflectance all around.
+    /// Bounds that hold whatever the form factors are: no surface emits less than E, and none can be brighter than the brightest
+    /// would be with the highest reflectance all around.
     pub fn trivial(&self) -> Iterate {
         let count = self.channels * self.parents.len();
         let mut iterate = Iterate { lower: vec![0.0; count], upper: vec![0.0; count] };
@@ -79,7 +79,8 @@ impl System<'_> {
         iterate
     }
 
-    /// Sweeps until the gap is `tolerance` of itself near what it can become, or so often; returns the bounds and the number of sweeps.
+    /// Sweeps until the gap is `tolerance` of itself near what it can become, or so often; returns the bounds and the number of
+    /// sweeps.
     pub fn solve(&self, tolerance: f64, most_sweeps: u32) -> (Iterate, u32) {
         let mut iterate = self.trivial();
         for sweep in 1..=most_sweeps {

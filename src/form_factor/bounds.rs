@@ -2,21 +2,24 @@
 //!
 //! # Theorem
 //! For a convex polygon P and a fixed normal n the form factor
-//! `F(x) = Integral over P of h_P(x) h_R(x, y) / (pi |x - y|^4) dy` (h_P the height of x above the plane of P, h_R = n.(y - x), each cut
-//! off at 0) is quasi-concave in x: on a segment it is nowhere less than at the lower end.
+//! `F(x) = Integral over P of h_P(x) h_R(x, y) / (pi |x - y|^4) dy` (h_P the height of x above the plane of P, h_R = n.(y - x),
+//! each cut off at 0) is quasi-concave in x: on a segment it is nowhere less than at the lower end.
 //!
-//! Proof. Where both heights are positive `k^(-1/2) = sqrt(pi) |x - y|^2 / sqrt(h_P h_R)`. Both heights are affine in (x, y), so their geometric
-//! mean is concave; `(u, t) -> |u|^2 / t` is convex and falls with t > 0; hence `k^(-1/2)` is convex in (x, y) jointly, on a convex set. The
-//! Borell-Brascamp-Lieb inequality in n = 2 dimensions with s = -1/2 = -1/n then says that the integral over y satisfies
-//! `F((1-l) x0 + l x1) >= min(F(x0), F(x1))`. QED. (The strip kernel `h_P h_R / 2 r^3` of two dimensions has `k^-1` convex, s = -1, n = 1: the same.)
+//! Proof. Where both heights are positive `k^(-1/2) = sqrt(pi) |x - y|^2 / sqrt(h_P h_R)`. Both heights are affine in (x, y), so
+//! their geometric mean is concave; `(u, t) -> |u|^2 / t` is convex and falls with t > 0; hence `k^(-1/2)` is convex in (x, y)
+//! jointly, on a convex set. The Borell-Brascamp-Lieb inequality in n = 2 dimensions with s = -1/2 = -1/n then says that the
+//! integral over y satisfies `F((1-l) x0 + l x1) >= min(F(x0), F(x1))`. QED. (The strip kernel `h_P h_R / 2 r^3` of two dimensions
+//! has `k^-1` convex, s = -1, n = 1: the same.)
 //!
 //! # What follows
 //! - The least form factor over a convex receiver is that at one of its vertices.
-//! - Where F is larger than at a point g, `grad F(g).(x - g) >= 0`. So either a vertex from which F falls towards all others has the
-//!   largest, or what is behind a point of the receiver can be cut away, again and again. A cut through the centroid takes at least 4/9 of the
-//!   area (Gruenbaum 1960). What is left is bounded directly: by its kernel, by Taylor's formula, by the lune between both planes.
+//! - Where F is larger than at a point g, `grad F(g).(x - g) >= 0`. So either a vertex from which F falls towards all others has
+//!   the largest, or what is behind a point of the receiver can be cut away, again and again. A cut through the centroid takes at
+//!   least 4/9 of the area (Gruenbaum 1960). What is left is bounded directly: by its kernel, by Taylor's formula, by the lune
+//!   between both planes.
 //!
-//! All numbers are widened by what rounding may do. Cost: 1 to 10 us.
+//! All numbers are widened by what rounding may do. Cost: a few looks where a vertex is the best, at most [`MAX_LOOKS`] and a walk
+//! over parts of the source for each; slivers near each other cost most.
 
 use std::f64::consts::PI;
 
@@ -41,7 +44,8 @@ const GOOD_ENOUGH: f64 = 0.05;
 /// A vertex that touches the source is looked at from so far towards the middle of the receiver, as a part of the way.
 const STEP_INWARD: f64 = 1.0 / (1 << 20) as f64;
 
-/// Parts of the size of two polygons within which they count as touching: what rounding leaves of vertices that were computed apart.
+/// Parts of the size of two polygons within which they count as touching: what rounding leaves of vertices that were computed
+/// apart.
 const CONTACT_OF_SIZE: f64 = 1e-12;
 
 /// The least and the largest form factor from a point of the interior of `receiver` to `source`, if nothing is in between.
@@ -63,8 +67,8 @@ pub(crate) fn bound_unoccluded(receiver: &Facet<'_>, source: &Facet<'_>) -> [f64
     }
 }
 
-/// The range of the form factor over the receiver's centroid and vertices (Lischinski 1994, section 5.2): no bound, because the largest
-/// may lie elsewhere.
+/// The range of the form factor over the receiver's centroid and vertices (Lischinski 1994, section 5.2): no bound, because the
+/// largest may lie elsewhere.
 pub(crate) fn estimate_unoccluded_range(receiver: &Facet<'_>, source: &Facet<'_>) -> [f64; 2] {
     let looks = receiver.vertices.iter().chain([&receiver.centroid]);
     let factors = looks.map(|&x| point_to_polygon(x, receiver.normal, source));
@@ -73,9 +77,10 @@ pub(crate) fn estimate_unoccluded_range(receiver: &Facet<'_>, source: &Facet<'_>
 
 /// The least over the vertices.
 ///
-/// Where a vertex touches the source the form factor has no value, but limits that depend on the way there. Of the receiver shrunk towards its
-/// centroid the theorem still holds, so the limit along that way counts. As the source is part of the cone that touches it at the
-/// vertex, and that looks the same from everywhere on the way, the form factor at any step of the way is at most the limit.
+/// Where a vertex touches the source the form factor has no value, but limits that depend on the way there. Of the receiver shrunk
+/// towards its centroid the theorem still holds, so the limit along that way counts. As the source is part of the cone that touches
+/// it at the vertex, and that looks the same from everywhere on the way, the form factor at any step of the way is at most the
+/// limit.
 fn lower(receiver: &Facet<'_>, source: &Facet<'_>) -> f64 {
     let at = |&vertex: &DVec3| {
         let x = if touches(source, vertex, receiver.radius) { vertex + STEP_INWARD * (receiver.centroid - vertex) } else { vertex };
@@ -106,10 +111,10 @@ fn upper(receiver: &Facet<'_>, source: &Facet<'_>, least: f64) -> f64 {
 
 /// The same where a corner of one is a corner of the other and nothing else touches; `None` if it is not like that.
 ///
-/// Let C be the cone at the corner that P spans. Seen from x, P is part of C, and C looks the same from all points of a ray that leaves the
-/// corner. So the largest over the receiver is at most the largest of C over a part that all these rays pass through, and no
-/// less either, as P looks more and more like C on the way to the corner. Of C the part up to a distance K is taken; what is beyond adds
-/// less than `d Integral of 16 / r^2 dr = 16 d / K` where the part is no farther than d and `K >= 2 d`.
+/// Let C be the cone at the corner that P spans. Seen from x, P is part of C, and C looks the same from all points of a ray that
+/// leaves the corner. So the largest over the receiver is at most the largest of C over a part that all these rays pass through,
+/// and no less either, as P looks more and more like C on the way to the corner. Of C the part up to a distance K is taken; what is
+/// beyond adds less than `d Integral of 16 / r^2 dr = 16 d / K` where the part is no farther than d and `K >= 2 d`.
 fn upper_around_corner(receiver: &Facet<'_>, source: &Facet<'_>, corner: DVec3, least: f64) -> Option<f64> {
     let neighbours = |polygon: &Facet<'_>| {
         let nearest = |&k: &usize| polygon.vertices[k].distance_squared(corner);
@@ -217,7 +222,8 @@ fn uphill_part(part: ClippedFacet, middle: &PointFactor) -> Rest {
     if pieces.len() == 2 { Rest::Halves(pieces) } else { Rest::Round(whole) }
 }
 
-/// What the whole half-plane of the source above the horizon takes of the view: the cosine-weighted share of directions that lead there.
+/// What the whole half-plane of the source above the horizon takes of the view: the cosine-weighted share of directions that lead
+/// there.
 fn lune(receiver_normal: DVec3, source_normal: DVec3) -> f64 {
     (0.5 * (1.0 - receiver_normal.dot(source_normal)) + 4.0 * f64::EPSILON).clamp(0.0, 1.0)
 }
@@ -259,8 +265,9 @@ impl Cap<'_> {
 
     /// Adds the bounds of a triangle, in parts where it is near.
     ///
-    /// With `r` the least distance, `F <= |T| h_P h_R / (pi r^4)`; the mean of the affine h_R is that at the centroid. Along a unit direction u in
-    /// the plane of the receiver `(r^-4)'' <= 20 r^-6` and `|(r^-4)'| <= 4 r^-5`, so `F'' <= |T| h_R (20 h_P r^-6 + 8 |grad h_P| r^-5) / pi`.
+    /// With `r` the least distance, `F <= |T| h_P h_R / (pi r^4)`; the mean of the affine h_R is that at the centroid. Along a unit
+    /// direction u in the plane of the receiver `(r^-4)'' <= 20 r^-6` and `|(r^-4)'| <= 4 r^-5`, so `F'' <= |T| h_R (20 h_P r^-6 +
+    /// 8 |grad h_P| r^-5) / pi`.
     fn add(&self, triangle: [DVec3; 3], part: &Facet<'_>, highest: f64, quarterings: u32, sums: &mut CapSums) {
         let [a, b, c] = triangle;
         let centroid = (a + b + c) / 3.0;

@@ -1,9 +1,9 @@
 //! Points in, values out, as CSV.
 //!
-//! Points: the header `x,y,z,nx,ny,nz`, then one point a line; metres, and the unit normal of the side that is looked at. Values: the same
-//! columns, then the radiosity per channel in W/m^2, `B_r,B_g,B_b` for three channels, else `B_0,B_1,...`, and where bounds are known the same
-//! with `lower` and `upper` for `B`; empty for points that lie on no
-//! surface. Numbers are the shortest that read back to the same value.
+//! Points: the header `x,y,z,nx,ny,nz`, then one point a line; metres, and the unit normal of the side that is looked at. Values:
+//! the same columns, then the radiosity per channel in W/m^2, `B_r,B_g,B_b` for three channels, else `B_0,B_1,...`, and where
+//! bounds are known the same with `lower` and `upper` for `B`; empty for points that lie on no surface. Numbers are the shortest
+//! that read back to the same value.
 
 use std::fmt::{Display, LowerExp};
 use std::io::{self, BufRead, BufReader, Read, Write};

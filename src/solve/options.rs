@@ -18,10 +18,11 @@ pub enum Strategy {
     Hanrahan91,
     /// Every surface split to the same depth, every pair of elements linked.
     Uniform,
-    /// All pairs of surfaces linked at first, BF refinement, a bounce of light an iteration: the original algorithm of Holzschuch, Sillion,
-    /// Drettakis 1994. This and the following take 16 rays a link.
+    /// All pairs of surfaces linked at first, BF refinement, a bounce of light an iteration: the original algorithm of Holzschuch,
+    /// Sillion, Drettakis 1994. This and the following take 16 rays a link.
     Original94,
-    /// The same with link culling: pairs of reflecting surfaces with little form factor are forgotten (Lischinski 1994, section 4.1.1).
+    /// The same with link culling: pairs of reflecting surfaces with little form factor are forgotten (Lischinski 1994, section
+    /// 4.1.1).
     Culling94,
     /// Lazy linking: pairs of surfaces are linked once they carry enough (Holzschuch, Sillion, Drettakis 1994, section 3).
     Lazy94,
@@ -172,7 +173,8 @@ pub struct SolveOptions {
     pub seed: u64,
     /// Stop refining at this many links.
     pub max_links: Option<u64>,
-    /// Tolerance of the oracle in units of the root mean square of the reflected radiosity; above 0. Follows from `error` if `None`.
+    /// Tolerance of the oracle in units of the root mean square of the reflected radiosity; above 0. Follows from `error` if
+    /// `None`.
     pub tolerance: Option<f64>,
     /// Visibility rays to a point, 1 to 2^20. Follows from `error` if `None`.
     pub point_rays: Option<u32>,
@@ -182,7 +184,8 @@ pub struct SolveOptions {
     pub rays_per_link: u32,
     /// Visibility rays for a link from a lamp, 1 to 1024.
     pub rays_per_light_link: u32,
-    /// Rays with which the radiosity of each leaf is taken anew at its centre after the sweeps, at most 2^20; 0 leaves the leaves alone.
+    /// Rays with which the radiosity of each leaf is taken anew at its centre after the sweeps, at most 2^20; 0 leaves the leaves
+    /// alone.
     pub leaf_rays: u32,
     /// Relative accuracy of the links' form factors, 0 to 1; 0 takes them exactly.
     pub form_factor_accuracy: f64,
@@ -192,8 +195,8 @@ pub struct SolveOptions {
     pub min_element: f64,
     /// How radiosities are iterated.
     pub sweep: Sweep,
-    /// Sweeps end when all changes that are still to come add up to less than this part of the largest reflected radiosity; above 0,
-    /// below 1.
+    /// Sweeps end when all changes that are still to come add up to less than this part of the largest reflected radiosity; above
+    /// 0, below 1.
     pub sweep_tolerance: f64,
     /// Iterations of the strategies of 1994, 1 to 1000.
     pub iterations: u32,

@@ -166,8 +166,8 @@ impl Plan {
         }
     }
 
-    /// Whether clusters gather and emit: not in the strategies that have none, nor where surfaces are few or bounds are asked for, because little
-    /// can be proved of clusters.
+    /// Whether clusters gather and emit: not in the strategies that have none, nor where surfaces are few or bounds are asked for,
+    /// because little can be proved of clusters.
     pub fn clusters(&self) -> bool {
         self.options.strategy == Strategy::Default
             && self.options.bounds != Bounds::Guaranteed
