@@ -4,10 +4,11 @@ use thiserror::Error;
 
 use std::time::Instant;
 
+use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, PointBounds, RadiosityBounds};
 use crate::progress::Observer;
 use crate::reconstruct::{self, Camera, CameraError, Image, SurfacePoint, Values};
 use crate::scene::Scene;
-use crate::solve::{self, OptionsError, RunOptions, Solution, SolveOptions, SolveReport};
+use crate::solve::{self, Bounds, OptionsError, RunOptions, Solution, SolveOptions, SolveReport};
 use crate::transmittance::Rays;
 use crate::visibility::{self, Visibility, VisibilityError};
 
@@ -36,11 +37,14 @@ pub enum PipelineError {
 /// A solution with what is needed to look at it: visibility and a pool of threads.
 pub struct Evaluator {
     solution: Solution,
+    /// If it was solved with [`Bounds::Guaranteed`].
+    bounds: Option<RadiosityBounds>,
     visibility: Box<dyn Visibility>,
     pool: rayon::ThreadPool,
 }
 
-/// Solves `scene`. A run that a limit or the observer ends early is no error: the report says so, and the solution so far is returned.
+/// Solves `scene`. A run that a limit or the observer ends early is no error: the report says so, and the solution so far is
+/// returned.
 ///
 /// # Errors
 /// See [`PipelineError`].
@@ -64,8 +68,9 @@ pub fn solve(
     Ok((evaluator, report))
 }
 
-/// Like [`solve`], but asks `visibility`, whatever it is: a backend of one's own, or one that keeps a record of what it is asked. It
-/// must answer for the triangles of [`OccluderMesh::of_scene`](visibility::OccluderMesh::of_scene); `run.backend` is not looked at.
+/// Like [`solve`], but asks `visibility`, whatever it is: a backend of one's own, or one that keeps a record of what it is asked.
+/// It must answer for the triangles of [`OccluderMesh::of_scene`](visibility::OccluderMesh::of_scene); `run.backend` is not looked
+/// at.
 ///
 /// # Errors
 /// See [`PipelineError`].
@@ -90,8 +95,15 @@ fn solve_in(
     observer: &dyn Observer,
 ) -> (Evaluator, SolveReport) {
     let rays = Rays::new(&*visibility, &scene);
-    let (solution, report) = pool.install(|| solve::solve(scene, options, run, &rays, observer));
-    (Evaluator { solution, visibility, pool }, report)
+    let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, &rays, observer));
+    let mut evaluator = Evaluator { solution, bounds: None, visibility, pool };
+    if options.bounds == Bounds::Guaranteed {
+        let start = Instant::now();
+        let (bounds, bounds_report) = evaluator.bound(FormFactorRule::QuasiConcave);
+        (evaluator.bounds, report.bounds) = (Some(bounds), Some(bounds_report));
+        report.time_s.bounds = start.elapsed().as_secs_f64();
+    }
+    (evaluator, report)
 }
 
 fn thread_pool(run: &RunOptions) -> Result<rayon::ThreadPool, PipelineError> {
@@ -108,12 +120,35 @@ impl Evaluator {
         let pool = thread_pool(run)?;
         let mesh = visibility::OccluderMesh::of_scene(&solution.scene);
         let visibility = pool.install(|| visibility::build(run.backend, &mesh))?;
-        Ok(Self { solution, visibility, pool })
+        let mut evaluator = Self { solution, bounds: None, visibility, pool };
+        if evaluator.solution.options().bounds == Bounds::Guaranteed {
+            evaluator.bounds = Some(evaluator.bound(FormFactorRule::QuasiConcave).0);
+        }
+        Ok(evaluator)
     }
 
     /// The solution.
     pub fn solution(&self) -> &Solution {
         &self.solution
+    }
+
+    /// Lower and upper radiosities of every node, if it was solved with [`Bounds::Guaranteed`].
+    pub fn bounds(&self) -> Option<&RadiosityBounds> {
+        self.bounds.as_ref()
+    }
+
+    /// Bounds the radiosities of every node over the links of the solution, whatever it was solved with. Of clusters less is known
+    /// than of surfaces, so bounds are wide where these are linked. The links of the strategies of 1994 do not account for all
+    /// pairs, so theirs prove nothing.
+    pub fn bound(&self, rule: FormFactorRule) -> (RadiosityBounds, BoundsReport) {
+        let Solution { scene, hierarchy, links, .. } = &self.solution;
+        self.pool.install(|| bounds::bound_radiosities(&BoundsInput { scene, hierarchy, links, rule }))
+    }
+
+    /// Lower and upper radiosities at points, in their order, if it was solved with [`Bounds::Guaranteed`].
+    pub fn bounds_at(&self, points: &[SurfacePoint]) -> Option<PointBounds> {
+        let bounds = self.bounds.as_ref()?;
+        Some(bounds.at(&self.solution.scene, &self.solution.hierarchy, points))
     }
 
     /// Name and version of the visibility backend.
@@ -126,11 +161,17 @@ impl Evaluator {
         Camera::default_view(self.solution.scene(), self.visibility.as_ref(), width, height)
     }
 
-    /// Radiosities at points, in their order. Cancelled by the observer, it returns `None`.
+    /// Radiosities at points, in their order, kept within the bounds where there are any. Cancelled by the observer, it returns
+    /// `None`.
     pub fn values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Values> {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
         let paths = self.solution.light_paths(&rays);
-        self.pool.install(|| reconstruct::values_at(&self.solution.reconstruction(&rays, &paths), points, observer))
+        let values = self.pool.install(|| reconstruct::values_at(&self.solution.reconstruction(&rays, &paths), points, observer));
+        let mut values = values?;
+        if let Some(bounds) = self.bounds_at(points) {
+            bounds.confine(&mut values.radiosity);
+        }
+        Some(values)
     }
 
     /// A picture of linear radiance. Cancelled by the observer, it returns `None`.
@@ -144,5 +185,19 @@ impl Evaluator {
         let reconstruction = self.solution.reconstruction(&rays, &paths);
         let render = || reconstruct::render(&reconstruction, &rays, &through, camera.width, camera.height, observer);
         Ok(self.pool.install(render))
+    }
+
+    /// A picture of the width of the bounds, `(upper - lower) / pi`, black where a back or nothing is met. `None` if there are no
+    /// bounds, or if the observer cancels.
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`].
+    pub fn render_width(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
+        let through = camera.rays()?;
+        let Some(bounds) = &self.bounds else { return Ok(None) };
+        let Solution { scene, hierarchy, .. } = &self.solution;
+        let rays = Rays::new(&*self.visibility, scene);
+        let image = Image::black(camera.width, camera.height, scene.channels());
+        Ok(self.pool.install(|| bounds.render_width(scene, hierarchy, &rays, &through, image, observer)))
     }
 }

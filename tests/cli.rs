@@ -131,8 +131,9 @@ fn wrong_usage_ends_with_2_and_says_what_is_wrong() {
         ("solve room.obj --strategy best", &["unknown strategy 'best'", "hanrahan91"]),
         ("solve room.obj --backend gpu", &["unknown backend 'gpu'", "brute-force"]),
         ("solve room.obj --sides back", &["sides is 'back'", "front or both"]),
-        ("solve room.obj --bounds guaranteed", &["no proven bounds", "estimate"]),
-        ("solve room.obj --bounds tight", &["bounds is 'tight'"]),
+        ("solve room.obj --bounds guaranteed --strategy lazy94", &["bounds is guaranteed", "none or estimate"]),
+        ("solve room.obj --image w.exr --quantity width", &["width", "--bounds guaranteed"]),
+        ("solve room.obj --bounds tight", &["bounds is tight"]),
         ("solve room.obj --time 0", &["time is '0'", "seconds"]),
         ("solve room.obj --time -1", &["-1"]),
         ("solve room.obj --memory inf", &["memory is 'inf'"]),
@@ -140,7 +141,7 @@ fn wrong_usage_ends_with_2_and_says_what_is_wrong() {
         ("solve room.obj --set error", &["--set error", "key=value"]),
         ("solve room.obj --set colour=red", &["unknown option 'colour'"]),
         ("solve room.obj --set threads=many", &["threads is 'many'"]),
-        ("solve room.obj --set bounds=guaranteed", &["no proven bounds"]),
+        ("solve room.obj --bounds guaranteed --image w.png --image w.exr --quantity width", &["width is for .exr alone"]),
         ("solve room.obj --progress loud", &["loud"]),
         ("solve room.obj --points P.csv", &["--values"]),
         ("solve room.obj --values V.csv", &["--points"]),
@@ -430,6 +431,37 @@ fn solve_writes_all_that_is_asked_for() {
     assert_eq!(place.read("V2.csv"), place.read("V.csv"));
     place.run("render s.solution -o b.png --size 16x12").succeeded();
     assert!(fs::read(place.path("a.png")).unwrap() == fs::read(place.path("b.png")).unwrap());
+}
+
+#[test]
+fn guaranteed_bounds_stand_beside_the_values_in_the_report_and_in_a_picture() {
+    let place = Place::new();
+    let ran = place.run(
+        "solve room.obj --error 0.1 --bounds guaranteed -o s.solution --points P.csv --values V.csv --report r.json \
+         --image w.exr --quantity width --size 16x12",
+    );
+    ran.succeeded();
+    let text = place.read("V.csv");
+    let mut lines = text.lines();
+    let header = "x,y,z,nx,ny,nz,B_r,B_g,B_b,lower_r,lower_g,lower_b,upper_r,upper_g,upper_b";
+    assert_eq!(lines.next(), Some(header));
+    for line in lines {
+        let row: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+        for channel in 6..9 {
+            assert!(0.0 < row[channel + 3] && row[channel + 3] <= row[channel] && row[channel] <= row[channel + 6], "{line}");
+        }
+    }
+    let report: serde_json::Value = serde_json::from_str(&place.read("r.json")).unwrap();
+    assert_eq!(report["bounds"]["certainty"], "guaranteed");
+    assert_eq!(report["error"]["bound"], report["bounds"]["relative_error"]);
+    assert_eq!(report["bounds"]["channels"].as_array().unwrap().len(), 3);
+
+    // A stored solution has the same bounds; one that was solved without has none to show.
+    place.run("sample s.solution P.csv -o V2.csv").succeeded();
+    assert_eq!(place.read("V2.csv"), text);
+    place.run("render s.solution -o w2.exr --quantity width --size 16x12").succeeded();
+    assert!(fs::read(place.path("w.exr")).unwrap() == fs::read(place.path("w2.exr")).unwrap());
+    place.run("render room.solution -o w3.exr --quantity width").failed(2, &["no bounds", "--bounds guaranteed"]);
 }
 
 #[test]

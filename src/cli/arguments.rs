@@ -68,14 +68,14 @@ pub struct SolveArguments {
     /// Stop refining at this many links
     #[arg(long, value_name = "N")]
     pub max_links: Option<u64>,
-    /// Stop when nodes and links would take more than this many GB (1e9 bytes); the process takes up to five times as much [default: 15%
-    /// of the memory that is available]
+    /// Stop when nodes and links would take more than this many GB (1e9 bytes); the process takes up to five times as much
+    /// [default: 15% of the memory that is available]
     #[arg(long, value_name = "GB")]
     pub memory: Option<f64>,
     /// Stop after this many seconds
     #[arg(long, value_name = "S")]
     pub time: Option<f64>,
-    /// What is said about the error: none or estimate [default: estimate]
+    /// What is said about the error: none, estimate, or guaranteed, which proves lower and upper radiosities [default: estimate]
     #[arg(long, value_name = "KIND")]
     pub bounds: Option<String>,
     /// Set any option by its key, as in --set error=0.01; may be repeated
@@ -159,7 +159,8 @@ pub struct PictureArguments {
     /// PNG: auto, or the exposure value EV; radiances are multiplied by 2^EV [default: auto]
     #[arg(long, value_name = "EV", allow_hyphen_values = true)]
     pub exposure: Option<String>,
-    /// EXR: radiance (W/m^2/sr) or radiosity (W/m^2) [default: radiance]
+    /// EXR: radiance (W/m^2/sr), radiosity (W/m^2) or, with --bounds guaranteed, width (W/m^2, upper less lower radiosity)
+    /// [default: radiance]
     #[arg(long, value_name = "QUANTITY")]
     pub quantity: Option<String>,
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use patchlight::output::{Destination, ExportFormat, Exposure, ImageFormat, Quantity};
 use patchlight::reconstruct::{Camera, CameraRequest};
 use patchlight::scene::Sides;
-use patchlight::solve::{RunOptions, SolveOptions};
+use patchlight::solve::{Bounds, RunOptions, SolveOptions};
 
 use super::arguments::{ExportArguments, PictureArguments, RenderArguments, RunArguments, SampleArguments, SolveArguments};
 use super::exit::Failure;
@@ -47,6 +47,9 @@ impl PictureRequest {
         }
         if typed.quantity.is_some() && !formats.contains(&ImageFormat::Exr) {
             return Err(Failure::usage("--quantity is for .exr; .png is a picture to look at"));
+        }
+        if quantity == Quantity::Width && formats.contains(&ImageFormat::Png) {
+            return Err(Failure::usage("--quantity width is for .exr alone; take the .png in a run of its own"));
         }
         // A view that is given in full can be judged before the scene is known.
         if let CameraRequest { eye: Some(eye), target: Some(target), up, field_of_view_degrees } = camera {
@@ -117,6 +120,10 @@ impl SolveRequest {
         }
         let asked = !typed.image.is_empty();
         let picture = asked.then(|| PictureRequest::new(&typed.image, picture, &mut outputs)).transpose()?;
+        let shows_width = picture.as_ref().is_some_and(|picture| picture.quantity == Quantity::Width);
+        if shows_width && settings.options.bounds != Bounds::Guaranteed {
+            return Err(Failure::usage("--quantity width needs --bounds guaranteed"));
+        }
         let values = typed.values.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
         Ok(Self {
@@ -158,7 +165,6 @@ impl Settings {
         };
         match key {
             "sides" => self.sides = parse_sides(value)?,
-            "bounds" => check_bounds(value)?,
             "backend" => self.run.backend = value.parse().map_err(Failure::usage)?,
             "threads" => {
                 let threads = value.parse();
@@ -182,16 +188,6 @@ fn check_threads(threads: usize) -> Result<(), Failure> {
         return Err(Failure::usage(format_args!("threads is {threads}, it must be at most {MOST}; 0 takes one per core")));
     }
     Ok(())
-}
-
-fn check_bounds(text: &str) -> Result<(), Failure> {
-    match text {
-        "none" | "estimate" => Ok(()),
-        "guaranteed" => Err(Failure::usage(
-            "bounds 'guaranteed': this version has no proven bounds; use 'estimate', the error with its confidence",
-        )),
-        _ => Err(Failure::usage(format_args!("bounds is '{text}', it must be none or estimate"))),
-    }
 }
 
 /// Sides by name.
@@ -226,6 +222,7 @@ fn parse_quantity(text: &str) -> Result<Quantity, Failure> {
     match text {
         "radiance" => Ok(Quantity::Radiance),
         "radiosity" => Ok(Quantity::Radiosity),
+        "width" => Ok(Quantity::Width),
         _ => Err(Failure::usage(format_args!("quantity is '{text}', it must be one of {}", Quantity::NAMES.join(", ")))),
     }
 }

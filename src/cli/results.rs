@@ -1,7 +1,8 @@
 //! What is made from a solution: values at points, pictures, exports.
 
 use patchlight::output::{
-    Destination, ExportFormat, ImageFormat, Points, Provenance, write_ply, write_png, write_solution, write_values,
+    Destination, ExportFormat, ImageFormat, Points, Provenance, Quantity, write_bounded_values, write_ply, write_png,
+    write_solution, write_values,
 };
 use patchlight::pipeline::Evaluator;
 use patchlight::reconstruct::{Image, Values};
@@ -19,7 +20,7 @@ pub fn sample(request: SampleRequest) -> Result<Exit, Failure> {
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
     request.voice.figure("backend", format_args!("{}", evaluator.backend()));
     let Some(values) = values_at(&evaluator, &points, request.voice) else { return Ok(Exit::Cancelled) };
-    write_values_to(&request.output, &points, &values, request.voice)?;
+    write_values_to(&request.output, &evaluator, &points, &values, request.voice)?;
     Ok(Exit::Done)
 }
 
@@ -28,9 +29,13 @@ pub fn values_at(evaluator: &Evaluator, points: &Points, voice: Voice) -> Option
     evaluator.values_at(&points.surface_points(), &Watcher::new(voice))
 }
 
-/// Writes values, and tells how many points lie on no surface.
-pub fn write_values_to(sink: &Sink, points: &Points, values: &Values, voice: Voice) -> Result<(), Failure> {
-    sink.write(|mut writer| write_values(&mut writer, points, values))?;
+/// Writes values, with their bounds where there are any, and tells how many points lie on no surface.
+pub fn write_values_to(sink: &Sink, evaluator: &Evaluator, points: &Points, values: &Values, voice: Voice) -> Result<(), Failure> {
+    let bounds = evaluator.bounds_at(&points.surface_points());
+    sink.write(|mut writer| match &bounds {
+        Some(bounds) => write_bounded_values(&mut writer, points, values, bounds),
+        None => write_values(&mut writer, points, values),
+    })?;
     if values.missed > 0 {
         voice.warn(format_args!("{} of {} points lie on no surface; their values are empty", values.missed, points.len()));
     }
@@ -53,7 +58,13 @@ pub fn take_picture(evaluator: &Evaluator, request: &PictureRequest, voice: Voic
     let (width, height) = request.size;
     let camera = request.camera.apply_to(evaluator.default_camera(width, height)).map_err(Failure::usage)?;
     voice.figure("camera", format_args!("{camera}, {width}x{height}"));
-    Ok(evaluator.render(&camera, &Watcher::new(voice))?)
+    match request.quantity {
+        Quantity::Width if evaluator.bounds().is_none() => {
+            Err(Failure::usage("--quantity width: this solution has no bounds; solve the scene with --bounds guaranteed"))
+        }
+        Quantity::Width => Ok(evaluator.render_width(&camera, &Watcher::new(voice))?),
+        Quantity::Radiance | Quantity::Radiosity => Ok(evaluator.render(&camera, &Watcher::new(voice))?),
+    }
 }
 
 /// Writes a picture to all files that are asked for.

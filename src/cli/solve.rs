@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use patchlight::bounds::Certainty;
 use patchlight::output::{CpuReport, Provenance, RunReport, SceneReport, write_report};
 use patchlight::pipeline;
 use patchlight::scene::Scene;
@@ -57,7 +58,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     }
     if let (Some((_, sink)), Some(points)) = (&request.points, &points) {
         match results::values_at(&evaluator, points, voice) {
-            Some(values) => ending.note(timed(&mut || results::write_values_to(sink, points, &values, voice))),
+            Some(values) => ending.note(timed(&mut || results::write_values_to(sink, &evaluator, points, &values, voice))),
             None => ending.cancel(voice, &sink.name()),
         }
     }
@@ -125,6 +126,13 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
             stopped_by_name(report)
         ),
     );
+    if let Some(bounds) = &report.bounds {
+        let proved = match bounds.certainty {
+            Certainty::Guaranteed => "proved",
+            Certainty::Estimate => "estimated",
+        };
+        voice.figure("bounds", format_args!("values at points are at most {:.2}% wrong: {proved}", 100.0 * bounds.relative_error));
+    }
 }
 
 /// The name that the report uses.

@@ -3,13 +3,16 @@
 //! `F_rs` is the fraction of the power leaving receiver r that would arrive at source s with nothing in between. Both are
 //! one-sided: what lies behind either plane counts nothing.
 
+mod bounds;
 mod contour;
 mod exact;
+mod gradient;
 mod lambert;
 mod quadrature;
 
 use crate::geometry::Polygon;
 
+pub(crate) use bounds::{bound_unoccluded, estimate_unoccluded_range};
 pub(crate) use exact::exact_exchange;
 pub(crate) use lambert::{kernel, point_to_polygon};
 pub(crate) use quadrature::{estimate_exchange, sided_exchange};
@@ -45,4 +48,15 @@ pub fn estimate_area_form_factor(receiver: &Polygon, source: &Polygon, accuracy:
 /// check on the others, by asking from either side.
 pub fn sided_area_form_factor(receiver: &Polygon, source: &Polygon, points: usize) -> Estimate {
     sided_exchange(&receiver.facet(), &source.facet(), points)
+}
+
+/// The least and the largest form factor from a point of the interior of `receiver` to `source` with nothing in between: proven, up to
+/// rounding, which is allowed for. Attained by the least; the largest is a bound that may lie above.
+pub fn bound_form_factor(receiver: &Polygon, source: &Polygon) -> [f64; 2] {
+    bound_unoccluded(&receiver.facet(), &source.facet())
+}
+
+/// The range of the form factor over the receiver's centroid and vertices alone (Lischinski 1994, section 5.2), which is no bound.
+pub fn estimate_form_factor_range(receiver: &Polygon, source: &Polygon) -> [f64; 2] {
+    estimate_unoccluded_range(&receiver.facet(), &source.facet())
 }

@@ -24,6 +24,12 @@ pub(crate) struct ClippedFacet {
 }
 
 impl ClippedFacet {
+    /// All of a polygon.
+    pub fn copy_of(facet: &Facet<'_>) -> Self {
+        let Facet { vertices, normal, area, centroid, radius } = *facet;
+        Self { vertices: vertices.to_vec(), normal, area, centroid, radius }
+    }
+
     /// The polygon, borrowed.
     pub fn facet(&self) -> Facet<'_> {
         Facet { vertices: &self.vertices, normal: self.normal, area: self.area, centroid: self.centroid, radius: self.radius }

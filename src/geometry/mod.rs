@@ -13,7 +13,7 @@ mod polygon;
 pub(crate) mod sampling;
 
 pub use aabb::Aabb;
-pub(crate) use clip::{Clip, clip_to_front, halves, plane_noise};
+pub(crate) use clip::{Clip, ClippedFacet, clip_to_front, halves, plane_noise};
 pub(crate) use facet::Facet;
 pub(crate) use frame::Frame;
 pub(crate) use gauss::{for_each_gauss_point, gauss_rule};

@@ -38,4 +38,4 @@ pub use report::{CpuReport, ErrorFigures, MemoryReport, REPORT_SCHEMA, RunReport
 pub use solution_file::{
     SOLUTION_FORMAT_VERSION, SolutionFileError, is_solution_file, read_solution, read_solution_from, write_solution,
 };
-pub use values::{Points, PointsError, read_points, write_values};
+pub use values::{Points, PointsError, read_points, write_bounded_values, write_values};

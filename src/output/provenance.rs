@@ -10,17 +10,20 @@ pub enum Quantity {
     Radiance,
     /// B, what leaves a surface per area.
     Radiosity,
+    /// The upper bound of B less the lower one.
+    Width,
 }
 
 impl Quantity {
     /// All names, as typed on the command line.
-    pub const NAMES: [&'static str; 2] = ["radiance", "radiosity"];
+    pub const NAMES: [&'static str; 3] = ["radiance", "radiosity", "width"];
 
     /// Its name.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Radiance => "radiance",
             Self::Radiosity => "radiosity",
+            Self::Width => "width",
         }
     }
 
@@ -28,7 +31,7 @@ impl Quantity {
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Radiance => "W/m^2/sr",
-            Self::Radiosity => "W/m^2",
+            Self::Radiosity | Self::Width => "W/m^2",
         }
     }
 
@@ -36,7 +39,7 @@ impl Quantity {
     pub(super) const fn per_radiance(self) -> f32 {
         match self {
             Self::Radiance => 1.0,
-            Self::Radiosity => std::f32::consts::PI,
+            Self::Radiosity | Self::Width => std::f32::consts::PI,
         }
     }
 }

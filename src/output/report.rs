@@ -9,6 +9,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use crate::bounds::BoundsReport;
 use crate::solve::{Counts, Energy, EnergyBalance, IterationReport, SolveOptions, SolveReport, StageTimes, StoppedBy};
 
 /// The version of the schema.
@@ -39,6 +40,8 @@ pub struct RunReport {
     pub memory: MemoryReport,
     /// The claimed error.
     pub error: ErrorFigures,
+    /// What is proved about the answer, where that was asked for.
+    pub bounds: Option<BoundsReport>,
     /// Where the power goes, in W, all channels added.
     pub energy: Energy,
     /// What there was after each iteration, for strategies that have a fixed number of them.
@@ -121,7 +124,7 @@ pub struct ErrorFigures {
     pub confidence: f64,
     /// The measured error itself.
     pub measured: f64,
-    /// A proven bound, where one was asked for.
+    /// A proven bound of the error of values at points, where one was asked for.
     pub bound: Option<f64>,
 }
 
@@ -154,8 +157,9 @@ impl RunReport {
                 estimate: error.estimate,
                 confidence: error.confidence,
                 measured: error.measured,
-                bound: None,
+                bound: report.bounds.as_ref().map(|bounds| bounds.relative_error),
             },
+            bounds: report.bounds.clone(),
             energy: report.energy,
             bounces: report.bounces.clone(),
             energy_balance: report.energy_balance,

@@ -1,14 +1,16 @@
 //! Points in, values out, as CSV.
 //!
-//! Points: the header `x,y,z,nx,ny,nz`, then one point a line; metres, and the unit normal of the side that is looked at. Values: the same
-//! columns, then the radiosity per channel in W/m^2, `B_r,B_g,B_b` for three channels, else `B_0,B_1,...`; empty for points that lie on no
-//! surface. Numbers are the shortest that read back to the same value.
+//! Points: the header `x,y,z,nx,ny,nz`, then one point a line; metres, and the unit normal of the side that is looked at. Values:
+//! the same columns, then the radiosity per channel in W/m^2, `B_r,B_g,B_b` for three channels, else `B_0,B_1,...`, and where
+//! bounds are known the same with `lower` and `upper` for `B`; empty for points that lie on no surface. Numbers are the shortest
+//! that read back to the same value.
 
 use std::fmt::{Display, LowerExp};
 use std::io::{self, BufRead, BufReader, Read, Write};
 
 use thiserror::Error;
 
+use crate::bounds::PointBounds;
 use crate::reconstruct::{SurfacePoint, Values};
 
 /// The columns of a point.
@@ -168,18 +170,33 @@ fn fields(line: &str) -> impl Iterator<Item = &str> {
 /// # Errors
 /// What the writer says, and [`io::ErrorKind::InvalidInput`] if there are not `channels` values per point.
 pub fn write_values(writer: &mut impl Write, points: &Points, values: &Values) -> io::Result<()> {
-    if values.channels == 0 || values.radiosity.len() != values.channels * points.len() {
+    write_columns(writer, points, values.channels, &[("B", &values.radiosity)])
+}
+
+/// Writes points with their values, and the bounds of these: `lower_r`, ... and `upper_r`, ... after the values.
+///
+/// # Errors
+/// As [`write_values`].
+pub fn write_bounded_values(writer: &mut impl Write, points: &Points, values: &Values, bounds: &PointBounds) -> io::Result<()> {
+    let columns: [(&str, &[f32]); 3] = [("B", &values.radiosity), ("lower", &bounds.lower), ("upper", &bounds.upper)];
+    write_columns(writer, points, values.channels, &columns)
+}
+
+/// Writes points, and after them groups of columns, each with a number per point and channel; empty where it is not known.
+fn write_columns(writer: &mut impl Write, points: &Points, channels: usize, groups: &[(&str, &[f32])]) -> io::Result<()> {
+    if channels == 0 || groups.iter().any(|(_, numbers)| numbers.len() != channels * points.len()) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "there are more or fewer values than points and channels"));
     }
-    writeln!(writer, "{},{}", COLUMNS.join(","), radiosity_columns(values.channels).join(","))?;
-    for (row, radiosity) in points.rows.iter().zip(values.radiosity.chunks_exact(values.channels)) {
+    let names: Vec<String> = groups.iter().flat_map(|(name, _)| channel_columns(name, channels)).collect();
+    writeln!(writer, "{},{}", COLUMNS.join(","), names.join(","))?;
+    for (index, row) in points.rows.iter().enumerate() {
         let mut separator = "";
         for number in row {
             write!(writer, "{separator}")?;
             write_number(writer, *number, number.abs())?;
             separator = ",";
         }
-        for number in radiosity {
+        for number in groups.iter().flat_map(|(_, numbers)| &numbers[index * channels..][..channels]) {
             write!(writer, ",")?;
             if !number.is_nan() {
                 write_number(writer, *number, f64::from(number.abs()))?;
@@ -197,10 +214,14 @@ fn write_number(writer: &mut impl Write, number: impl Display + LowerExp, magnit
 
 /// The names of the channels of a radiosity.
 pub(super) fn radiosity_columns(channels: usize) -> Vec<String> {
+    channel_columns("B", channels)
+}
+
+fn channel_columns(name: &str, channels: usize) -> Vec<String> {
     if channels == 3 {
-        ["B_r", "B_g", "B_b"].map(str::to_owned).to_vec()
+        ["r", "g", "b"].map(|channel| format!("{name}_{channel}")).to_vec()
     } else {
-        (0..channels).map(|k| format!("B_{k}")).collect()
+        (0..channels).map(|channel| format!("{name}_{channel}")).collect()
     }
 }
 
@@ -231,6 +252,18 @@ mod tests {
         write_values(&mut text, &points, &Values { channels: 2, radiosity: vec![1.0, 2.0], missed: 0 }).unwrap();
         assert!(String::from_utf8(text).unwrap().starts_with("x,y,z,nx,ny,nz,B_0,B_1\n"));
         assert!(write_values(&mut Vec::new(), &points, &Values { channels: 2, radiosity: vec![1.0], missed: 0 }).is_err());
+    }
+
+    #[test]
+    fn bounds_stand_beside_the_values() {
+        let points = read("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n").unwrap();
+        let values = Values { channels: 3, radiosity: vec![1.0, 2.0, 3.0], missed: 0 };
+        let bounds = PointBounds { channels: 3, lower: vec![0.5, 1.5, 2.5], upper: vec![1.5, 2.5, f32::NAN] };
+        let mut text = Vec::new();
+        write_bounded_values(&mut text, &points, &values, &bounds).unwrap();
+        let expected =
+            "x,y,z,nx,ny,nz,B_r,B_g,B_b,lower_r,lower_g,lower_b,upper_r,upper_g,upper_b\n0,0,0,0,0,1,1,2,3,0.5,1.5,2.5,1.5,2.5,\n";
+        assert_eq!(String::from_utf8(text).unwrap(), expected);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-pub use options::{Gather, OptionsError, RunOptions, SolveOptions, Strategy, Sweep};
+pub use options::{Bounds, Gather, OptionsError, RunOptions, SolveOptions, Strategy, Sweep};
 pub use report::{Counts, Energy, EnergyBalance, ErrorReport, IterationReport, SolveReport, StageTimes, StoppedBy};
 pub use solution::Solution;
 

@@ -18,10 +18,11 @@ pub enum Strategy {
     Hanrahan91,
     /// Every surface split to the same depth, every pair of elements linked.
     Uniform,
-    /// All pairs of surfaces linked at first, BF refinement, a bounce of light an iteration: the original algorithm of Holzschuch, Sillion,
-    /// Drettakis 1994. This and the following take 16 rays a link.
+    /// All pairs of surfaces linked at first, BF refinement, a bounce of light an iteration: the original algorithm of Holzschuch,
+    /// Sillion, Drettakis 1994. This and the following take 16 rays a link.
     Original94,
-    /// The same with link culling: pairs of reflecting surfaces with little form factor are forgotten (Lischinski 1994, section 4.1.1).
+    /// The same with link culling: pairs of reflecting surfaces with little form factor are forgotten (Lischinski 1994, section
+    /// 4.1.1).
     Culling94,
     /// Lazy linking: pairs of surfaces are linked once they carry enough (Holzschuch, Sillion, Drettakis 1994, section 3).
     Lazy94,
@@ -128,6 +129,37 @@ impl FromStr for Gather {
     }
 }
 
+/// What is to be known about how wrong the answer can be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Bounds {
+    /// An estimate with its confidence.
+    #[default]
+    Estimate,
+    /// Nothing beyond what the solve itself needs to know: the same estimate.
+    None,
+    /// Lower and upper radiosities as well that hold at every point. Surfaces are linked then, and values are gathered over links.
+    Guaranteed,
+}
+
+impl Bounds {
+    /// All names, as typed on the command line.
+    pub const NAMES: [&'static str; 3] = ["none", "estimate", "guaranteed"];
+}
+
+impl FromStr for Bounds {
+    type Err = OptionsError;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        match name {
+            "none" => Ok(Self::None),
+            "estimate" => Ok(Self::Estimate),
+            "guaranteed" => Ok(Self::Guaranteed),
+            _ => Err(OptionsError::OutOfRange { option: "bounds", value: name.to_owned(), range: "none, estimate or guaranteed" }),
+        }
+    }
+}
+
 /// What decides the answer: kept in the solution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolveOptions {
@@ -135,11 +167,14 @@ pub struct SolveOptions {
     pub error: f64,
     /// How pairs are refined.
     pub strategy: Strategy,
+    /// What is to be known about how wrong the answer can be.
+    pub bounds: Bounds,
     /// Seed of every random choice.
     pub seed: u64,
     /// Stop refining at this many links.
     pub max_links: Option<u64>,
-    /// Tolerance of the oracle in units of the root mean square of the reflected radiosity; above 0. Follows from `error` if `None`.
+    /// Tolerance of the oracle in units of the root mean square of the reflected radiosity; above 0. Follows from `error` if
+    /// `None`.
     pub tolerance: Option<f64>,
     /// Visibility rays to a point, 1 to 2^20. Follows from `error` if `None`.
     pub point_rays: Option<u32>,
@@ -149,7 +184,8 @@ pub struct SolveOptions {
     pub rays_per_link: u32,
     /// Visibility rays for a link from a lamp, 1 to 1024.
     pub rays_per_light_link: u32,
-    /// Rays with which the radiosity of each leaf is taken anew at its centre after the sweeps, at most 2^20; 0 leaves the leaves alone.
+    /// Rays with which the radiosity of each leaf is taken anew at its centre after the sweeps, at most 2^20; 0 leaves the leaves
+    /// alone.
     pub leaf_rays: u32,
     /// Relative accuracy of the links' form factors, 0 to 1; 0 takes them exactly.
     pub form_factor_accuracy: f64,
@@ -159,8 +195,8 @@ pub struct SolveOptions {
     pub min_element: f64,
     /// How radiosities are iterated.
     pub sweep: Sweep,
-    /// Sweeps end when all changes that are still to come add up to less than this part of the largest reflected radiosity; above 0,
-    /// below 1.
+    /// Sweeps end when all changes that are still to come add up to less than this part of the largest reflected radiosity; above
+    /// 0, below 1.
     pub sweep_tolerance: f64,
     /// Iterations of the strategies of 1994, 1 to 1000.
     pub iterations: u32,
@@ -179,6 +215,7 @@ impl Default for SolveOptions {
         Self {
             error: 0.02,
             strategy: Strategy::Default,
+            bounds: Bounds::Estimate,
             seed: 0,
             max_links: None,
             tolerance: None,
@@ -203,9 +240,10 @@ impl Default for SolveOptions {
 
 impl SolveOptions {
     /// The keys that [`SolveOptions::set`] knows.
-    pub const KEYS: [&'static str; 20] = [
+    pub const KEYS: [&'static str; 21] = [
         "error",
         "strategy",
+        "bounds",
         "seed",
         "max_links",
         "tolerance",
@@ -239,6 +277,10 @@ impl SolveOptions {
             check(option, value.unwrap_or(1.0), value.is_none_or(|value| value.is_finite() && value > 0.0), "a number above 0")
         };
         check("error", self.error, self.error > 0.0 && self.error < 1.0, "above 0 and below 1")?;
+        if self.bounds == Bounds::Guaranteed && self.strategy.links_surfaces() {
+            let range = "none or estimate for the strategies of 1994, which do not account for all pairs";
+            return Err(OptionsError::OutOfRange { option: "bounds", value: "guaranteed".to_owned(), range });
+        }
         check("max_links", 0.0, self.max_links != Some(0), "at least 1")?;
         positive("tolerance", self.tolerance)?;
         positive("element_area", self.element_area)?;
@@ -276,6 +318,7 @@ impl SolveOptions {
         match key {
             "error" => self.error = parse(key, value, NUMBER)?,
             "strategy" => self.strategy = value.trim().parse()?,
+            "bounds" => self.bounds = value.trim().parse()?,
             "seed" => self.seed = parse(key, value, COUNT)?,
             "max_links" => self.max_links = Some(parse(key, value, COUNT)?),
             "tolerance" => self.tolerance = Some(parse(key, value, NUMBER)?),

@@ -1,7 +1,7 @@
 //! How hard to try for a requested error, and what to do when it is not reached.
 
 use super::error_estimate::ErrorEstimate;
-use super::{Gather, SolveOptions, Strategy};
+use super::{Bounds, Gather, SolveOptions, Strategy};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
 use crate::reconstruct::Resolution;
 use crate::scene::{Scene, SurfaceId};
@@ -112,6 +112,7 @@ impl Plan {
         let reflectance = mean_over_area(&|index| of(index).reflectance.iter().copied().fold(0.0, f64::max)).min(0.999);
         let reflecting = surfaces().filter(|(_, material)| material.reflectance.iter().any(|&rho| rho > 0.0)).count();
         let gather = match options.gather {
+            Gather::Auto if options.bounds == Bounds::Guaranteed => Gather::Links,
             Gather::Auto if options.strategy == Strategy::Default && reflecting > FEW_SURFACES => Gather::Hemisphere,
             Gather::Auto => Gather::Links,
             chosen => chosen,
@@ -167,9 +168,12 @@ impl Plan {
         }
     }
 
-    /// Whether clusters gather and emit: not in the strategies that have none, nor where surfaces are few.
+    /// Whether clusters gather and emit: not in the strategies that have none, nor where surfaces are few or bounds are asked for,
+    /// because little can be proved of clusters.
     pub fn clusters(&self) -> bool {
-        self.options.strategy == Strategy::Default && self.surfaces >= CLUSTERED_SURFACES
+        self.options.strategy == Strategy::Default
+            && self.options.bounds != Bounds::Guaranteed
+            && self.surfaces >= CLUSTERED_SURFACES
     }
 
     /// The irradiance that a link may carry unrefined in the strategies of 1994, in W/m^2: eps_refine.

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::bounds::BoundsReport;
 use crate::hierarchy::Hierarchy;
 use crate::links::LinkSet;
 use crate::scene::{Scene, SurfaceId};
@@ -100,6 +101,8 @@ pub struct StageTimes {
     pub resolve: f64,
     /// Estimating the error.
     pub error: f64,
+    /// Bounding it.
+    pub bounds: f64,
 }
 
 /// What there is after an iteration of a strategy that lets light travel once in each.
@@ -146,6 +149,8 @@ pub struct SolveReport {
     pub counts: Counts,
     /// The claimed error.
     pub error: ErrorReport,
+    /// What is proved about the answer, if that was asked for.
+    pub bounds: Option<BoundsReport>,
     /// Where the power goes.
     pub energy: Energy,
     /// What there was after each iteration, for strategies that have a fixed number of them.

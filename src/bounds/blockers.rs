@@ -1,0 +1,147 @@
+//! What of a source a whole receiver sees for certain, and what it may see: proofs over the surfaces of the scene.
+//!
+//! A surface can hide something only if it meets the convex hull of receiver and source, in front of both planes. If none does, all
+//! is visible. Each one that does takes its penumbra region from what is seen for certain, and its umbra from what may be seen.
+//! Surfaces in the plane of either end hide nothing, as everywhere. Cost: one walk through the clusters, and a separation test for
+//! each surface whose box is met.
+
+use glam::DVec3;
+
+use super::separation::is_apart;
+use super::shadow::shadow;
+use crate::geometry::{Aabb, Clip, ClippedFacet, Facet, clip_to_front};
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::scene::{Scene, SurfaceId};
+
+/// Past so many surfaces in the way nothing more is proved.
+const MAX_BLOCKERS: usize = 16;
+
+/// Past so many pieces nothing is seen for certain.
+const MAX_PIECES: usize = 64;
+
+/// Parts of the size of the scene within which things touch, as in
+/// [`OccluderMesh::contact_tolerance`](crate::visibility::OccluderMesh).
+const CONTACT_OF_SIZE: f64 = 1e-12;
+
+/// What a receiver sees of a source.
+pub(super) enum Sight {
+    /// All of it, from everywhere.
+    Whole,
+    /// Some of it.
+    Partial {
+        /// Visible from everywhere.
+        certain: Vec<ClippedFacet>,
+        /// Everything outside of these is hidden from everywhere.
+        possible: Vec<ClippedFacet>,
+        /// Whether every surface in the way had a shadow: then the parts approach each other as the receiver gets smaller.
+        shadowed: bool,
+    },
+}
+
+/// The surfaces of a scene, as what may be in the way.
+pub(super) struct Blockers<'a> {
+    scene: &'a Scene,
+    hierarchy: &'a Hierarchy,
+    tolerance: f64,
+}
+
+impl<'a> Blockers<'a> {
+    pub fn new(scene: &'a Scene, hierarchy: &'a Hierarchy) -> Self {
+        Self { scene, hierarchy, tolerance: CONTACT_OF_SIZE * scene.bounds().diagonal() }
+    }
+
+    /// What all of `receiver` sees of `source`, two surfaces or elements.
+    pub fn sight(&self, receiver: NodeId, source: NodeId) -> Sight {
+        let plane = |node| self.scene.surface(SurfaceId(self.hierarchy.node(node).surface)).plane;
+        let planes = [plane(receiver), plane(source)];
+        let (receiver, source) = (self.hierarchy.facet(receiver), self.hierarchy.facet(source));
+
+        // Light goes between the parts that are in front of each other.
+        let (receiver_part, source_part) = (in_front(&receiver, &source), in_front(&source, &receiver));
+        let (Some(receiver_part), Some(source_part)) = (receiver_part, source_part) else { return Sight::Whole };
+        let pair = Pair { receiver: &receiver_part.facet(), source: &source_part.facet() };
+        let blockers = self.in_the_way(&pair, planes);
+        if blockers.is_empty() {
+            return Sight::Whole;
+        }
+
+        // Take away shadows, one blocker after the other.
+        let whole = || vec![ClippedFacet::copy_of(&source)];
+        let (mut certain, mut possible) = (whole(), whole());
+        let mut shadowed = blockers.len() < MAX_BLOCKERS;
+        for blocker in &blockers {
+            let Some(shadow) = shadow(pair.receiver.vertices, &source, &blocker.facet(), self.tolerance) else {
+                shadowed = false;
+                continue;
+            };
+            let mut lit = Vec::new();
+            certain.into_iter().for_each(|piece| shadow.penumbra.cut_out(piece, &mut lit));
+            certain = lit;
+            shadowed &= certain.len() <= MAX_PIECES;
+            let umbra = shadow
+                .umbra
+                .and_then(|shadows| shadows.iter().try_fold(ClippedFacet::copy_of(&source), |left, region| region.keep(left)));
+            if let Some(umbra) = umbra.filter(|_| possible.len() <= MAX_PIECES) {
+                let umbra = super::shadow::Region::inside(&umbra.facet());
+                let mut lit = Vec::new();
+                possible.into_iter().for_each(|piece| umbra.cut_out(piece, &mut lit));
+                possible = lit;
+            }
+        }
+        if !shadowed {
+            certain.clear();
+        }
+        Sight::Partial { certain, possible, shadowed }
+    }
+
+    /// The parts of surfaces that meet the hull of the pair, as far as it takes to know.
+    fn in_the_way(&self, pair: &Pair<'_>, planes: [u32; 2]) -> Vec<ClippedFacet> {
+        let around = Aabb::around(pair.receiver.vertices.iter().chain(pair.source.vertices).copied());
+        let mut found = Vec::new();
+        let mut stack = vec![NodeId::ROOT];
+        while let Some(node) = stack.pop() {
+            if self.hierarchy.is_cluster(node) {
+                let bounds = self.hierarchy.bounds(node);
+                let beside =
+                    bounds.min.cmpgt(around.max + self.tolerance).any() || bounds.max.cmplt(around.min - self.tolerance).any();
+                if !beside && !behind(pair.receiver, bounds, self.tolerance) && !behind(pair.source, bounds, self.tolerance) {
+                    stack.extend(self.hierarchy.children(node));
+                }
+                continue;
+            }
+            let surface = self.scene.surface(SurfaceId(self.hierarchy.node(node).surface));
+            let is_second_side = surface.twin.is_some_and(|twin| twin.0 < self.hierarchy.node(node).surface);
+            if planes.contains(&surface.plane) || is_second_side {
+                continue;
+            }
+            let part = in_front(&self.hierarchy.facet(node), pair.receiver)
+                .and_then(|part| in_front(&part.facet(), pair.source))
+                .filter(|part| !is_apart(pair.receiver.vertices, pair.source.vertices, &part.facet(), self.tolerance));
+            found.extend(part);
+            if found.len() == MAX_BLOCKERS {
+                break;
+            }
+        }
+        found
+    }
+}
+
+/// A receiver and a source, as far as they are in front of each other.
+struct Pair<'a> {
+    receiver: &'a Facet<'a>,
+    source: &'a Facet<'a>,
+}
+
+/// The part of a polygon that is in front of the plane of another.
+fn in_front(facet: &Facet<'_>, of: &Facet<'_>) -> Option<ClippedFacet> {
+    match clip_to_front(facet, of.vertices[0], of.normal) {
+        Clip::Whole => Some(ClippedFacet::copy_of(facet)),
+        Clip::Part(part) => Some(part),
+        Clip::Nothing => None,
+    }
+}
+
+/// Whether a box is behind the plane of a polygon.
+fn behind(front: &Facet<'_>, bounds: &Aabb, tolerance: f64) -> bool {
+    front.height(DVec3::select(front.normal.cmpgt(DVec3::ZERO), bounds.max, bounds.min)) <= tolerance
+}

@@ -1,0 +1,119 @@
+//! Bounds on the form factor of a pair of nodes: from every point of the receiver to the source, with what is in the way.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::blockers::{Blockers, Sight};
+use super::{Certainty, Evidence, FormFactorBounds, FormFactorRule};
+use crate::form_factor::{bound_unoccluded, estimate_unoccluded_range};
+use crate::geometry::{Aabb, Facet};
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::scene::{Scene, SurfaceId};
+
+/// Bounds pairs of nodes of one scene.
+pub(crate) struct PairBounds<'a> {
+    scene: &'a Scene,
+    hierarchy: &'a Hierarchy,
+    rule: FormFactorRule,
+    blockers: Blockers<'a>,
+}
+
+impl<'a> PairBounds<'a> {
+    pub fn new(scene: &'a Scene, hierarchy: &'a Hierarchy, rule: FormFactorRule) -> Self {
+        Self { scene, hierarchy, rule, blockers: Blockers::new(scene, hierarchy) }
+    }
+
+    /// The pair with everything that can be proved about it.
+    pub fn bounds(&self, receiver: NodeId, source: NodeId) -> FormFactorBounds {
+        if self.hierarchy.is_cluster(receiver) || self.hierarchy.is_cluster(source) {
+            return FormFactorBounds::guaranteed(0.0, self.upper_of_boxes(receiver, source), Evidence::Boxes);
+        }
+        let plane = |node| self.scene.surface(SurfaceId(self.hierarchy.node(node).surface)).plane;
+        if plane(receiver) == plane(source) {
+            return FormFactorBounds::guaranteed(0.0, 0.0, Evidence::Sight);
+        }
+
+        // Unoccluded it is between these; so if nothing can arrive, nothing can be in the way.
+        let (receiver_facet, source_facet) = (self.hierarchy.facet(receiver), self.hierarchy.facet(source));
+        let [least, most] = self.unoccluded(&receiver_facet, &source_facet);
+        if most == 0.0 {
+            return FormFactorBounds { lower: 0.0, upper: 0.0, certainty: self.certainty(), evidence: Evidence::Sight };
+        }
+        let (lower, upper, evidence) = match self.blockers.sight(receiver, source) {
+            Sight::Whole => (least, most, Evidence::Sight),
+            Sight::Partial { certain, possible, shadowed } => {
+                let sum = |pieces: &[crate::geometry::ClippedFacet], end: usize| {
+                    pieces.iter().map(|piece| self.unoccluded(&receiver_facet, &piece.facet())[end]).sum::<f64>()
+                };
+                let lower = sum(&certain, 0).min(most);
+                let upper = sum(&possible, 1).min(most).max(lower);
+                (lower, upper, if shadowed || upper == 0.0 { Evidence::Shadows } else { Evidence::Unproved })
+            }
+        };
+        FormFactorBounds { lower, upper, certainty: self.certainty(), evidence }
+    }
+
+    /// What a pair transfers at most, whatever is in the way: cheap, for pairs without a link.
+    pub fn upper_unlinked(&self, receiver: NodeId, source: NodeId) -> f64 {
+        let plane = |surface| self.scene.surface(surface).plane;
+        let planes = [receiver, source].map(|node| self.hierarchy.surface_of(node).map(plane));
+        if planes[0].is_some() && planes[0] == planes[1] {
+            0.0
+        } else if self.hierarchy.is_cluster(receiver) || self.hierarchy.is_cluster(source) {
+            self.upper_of_boxes(receiver, source)
+        } else {
+            bound_unoccluded(&self.hierarchy.facet(receiver), &self.hierarchy.facet(source))[1]
+        }
+    }
+
+    fn unoccluded(&self, receiver: &Facet<'_>, source: &Facet<'_>) -> [f64; 2] {
+        match self.rule {
+            FormFactorRule::QuasiConcave => bound_unoccluded(receiver, source),
+            FormFactorRule::CentreAndVertices => estimate_unoccluded_range(receiver, source),
+        }
+    }
+
+    fn certainty(&self) -> Certainty {
+        match self.rule {
+            FormFactorRule::QuasiConcave => Certainty::Guaranteed,
+            FormFactorRule::CentreAndVertices => Certainty::Estimate,
+        }
+    }
+
+    /// The most that nodes in two boxes can exchange, as seen from any point with any normal of the receiver.
+    ///
+    /// A sphere of radius R at distance d takes at most `(R / d)^2` of the view, whichever way one looks; faces of area A at least
+    /// at distance d take at most `A cos cos / (pi d^2)`, the cosine of a polygon being at most its greatest height over d. Within
+    /// one box, everything.
+    fn upper_of_boxes(&self, receiver: NodeId, source: NodeId) -> f64 {
+        let (from, to) = (self.box_of(receiver), self.box_of(source));
+        let gap = (from.min - to.max).max(to.min - from.max).max(DVec3::ZERO);
+        let distance = gap.length() * (1.0 - 1e-12);
+
+        let (centre, radius) = (to.centre(), 0.5 * to.diagonal() * (1.0 + 1e-12));
+        let to_centre = (from.min - centre).max(centre - from.max).max(DVec3::ZERO).length();
+        let by_sphere = if to_centre > radius { (radius / to_centre).powi(2) } else { 1.0 };
+        if distance == 0.0 {
+            return by_sphere;
+        }
+        let cosine = |node: NodeId, other: &Aabb| {
+            if self.hierarchy.is_cluster(node) {
+                return 1.0;
+            }
+            let facet = self.hierarchy.facet(node);
+            let highest = facet.height(DVec3::select(facet.normal.cmpgt(DVec3::ZERO), other.max, other.min));
+            (highest * (1.0 + 1e-12) / distance).clamp(0.0, 1.0)
+        };
+        let by_area = self.hierarchy.area(source) * cosine(receiver, &to) * cosine(source, &from) / (PI * distance * distance);
+        by_area.min(by_sphere) * (1.0 + 1e-12)
+    }
+
+    fn box_of(&self, node: NodeId) -> Aabb {
+        if self.hierarchy.is_cluster(node) {
+            *self.hierarchy.bounds(node)
+        } else {
+            Aabb::around(self.hierarchy.facet(node).vertices.iter().copied())
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Bounds at points: those of the leaf that each lies on.
+
+use glam::DVec3;
+
+use super::RadiosityBounds;
+use crate::hierarchy::Hierarchy;
+use crate::reconstruct::SurfacePoint;
+use crate::scene::Scene;
+
+/// A point belongs to a surface within this part of the scene's diagonal, as for values at points.
+const TOLERANCE: f64 = 1e-5;
+
+/// Lower and upper radiosities at points, rounded outwards.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointBounds {
+    /// Channels per value.
+    pub channels: usize,
+    /// `channels` radiosities per point in W/m^2, point after point; NaN at points that lie on no surface.
+    pub lower: Vec<f32>,
+    /// The same from above.
+    pub upper: Vec<f32>,
+}
+
+impl RadiosityBounds {
+    /// The bounds at points, in their order.
+    pub(crate) fn at(&self, scene: &Scene, hierarchy: &Hierarchy, points: &[SurfacePoint]) -> PointBounds {
+        let channels = self.channels();
+        let tolerance = TOLERANCE * scene.bounds().diagonal();
+        let unknown = vec![f32::NAN; channels * points.len()];
+        let mut bounds = PointBounds { channels, lower: unknown.clone(), upper: unknown };
+        for (index, point) in points.iter().enumerate() {
+            let position = DVec3::from(point.position);
+            let Some(surface) = hierarchy.surface_at(position, DVec3::from(point.normal), tolerance) else { continue };
+            let leaf = hierarchy.leaf_at(surface, position);
+            for channel in 0..channels {
+                let at = index * channels + channel;
+                bounds.lower[at] = rounded_down(self.lower(leaf)[channel]);
+                bounds.upper[at] = rounded_up(self.upper(leaf)[channel]);
+            }
+        }
+        bounds
+    }
+}
+
+impl PointBounds {
+    /// Moves values that noise took out of their bounds back to them.
+    pub(crate) fn confine(&self, values: &mut [f32]) {
+        for (value, (lower, upper)) in values.iter_mut().zip(self.lower.iter().zip(&self.upper)) {
+            if !value.is_nan() {
+                *value = value.max(*lower).min(*upper);
+            }
+        }
+    }
+}
+
+fn rounded_down(value: f64) -> f32 {
+    let near = value as f32;
+    if f64::from(near) > value { near.next_down() } else { near }
+}
+
+fn rounded_up(value: f64) -> f32 {
+    let near = value as f32;
+    if f64::from(near) < value { near.next_up() } else { near }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_are_rounded_outwards() {
+        for value in [0.1, 1.0 / 3.0, 1.0, 16_777_217.0, 1e-40, 0.0] {
+            assert!(f64::from(rounded_down(value)) <= value && value <= f64::from(rounded_up(value)));
+            assert!(rounded_up(value) <= rounded_down(value).next_up());
+        }
+    }
+
+    #[test]
+    fn values_are_confined_and_missing_ones_left() {
+        let bounds = PointBounds { channels: 1, lower: vec![1.0, 1.0, 1.0, f32::NAN], upper: vec![2.0, 2.0, 2.0, f32::NAN] };
+        let mut values = [0.5, 1.5, 3.0, f32::NAN];
+        bounds.confine(&mut values);
+        assert_eq!(values[..3], [1.0, 1.5, 2.0]);
+        assert!(values[3].is_nan());
+    }
+}
