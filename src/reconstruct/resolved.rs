@@ -67,6 +67,10 @@ const TRIES: u64 = 8;
 const TOLERANCE: f64 = 1e-5;
 const MAX_SWEEPS: u32 = 5000;
 
+/// The ratio of changes is steady if what is still to come by it is known to this part. Where nearly all is reflected it soon is,
+/// and without taking the rest at once a reflectance of 0.999 left 0.5% undone.
+const STEADY: f64 = 0.02;
+
 /// What is known of one cell before the radiosities are.
 #[derive(Clone, Copy)]
 enum Cell {
@@ -209,7 +213,7 @@ impl Equations {
     fn solve(&self) -> Vec<f64> {
         let (channels, paths) = (self.channels, self.paths);
         let (mut values, mut next) = (self.constant.clone(), vec![0.0; self.constant.len()]);
-        let mut previous = f64::INFINITY;
+        let (mut previous, mut previous_ratio) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..MAX_SWEEPS {
             next.par_chunks_mut(channels).with_min_len(1024).enumerate().for_each(|(cell, next)| {
                 next.copy_from_slice(&self.constant[cell * channels..][..channels]);
@@ -224,9 +228,17 @@ impl Equations {
             let (change, brightest) = changes.reduce(|| (0.0, 0.0), |a, b| (f64::max(a.0, b.0), f64::max(a.1, b.1)));
             std::mem::swap(&mut values, &mut next);
             let ratio = if previous.is_finite() { (change / previous).min(0.9999) } else { 0.9999 };
-            previous = change;
             if change * ratio <= TOLERANCE * brightest * (1.0 - ratio) {
                 break;
+            }
+
+            // Changes that fall by a steady ratio are a geometric series: what is still to come of it comes at once.
+            if (ratio - previous_ratio).abs() <= STEADY * (1.0 - ratio) {
+                let to_come = ratio / (1.0 - ratio);
+                values.par_iter_mut().zip(&next).with_min_len(1024).for_each(|(new, old)| *new += to_come * (*new - old));
+                (previous, previous_ratio) = (f64::INFINITY, f64::INFINITY);
+            } else {
+                (previous, previous_ratio) = (change, ratio);
             }
         }
         values
