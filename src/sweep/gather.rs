@@ -87,6 +87,14 @@ mod tests {
         Scene::new(1, vec![grey], faces, Sides::Front).unwrap()
     }
 
+    fn is_below(hierarchy: &Hierarchy, mut node: NodeId, cluster: NodeId) -> bool {
+        while node != cluster {
+            let Some(parent) = hierarchy.parent(node) else { return false };
+            node = parent;
+        }
+        true
+    }
+
     #[test]
     fn all_power_of_a_link_to_a_cluster_arrives_at_its_exposed_faces() {
         let scene = boxes();
@@ -96,19 +104,32 @@ mod tests {
         exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), 0);
         let radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
 
-        let mut checked = 0;
+        let (mut checked, mut clear) = (0, 0);
         for receiver in hierarchy.ids().filter(|&node| hierarchy.is_cluster(node)) {
             for source in (0..scene.surfaces().len() as u32).map(|surface| hierarchy.node_of(SurfaceId(surface))) {
                 let link = Link { form_factor: 0.25, source, transmittance: 0.5, seen: 0.5 };
                 let links = LinkSet::new(hierarchy.len(), &[(receiver, link)], Vec::new());
                 let arrived = push(&hierarchy, gather(&hierarchy, &links, &exposure, &radiosity), 1);
+                let exposed = |leaf: NodeId| hierarchy.area(leaf) * exposure.of(leaf);
                 let leaves = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node));
-                let power: f64 = leaves.map(|leaf| hierarchy.area(leaf) * exposure.of(leaf) * arrived[leaf.index()]).sum();
-                let expected = hierarchy.area(receiver) * 0.125 * radiosity.of(source)[0];
-                assert!((power / expected - 1.0).abs() <= 1e-12, "{receiver:?} from {source:?}: {power} instead of {expected}");
+                let power: f64 = leaves.map(|leaf| exposed(leaf) * arrived[leaf.index()]).sum();
+
+                // Towards what it hardly shows itself to, a cluster takes less.
+                let mut lobe = Lobes::default();
+                lobe.add(1.0, hierarchy.direction(receiver, source));
+                let below = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node) && is_below(&hierarchy, node, receiver));
+                let (shown, all) = below.fold((0.0, 0.0), |(shown, all), leaf| {
+                    (shown + exposed(leaf) * lobe.at(hierarchy.normal(leaf)), all + exposed(leaf))
+                });
+                let expected = hierarchy.area(receiver) * 0.125 * radiosity.of(source)[0] * (shown / (0.1 * all)).min(1.0);
+                assert!(
+                    (power - expected).abs() <= 1e-12 * expected.abs(),
+                    "{receiver:?} from {source:?}: {power}, not {expected}"
+                );
+                clear += usize::from(shown > 0.1 * all);
                 checked += 1;
             }
         }
-        assert!(checked > 100, "{checked}");
+        assert!(checked > 100 && clear > checked / 2, "{clear} of {checked}");
     }
 }

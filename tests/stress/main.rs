@@ -36,8 +36,11 @@ mod trial;
 #[path = "../support/triangles.rs"]
 mod triangles;
 
+use std::fmt::Write as _;
+
 use patchlight::reconstruct::SurfacePoint;
-use patchlight::scene::SurfaceId;
+use patchlight::scene::import::{DiagnosticKind, ImportOptions, read_scene};
+use patchlight::scene::{Scene, SceneError, Sides, SurfaceId};
 use patchlight::solve::{Gather, SolveOptions, Strategy, Sweep};
 use patchlight::visibility::Backend;
 use trial::{Claim, Way};
@@ -173,4 +176,37 @@ fn the_cut_and_the_order_of_faces_change_no_more_than_is_claimed() {
         println!("{gather:?}: differ by {difference:.4}, claimed {claims:.4?}");
         assert!(difference > 0.0 && difference <= claims[0] + claims[1], "{gather:?}: {difference}, {claims:?}");
     }
+}
+
+/// A cube that shines and reflects one half, and a hundred thousand vertices in one of its corners with faces between them.
+#[test]
+fn a_hundred_thousand_vertices_in_one_place() {
+    const COINCIDENT: usize = 100_000;
+    let folder = tempfile::tempdir().unwrap();
+    let mut obj = String::from("mtllib cube.mtl\nusemtl wall\n");
+    for surface in rooms::cube(&[0.5], &[1.0]).surfaces() {
+        surface.polygon.vertices().for_each(|[x, y, z]| writeln!(obj, "v {x} {y} {z}").unwrap());
+        obj.push_str("f -4 -3 -2 -1\n");
+    }
+    obj.push_str(&"v 1 1 1\n".repeat(COINCIDENT));
+    (0..COINCIDENT / 4).for_each(|k| writeln!(obj, "f {} {} {} {}", 25 + 4 * k, 26 + 4 * k, 27 + 4 * k, 28 + 4 * k).unwrap());
+    std::fs::write(folder.path().join("cube.obj"), obj).unwrap();
+    std::fs::write(folder.path().join("cube.mtl"), "newmtl wall\nKd 0.5 0.5 0.5\nKe 1 1 1\n").unwrap();
+
+    let imported = read_scene(&folder.path().join("cube.obj"), &ImportOptions::default()).unwrap();
+    assert_eq!((imported.vertices, imported.scene.surfaces().len()), (24 + COINCIDENT, 6));
+    let dropped = imported.diagnostics.items.iter().filter(|item| item.kind == DiagnosticKind::DegenerateFace).count();
+    assert_eq!(dropped, COINCIDENT / 4);
+    let (evaluator, _) = rooms::solve(imported.scene.clone(), &SolveOptions { error: 0.1, ..SolveOptions::default() });
+    let places: Vec<SurfacePoint> =
+        rooms::points_of(&imported.scene, 100, &mut Random(3)).into_iter().map(|(point, _)| point).collect();
+    let expected = 2.0 * std::f64::consts::PI;
+    assert!(rooms::values(&evaluator, &places).iter().all(|value| (value / expected - 1.0).abs() < 0.1));
+}
+
+/// Nothing to light is an error of the scene, not of the solver.
+#[test]
+fn a_scene_without_a_face_is_refused() {
+    let nothing = Scene::new(1, Vec::new(), Vec::new(), Sides::Front);
+    assert_eq!(nothing.unwrap_err(), SceneError::Empty);
 }
