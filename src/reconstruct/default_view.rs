@@ -3,13 +3,15 @@
 //! Eyes are tried inside the scene and around it. A view is judged by the front faces that a coarse grid of rays meets: how much of the
 //! picture they fill, how much of the scene's area they are, how many different surfaces there are to see. Back faces (the wall that a camera outside of a closed room would
 //! look at, the inside of furniture), things right before the lens and pictures of nothing but a light lose. So a closed room is seen
-//! from inside, a box with an open front through its opening, a scene without walls from outside. About 2e5 rays; a heuristic.
+//! from inside, a box with an open front through its opening, a scene without walls from outside, a model before a wide backdrop from
+//! near by. About 2e5 rays; a heuristic.
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
 
 use super::Camera;
+use crate::geometry::Aabb;
 use crate::scene::{Scene, SurfaceId};
 use crate::visibility::{Hit, Ray, Visibility};
 
@@ -28,6 +30,9 @@ const YAWS: u32 = 16;
 /// Columns and rows of the grid of rays that judges a view.
 const GRID: (u32, u32) = (16, 12);
 
+/// The part of the surfaces on either side of where most of them are.
+const LEFT_OUT: f64 = 0.04;
+
 /// Vertical field of view in degrees from inside a room: about that of a 20 mm lens.
 const INSIDE_FIELD_OF_VIEW: f64 = 62.0;
 
@@ -40,7 +45,8 @@ impl Camera {
     ///
     /// Up is y or z, whichever the floors and the light that falls on them speak for.
     pub fn default_view(scene: &Scene, visibility: &dyn Visibility, width: u32, height: u32) -> Self {
-        let survey = Survey { scene, visibility, up: guess_up(scene), total_area: total_area(scene) };
+        let (bounds, detail) = (scene.bounds(), bounds_of_detail(scene));
+        let survey = Survey { scene, visibility, up: guess_up(scene), total_area: total_area(scene), detail };
         let pitches_inside = [-4.0, -14.0];
 
         // From inside: eyes that stand free, most open space first, each looking around.
@@ -58,10 +64,13 @@ impl Camera {
             }
         }
 
-        // From outside: from the front of each side and from the corners, level and from above, far enough away to see all of it.
-        for yaw in 0..8 {
-            for pitch in [0.0, -15.0, -35.0] {
-                judge(survey.look_from_outside(f64::from(yaw) / 8.0, pitch, width, height));
+        // From outside: from the front of each side and from the corners, level and from above, far enough away to see all of it;
+        // and likewise around where most of the surfaces are.
+        for bounds in [bounds, detail] {
+            for yaw in 0..8 {
+                for pitch in [0.0, -15.0, -35.0] {
+                    judge(survey.look_from_outside(bounds, f64::from(yaw) / 8.0, pitch, width, height));
+                }
             }
         }
         let (_, camera) = best.expect("views from outside are always judged");
@@ -89,6 +98,21 @@ fn guess_up(scene: &Scene) -> DVec3 {
     if votes_for(DVec3::Z) > votes_for(DVec3::Y) { DVec3::Z } else { DVec3::Y }
 }
 
+/// The box around the centres of most surfaces, widened by what was left out on either side of a box full of even detail.
+fn bounds_of_detail(scene: &Scene) -> Aabb {
+    let mut bounds = scene.bounds();
+    for axis in 0..3 {
+        let mut centres: Vec<f64> = scene.surfaces().iter().map(|surface| surface.polygon.bounds().centre()[axis]).collect();
+        centres.sort_unstable_by(f64::total_cmp);
+        let quantile = |part: f64| centres[(part * (centres.len() - 1) as f64).round() as usize];
+        let (low, high) = (quantile(LEFT_OUT), quantile(1.0 - LEFT_OUT));
+        let margin = LEFT_OUT / (1.0 - 2.0 * LEFT_OUT) * (high - low);
+        bounds.min[axis] = bounds.min[axis].max(low - margin);
+        bounds.max[axis] = bounds.max[axis].min(high + margin);
+    }
+    bounds
+}
+
 fn total_area(scene: &Scene) -> f64 {
     scene.surfaces().iter().map(|surface| surface.polygon.area()).sum()
 }
@@ -99,6 +123,8 @@ struct Survey<'a> {
     visibility: &'a dyn Visibility,
     up: DVec3,
     total_area: f64,
+    /// Where most of the surfaces are.
+    detail: Aabb,
 }
 
 impl Survey<'_> {
@@ -175,9 +201,8 @@ impl Survey<'_> {
         self.camera(eye, eye + 0.5 * diagonal * self.direction(yaw, pitch), INSIDE_FIELD_OF_VIEW)
     }
 
-    /// Towards the centre of the scene, from where all of its bounds are in the picture and just fill it.
-    fn look_from_outside(&self, yaw: f64, pitch: f64, width: u32, height: u32) -> Camera {
-        let bounds = self.scene.bounds();
+    /// Towards the centre of a box, from where all of it is in the picture and just fills it.
+    fn look_from_outside(&self, bounds: Aabb, yaw: f64, pitch: f64, width: u32, height: u32) -> Camera {
         let (centre, half) = (bounds.centre(), 0.5 * bounds.extent());
         let forward = self.direction(yaw, pitch);
         let right = forward.cross(self.up).normalize();
@@ -220,7 +245,7 @@ impl Survey<'_> {
         let half_height = (0.5 * camera.field_of_view_degrees).to_radians().tan();
         let pixel = 2.0 * half_height / f64::from(rows) * (2.0 * half_height * step.0 / step.1 / f64::from(rows));
         let forward = (DVec3::from(camera.target) - DVec3::from(camera.eye)).normalize();
-        let near = 0.13 * self.scene.bounds().diagonal();
+        let near = 0.13 * self.detail.diagonal();
 
         // What each ray sees, as shares of the picture; and the area of front faces that the picture shows.
         let mut seen_of: BTreeMap<SurfaceId, f64> = BTreeMap::new();

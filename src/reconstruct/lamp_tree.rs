@@ -4,27 +4,35 @@
 //! of normals, power; after Conty Estevez and Kulla 2018). A lamp that can bring light at all is drawn with a probability above 0,
 //! so what is divided by that probability is without bias.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use glam::DVec3;
 
 use crate::geometry::Aabb;
 use crate::scene::{Scene, SurfaceId};
 
-/// Angles are widened by this much against rounding.
+/// Angles and cosines are widened by this much against rounding.
 const SLACK: f64 = 1e-6;
 
 /// A lamp or several.
 struct Node {
     centre: DVec3,
     radius: f64,
-    /// All normals are within `spread` of `axis`.
+    /// All normals are within an angle of `axis`, the spread.
     axis: DVec3,
-    spread: f64,
+    spread: Spread,
     /// Area times the exitance of the brightest channel, in W.
     power: f64,
     /// The lamp, or the second child; the first child of a node follows it.
     below: Below,
+}
+
+/// An angle in [0, pi], in radians, with what is asked of it at every draw.
+#[derive(Clone, Copy)]
+struct Spread {
+    angle: f64,
+    cos: f64,
+    sin: f64,
 }
 
 enum Below {
@@ -45,6 +53,13 @@ pub(super) struct DrawnLamp {
     pub rest: f64,
 }
 
+impl Spread {
+    fn new(angle: f64) -> Self {
+        let (sin, cos) = angle.min(PI).sin_cos();
+        Self { angle, cos, sin }
+    }
+}
+
 impl LampTree {
     pub fn new(scene: &Scene, lamps: &[SurfaceId]) -> Self {
         let mut tree = Self { nodes: Vec::with_capacity(2 * lamps.len()) };
@@ -61,7 +76,7 @@ impl LampTree {
             let (facet, bounds) = (polygon.facet(), polygon.bounds());
             let power = facet.area * exitance.iter().copied().fold(0.0, f64::max);
             let (centre, radius) = (bounds.centre(), 0.5 * bounds.diagonal());
-            self.nodes.push(Node { centre, radius, axis: facet.normal, spread: 0.0, power, below: Below::Lamp(lamp) });
+            self.nodes.push(Node { centre, radius, axis: facet.normal, spread: Spread::new(0.0), power, below: Below::Lamp(lamp) });
             return (index, bounds);
         }
 
@@ -73,7 +88,14 @@ impl LampTree {
         let (left, right) = lamps.split_at_mut(lamps.len() / 2);
 
         // The node comes before its children, but is known only after them.
-        self.nodes.push(Node { centre: DVec3::ZERO, radius: 0.0, axis: DVec3::Z, spread: PI, power: 0.0, below: Below::Second(0) });
+        self.nodes.push(Node {
+            centre: DVec3::ZERO,
+            radius: 0.0,
+            axis: DVec3::Z,
+            spread: Spread::new(PI),
+            power: 0.0,
+            below: Below::Second(0),
+        });
         let ((first, left), (second, right)) = (self.add(scene, left), self.add(scene, right));
         let bounds = left.union(right);
         let (axis, spread) = cone_around(&self.nodes[first], &self.nodes[second]);
@@ -83,28 +105,49 @@ impl LampTree {
         (index, bounds)
     }
 
-    /// Draws a lamp for a point with a normal by the number `u`, uniform in [0, 1); `None` if no lamp on the way can bring
-    /// anything.
-    pub fn draw(&self, point: DVec3, normal: DVec3, u: f64) -> Option<DrawnLamp> {
-        let (mut index, mut probability, mut rest) = (0, 1.0, u);
-        loop {
-            let second = match self.nodes[index].below {
-                Below::Lamp(lamp) => return Some(DrawnLamp { lamp, probability, rest }),
-                Below::Second(second) => second,
-            };
-            let [first_bound, second_bound] = [index + 1, second].map(|child| self.nodes[child].bound_sent(point, normal));
-            let sum = first_bound + second_bound;
-            if sum <= 0.0 {
-                return None;
+    /// Draws a lamp for a point with a normal by each of `numbers`, rising in [0, 1), and appends them to `drawn`; none where no
+    /// lamp on the way can bring anything. Every node on the way is looked at once, however many numbers pass through it.
+    pub fn draw(&self, point: DVec3, normal: DVec3, numbers: impl Iterator<Item = f64>, drawn: &mut Vec<DrawnLamp>) {
+        let first = drawn.len();
+        drawn.extend(numbers.map(|rest| DrawnLamp { lamp: SurfaceId(0), probability: 1.0, rest }));
+        let kept = self.descend(0, point, normal, &mut drawn[first..]);
+        drawn.truncate(first + kept);
+    }
+
+    /// Brings those that are drawn at a node down to the lamps; those for which there is none go behind the others. Returns how many
+    /// have a lamp.
+    fn descend(&self, index: usize, point: DVec3, normal: DVec3, drawn: &mut [DrawnLamp]) -> usize {
+        let second = match self.nodes[index].below {
+            _ if drawn.is_empty() => return 0,
+            Below::Lamp(lamp) => {
+                drawn.iter_mut().for_each(|drawn| drawn.lamp = lamp);
+                return drawn.len();
             }
-            let share = first_bound / sum;
-            (index, rest, probability) = if rest < share {
-                (index + 1, rest / share, probability * share)
-            } else {
-                (second, (rest - share) / (1.0 - share), probability * (1.0 - share))
-            };
-            rest = rest.clamp(0.0, 1.0 - f64::EPSILON);
+            Below::Second(second) => second,
+        };
+        let [first_bound, second_bound] = [index + 1, second].map(|child| self.nodes[child].bound_sent(point, normal));
+        let sum = first_bound + second_bound;
+        if sum <= 0.0 {
+            return 0;
         }
+        let share = first_bound / sum;
+        let to_first = drawn.partition_point(|drawn| drawn.rest < share);
+        let (to_first, to_second) = drawn.split_at_mut(to_first);
+        for drawn in to_first.iter_mut() {
+            drawn.probability *= share;
+            drawn.rest = (drawn.rest / share).clamp(0.0, 1.0 - f64::EPSILON);
+        }
+        for drawn in to_second.iter_mut() {
+            drawn.probability *= 1.0 - share;
+            drawn.rest = ((drawn.rest - share) / (1.0 - share)).clamp(0.0, 1.0 - f64::EPSILON);
+        }
+        let kept_of_first = self.descend(index + 1, point, normal, to_first);
+        let kept_of_second = self.descend(second, point, normal, to_second);
+        if kept_of_first < to_first.len() {
+            let behind_first = to_first.len();
+            drawn[kept_of_first..behind_first + kept_of_second].rotate_left(behind_first - kept_of_first);
+        }
+        kept_of_first + kept_of_second
     }
 }
 
@@ -113,33 +156,48 @@ impl Node {
     /// the size of the node.
     fn bound_sent(&self, point: DVec3, normal: DVec3) -> f64 {
         let towards = self.centre - point;
-        let distance = towards.length();
-        let (at_receiver, at_lamps) = if distance <= self.radius {
-            (0.0, 0.0)
-        } else {
-            let half = (self.radius / distance).asin() + SLACK;
-            let angle = |a: DVec3, b: DVec3| (a.dot(b) / distance).clamp(-1.0, 1.0).acos();
-            (angle(normal, towards) - half, angle(self.axis, -towards) - half - self.spread)
+        let distance_sq = towards.length_squared();
+        if distance_sq <= self.radius * self.radius {
+            return self.power / (self.radius * self.radius);
+        }
+
+        // The cosines at both ends, to the direction that suits best among those that differ by the node's radius as seen from the
+        // point, and at the lamps by the spread too.
+        let distance = distance_sq.sqrt();
+        let sin_half = self.radius / distance;
+        let half = (sin_half, (1.0 - sin_half * sin_half).sqrt());
+        let angle_to = |axis: DVec3, direction: DVec3| {
+            let cos = (axis.dot(direction) / distance).clamp(-1.0, 1.0);
+            ((1.0 - cos * cos).sqrt(), cos)
         };
-        let cosine = |angle: f64| if angle < FRAC_PI_2 { angle.max(0.0).cos() } else { 0.0 };
-        self.power * cosine(at_receiver) * cosine(at_lamps) / distance.max(self.radius).powi(2)
+        let at_receiver = less(angle_to(normal, towards), half);
+        let at_lamps = less(less(angle_to(self.axis, -towards), half), (self.spread.sin, self.spread.cos));
+        self.power * (at_receiver.1 + SLACK).max(0.0) * (at_lamps.1 + SLACK).max(0.0) / distance_sq
     }
 }
 
+/// The sine and cosine of `a - b`, or of 0 if that is negative, for angles in [0, pi] with known sines and cosines.
+fn less(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    if a.1 >= b.1 { (0.0, 1.0) } else { (a.0 * b.1 - a.1 * b.0, a.1 * b.1 + a.0 * b.0) }
+}
+
 /// A cone around the normals of two nodes.
-fn cone_around(a: &Node, b: &Node) -> (DVec3, f64) {
-    let (wide, narrow) = if a.spread >= b.spread { (a, b) } else { (b, a) };
+fn cone_around(a: &Node, b: &Node) -> (DVec3, Spread) {
+    let (wide, narrow) = if a.spread.angle >= b.spread.angle { (a, b) } else { (b, a) };
     let between = wide.axis.dot(narrow.axis).clamp(-1.0, 1.0).acos();
-    if between + narrow.spread <= wide.spread {
+    if between + narrow.spread.angle <= wide.spread.angle {
         return (wide.axis, wide.spread);
     }
-    let spread = 0.5 * (between + wide.spread + narrow.spread);
+    let spread = 0.5 * (between + wide.spread.angle + narrow.spread.angle);
     let aside = (narrow.axis - wide.axis.dot(narrow.axis) * wide.axis).try_normalize();
     match aside.filter(|_| spread < PI) {
         Some(aside) => {
-            let turn = spread - wide.spread;
-            (turn.cos() * wide.axis + turn.sin() * aside, spread + SLACK)
+            let turn = spread - wide.spread.angle;
+            (turn.cos() * wide.axis + turn.sin() * aside, Spread::new(spread + SLACK))
         }
-        None => (wide.axis, if between + narrow.spread < PI { (between + narrow.spread).max(wide.spread) } else { PI }),
+        None => {
+            let around = between + narrow.spread.angle;
+            (wide.axis, Spread::new(if around < PI { around.max(wide.spread.angle) } else { PI }))
+        }
     }
 }

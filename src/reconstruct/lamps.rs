@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::lamp_tree::LampTree;
+use super::lamp_tree::{DrawnLamp, LampTree};
 use super::light_paths::Place;
 use crate::form_factor::{kernel, point_to_polygon};
 use crate::geometry::{Facet, Part, sampling};
@@ -54,6 +54,7 @@ struct Drawn {
 /// The rays to lamps of some places, and the pieces that the last of them sees.
 #[derive(Default)]
 struct Aimed {
+    lamps: Vec<DrawnLamp>,
     pieces: Vec<Piece>,
     segments: Vec<Segment>,
     drawn: Vec<Drawn>,
@@ -110,33 +111,33 @@ impl<'a> Lamps<'a> {
             self.cut(place.point, normal, lamp, None, &mut aimed.pieces);
         }
         let start = sampling::unit(sampling::hash(place.seed, 5));
-        let ray = |ray: u32| (f64::from(ray) + start) / f64::from(count);
-        self.aim(place, index, 1.0 / f64::from(count), (0..count).map(ray), aimed);
+        let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
+        self.aim(place, index, 1.0 / f64::from(count), numbers, aimed);
     }
 
     /// Draws a lamp from the tree for each ray of a place, systematically from a random start, and a piece of that lamp.
     fn aim_at_some(&self, tree: &LampTree, place: &Place, index: usize, count: u32, aimed: &mut Aimed) {
         let normal = self.scene.surface(place.surface).polygon.facet().normal;
         let start = sampling::unit(sampling::hash(place.seed, 5));
-        let ray = |ray: u32| (f64::from(ray) + start) / f64::from(count);
-        let mut draws = (0..count).filter_map(|number| tree.draw(place.point, normal, ray(number))).peekable();
+        let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
+        let mut lamps = std::mem::take(&mut aimed.lamps);
+        lamps.clear();
+        tree.draw(place.point, normal, numbers, &mut lamps);
 
         // Rays that draw the same lamp come one after the other.
-        while let Some(first) = draws.next() {
-            let mut rests = vec![first.rest];
-            while let Some(next) = draws.next_if(|next| next.lamp == first.lamp) {
-                rests.push(next.rest);
-            }
+        for same in lamps.chunk_by(|a, b| a.lamp == b.lamp) {
             aimed.pieces.clear();
-            self.cut(place.point, normal, first.lamp, None, &mut aimed.pieces);
-            self.aim(place, index, 1.0 / (f64::from(count) * first.probability), rests.into_iter(), aimed);
+            self.cut(place.point, normal, same[0].lamp, None, &mut aimed.pieces);
+            let weight = 1.0 / (f64::from(count) * same[0].probability);
+            self.aim(place, index, weight, same.iter().map(|drawn| drawn.rest), aimed);
         }
+        aimed.lamps = lamps;
     }
 
     /// Aims a ray for each of `places_in_sum`, rising in [0, 1): at the piece in whose share of what all pieces carry it falls. A
     /// ray stands for `weight` of all light.
     fn aim(&self, place: &Place, index: usize, weight: f64, places_in_sum: impl Iterator<Item = f64>, aimed: &mut Aimed) {
-        let Aimed { pieces, segments, drawn } = aimed;
+        let Aimed { pieces, segments, drawn, .. } = aimed;
         let receiver = self.scene.surface(place.surface);
         let normal = receiver.polygon.facet().normal;
         let total: f64 = pieces.iter().map(|piece| piece.carried).sum();

@@ -18,19 +18,10 @@
 use rayon::prelude::*;
 
 use crate::geometry::sampling;
-use crate::hierarchy::NodeId;
+use crate::hierarchy::{Hierarchy, NodeId};
 use crate::reconstruct::{Effort, HemisphereGather, LightPaths, PathScratch, Place, Reconstruction, Resolved, Scratch};
-use crate::scene::SurfaceId;
+use crate::scene::{Scene, SurfaceId};
 use crate::sweep::Radiosity;
-
-/// How much effort an estimate takes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ErrorEffort {
-    /// Points at which the error is sampled.
-    pub points: usize,
-    /// Rays of each look at each point.
-    pub rays: u32,
-}
 
 /// What the samples say, relative to `||B - E||`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -41,6 +32,8 @@ pub(crate) struct ErrorEstimate {
     pub claimed: f64,
     /// The part that is noise of the gather at points: it shrinks with more rays a point.
     pub gather_noise: f64,
+    /// The noise of a single look: it shrinks with more rays a look.
+    pub look_noise: f64,
 }
 
 /// The claim lies so many standard deviations above the measured square.
@@ -62,114 +55,168 @@ const AGAIN: usize = 4;
 /// Bounces that the paths of looks take at least.
 const LOOK_BOUNCES: u32 = 1;
 
-/// What is known at one point.
-struct Sample {
+/// A point, and what was found there by two independent looks.
+struct Look {
     place: Place,
-    /// The area in m^2 that the point stands for.
-    weight: f64,
-    /// The value that a user gets.
-    value: Vec<f64>,
-    /// At some points another one by other rays, which shows the noise of both.
-    again: Option<Vec<f64>>,
-    /// Two looks at the irradiance.
-    looks: [Vec<f64>; 2],
+    /// The area in m^2 that the point stands for if it is the only one.
+    stands_for: f64,
+    /// The irradiance in W/m^2, by channel.
+    irradiances: [Vec<f64>; 2],
+    /// Rays of each look so far.
+    rays: u32,
 }
 
-/// Samples the error of the values that a reconstruction gives.
-pub(crate) struct ErrorSampler<'a> {
-    pub reconstruction: &'a Reconstruction<'a>,
+/// What a user gets at a point.
+struct Value {
+    radiosity: Vec<f64>,
+    /// At some points another one by other rays, which shows the noise of both.
+    again: Option<Vec<f64>>,
+}
+
+/// What looks are taken with.
+pub(crate) struct Looking<'a> {
+    pub scene: &'a Scene,
+    pub hierarchy: &'a Hierarchy,
     /// Of the leaves: more points lie where it is bright.
     pub radiosity: &'a Radiosity,
     pub paths: &'a LightPaths<'a>,
     /// What the two looks find where their paths end.
-    pub looks: [&'a Resolved; 2],
-    pub effort: ErrorEffort,
+    pub resolved: [&'a Resolved; 2],
     pub seed: u64,
 }
 
-impl ErrorSampler<'_> {
-    /// Estimates the error of the values: 0 if nothing reflects any light, infinite if nothing can be said.
-    pub fn estimate(&self) -> ErrorEstimate {
-        let (effort, seed) = (self.effort, self.seed);
-        let channels = self.reconstruction.scene.channels();
-        let looks = self.looks.map(|resolved| HemisphereGather { paths: self.paths, resolved, bounces: LOOK_BOUNCES });
-        let samples: Vec<Sample> = self
-            .spread_places(effort.points, seed)
-            .into_par_iter()
-            .enumerate()
-            .map_init(<(Scratch, PathScratch)>::default, |(scratch, path_scratch), (index, (place, weight))| {
-                let mut value = |seed| {
-                    let (mut value, effort) = (vec![0.0; channels], Effort { seed, ..self.reconstruction.effort });
-                    let points = [(place.point, place.surface)].into_iter();
-                    self.reconstruction.radiosities_at(points, effort, scratch, &mut value);
-                    value
-                };
-                let own = self.reconstruction.effort.seed;
-                let (value, again) = (value(own), (index % AGAIN == 0).then(|| value(sampling::hash(own, 1))));
+/// Samples of the error: looks at the truth are kept while values change, and more are added when it takes more to see the error.
+#[derive(Default)]
+pub(crate) struct ErrorSamples {
+    looks: Vec<Look>,
+    /// Of the first looks.
+    values: Vec<Value>,
+}
 
-                let seed = sampling::hash(seed, index as u64);
-                let looks = [0, 1].map(|half: usize| {
-                    let mut irradiance = vec![0.0; channels];
-                    let place = Place { seed: sampling::hash(seed, half as u64), ..place };
-                    looks[half].sampled_irradiance(&[place], effort.rays, path_scratch, &mut irradiance);
-                    irradiance
-                });
-                Sample { place, weight, value, again, looks }
-            })
-            .collect();
+impl ErrorSamples {
+    /// Forgets the values, because they have changed.
+    pub fn forget_values(&mut self) {
+        self.values.clear();
+    }
+
+    /// Looks at more points until there are `points`, and with more rays until each look has `rays`. `false` if `cancelled` says so
+    /// before it is done.
+    pub fn look(&mut self, points: usize, rays: u32, with: &Looking<'_>, cancelled: &(dyn Fn() -> bool + Sync)) -> bool {
+        let (first, channels) = (self.looks.len(), with.scene.channels());
+        let places = with.spread_places(points.saturating_sub(first), sampling::hash(with.seed, first as u64));
+        let unseen = |(place, stands_for)| Look { place, stands_for, irradiances: [0, 1].map(|_| vec![0.0; channels]), rays: 0 };
+        self.looks.extend(places.into_iter().map(unseen));
+
+        let gathers =
+            [0, 1].map(|half: usize| HemisphereGather { paths: with.paths, resolved: with.resolved[half], bounces: LOOK_BOUNCES });
+        self.looks.par_iter_mut().for_each_init(
+            || (PathScratch::default(), vec![0.0; channels]),
+            |(scratch, irradiance), look| {
+                let more = rays.saturating_sub(look.rays);
+                if more == 0 || cancelled() {
+                    return;
+                }
+                let share = f64::from(more) / f64::from(look.rays + more);
+                for (half, known) in look.irradiances.iter_mut().enumerate() {
+                    let seed = sampling::hash(look.place.seed, u64::from(look.rays) << 8 | 10 + half as u64);
+                    gathers[half].sampled_irradiance(&[Place { seed, ..look.place }], more, scratch, irradiance);
+                    known.iter_mut().zip(irradiance.iter()).for_each(|(known, found)| *known += share * (found - *known));
+                }
+                look.rays += more;
+            },
+        );
+        !cancelled()
+    }
+
+    /// Estimates the error of the values that `reconstruction` gives: 0 if nothing reflects any light, infinite if nothing can be
+    /// said; `None` if `cancelled` says so.
+    pub fn estimate(
+        &mut self,
+        reconstruction: &Reconstruction<'_>,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<ErrorEstimate> {
+        self.take_values(reconstruction, cancelled)?;
 
         // Products of the two looks, point by point.
-        let (mut error_sq, mut noise_sq, mut norm_sq) = (0.0, 0.0, 0.0);
-        let mut by_point = Vec::with_capacity(samples.len());
-        for Sample { place, weight, value, again, looks } in &samples {
-            let material = self.reconstruction.scene.material_of(place.surface);
+        let scene = reconstruction.scene;
+        let count = self.looks.len() as f64;
+        let (mut error_sq, mut noise_sq, mut look_noise_sq, mut norm_sq) = (0.0, 0.0, 0.0, 0.0);
+        let mut by_point = Vec::with_capacity(self.looks.len());
+        for (Look { place, stands_for, irradiances, .. }, Value { radiosity, again }) in self.looks.iter().zip(&self.values) {
+            let material = scene.material_of(place.surface);
+            let weight = stands_for / count;
             let mut product = 0.0;
-            for channel in 0..channels {
+            for channel in 0..scene.channels() {
                 let (exitance, rho) = (material.exitance[channel], material.reflectance[channel]);
-                let reflected = [0, 1].map(|half: usize| rho * looks[half][channel]);
-                let found = value[channel] - exitance;
+                let reflected = [0, 1].map(|half: usize| rho * irradiances[half][channel]);
+                let found = radiosity[channel] - exitance;
                 product += weight * (found - reflected[0]) * (found - reflected[1]);
                 norm_sq += weight * reflected[0] * reflected[1];
+                look_noise_sq += weight * 0.5 * (reflected[0] - reflected[1]).powi(2);
                 if let Some(again) = again {
-                    noise_sq += AGAIN as f64 * weight * 0.5 * (value[channel] - again[channel]).powi(2);
+                    noise_sq += AGAIN as f64 * weight * 0.5 * (radiosity[channel] - again[channel]).powi(2);
                 }
             }
             error_sq += product;
             by_point.push(product);
         }
         if error_sq == 0.0 && norm_sq == 0.0 {
-            return ErrorEstimate::default();
+            return Some(ErrorEstimate::default());
         }
         if norm_sq.is_nan() || norm_sq <= 0.0 {
-            return ErrorEstimate { measured: f64::INFINITY, claimed: f64::INFINITY, gather_noise: 0.0 };
+            return Some(ErrorEstimate { measured: f64::INFINITY, claimed: f64::INFINITY, gather_noise: 0.0, look_noise: 0.0 });
         }
 
         // The scatter of the points gives the confidence limit.
-        let count = by_point.len() as f64;
         let mean = error_sq / count;
         let variance = by_point.iter().map(|product| (product - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
         let deviation = (variance * count).sqrt();
         let relative = |square: f64| (square.max(0.0) / norm_sq).sqrt();
-        ErrorEstimate {
+        Some(ErrorEstimate {
             measured: relative(error_sq),
             claimed: UNSEEN * relative(error_sq.max(0.0) + CONFIDENCE_SIGMAS * deviation) + LEFT_BY_SWEEPS,
             gather_noise: relative(noise_sq),
-        }
+            look_noise: relative(look_noise_sq),
+        })
     }
 
-    /// Points on leaves that reflect, with the area that each stands for; neighbours in the tree come one after the other.
+    /// Takes the values that are not known yet.
+    fn take_values(&mut self, reconstruction: &Reconstruction<'_>, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<()> {
+        let known = self.values.len();
+        let channels = reconstruction.scene.channels();
+        let own = reconstruction.effort.seed;
+        let taken: Vec<Option<Value>> = self.looks[known..]
+            .par_iter()
+            .enumerate()
+            .map_init(Scratch::default, |scratch, (index, look)| {
+                let mut value = |seed| {
+                    let (mut value, effort) = (vec![0.0; channels], Effort { seed, ..reconstruction.effort });
+                    let points = [(look.place.point, look.place.surface)].into_iter();
+                    reconstruction.radiosities_at(points, effort, scratch, &mut value);
+                    value
+                };
+                let (radiosity, again) = (value(own), (index % AGAIN == 0).then(|| value(sampling::hash(own, 1))));
+                (!cancelled()).then_some(Value { radiosity, again })
+            })
+            .collect();
+        self.values.extend(taken.into_iter().collect::<Option<Vec<Value>>>()?);
+        Some(())
+    }
+}
+
+impl Looking<'_> {
+    /// Points on leaves that reflect, with the area that each would stand for alone; neighbours in the tree come one after the other.
     ///
     /// One point in each of `count` strata. A leaf is drawn by its area times the sum of its own and the mean reflected radiosity:
     /// where it is bright much of the error may be on little area, and must be seen.
     fn spread_places(&self, count: usize, seed: u64) -> Vec<(Place, f64)> {
-        let Reconstruction { scene, hierarchy, .. } = *self.reconstruction;
-        let radiosity = self.radiosity;
+        let Self { scene, hierarchy, radiosity, .. } = *self;
         let surface_of = |leaf: NodeId| SurfaceId(hierarchy.node(leaf).surface);
         let mean = radiosity.reflected_rms(scene, hierarchy);
         let brightness = |leaf: NodeId| {
             let exitance = &scene.material_of(surface_of(leaf)).exitance;
             let reflected = radiosity.of(leaf).iter().zip(exitance).map(|(b, e)| b - e).fold(0.0, f64::max);
-            if mean > 0.0 { mean + reflected } else { 1.0 }
+            if mean > 0.0 { mean + reflected * reflected / mean } else { 1.0 }
         };
         let reflects = |leaf: NodeId| scene.material_of(surface_of(leaf)).reflectance.iter().any(|&rho| rho > 0.0);
         let leaves: Vec<NodeId> = hierarchy.leaves_in_order().into_iter().filter(|&leaf| reflects(leaf)).collect();
@@ -187,7 +234,7 @@ impl ErrorSampler<'_> {
                 }
                 let (u, v) = (sampling::unit(sampling::hash(draw, 1)), sampling::unit(sampling::hash(draw, 2)));
                 let place = Place { point: hierarchy.facet(leaf).point_at(u, v), surface: surface_of(leaf), seed: draw };
-                places.push((place, total / (brightness * count as f64)));
+                places.push((place, total / brightness));
             }
         }
         places

@@ -16,7 +16,7 @@ pub use options::{Gather, OptionsError, RunOptions, SolveOptions, Strategy, Swee
 pub use report::{Counts, Energy, EnergyBalance, ErrorReport, IterationReport, SolveReport, StageTimes, StoppedBy};
 pub use solution::Solution;
 
-use error_estimate::{ErrorEstimate, ErrorSampler};
+use error_estimate::{ErrorEstimate, ErrorSamples, Looking};
 use plan::{Plan, Verdict};
 
 use crate::geometry::sampling;
@@ -62,8 +62,13 @@ pub(crate) fn solve(
             match solver.error.as_ref().map_or(Verdict::Exhausted, |error| plan.judge(error)) {
                 Verdict::GoodEnough => break 'rounds StoppedBy::Error,
                 Verdict::Exhausted => break 'rounds StoppedBy::Exhausted,
-                Verdict::LookCloser | Verdict::MoreRays | Verdict::Resolve => {}
-                Verdict::Refine => break,
+                Verdict::LookCloser => {}
+                Verdict::MoreRays => solver.error_samples.forget_values(),
+                Verdict::Resolve => solver.error_samples = ErrorSamples::default(),
+                Verdict::Refine => {
+                    solver.error_samples.forget_values();
+                    break;
+                }
             }
         }
     };
@@ -99,6 +104,7 @@ struct Solver<'a> {
     resolved: Option<ResolvedLight<'a>>,
     /// Of the values as they stand; `None` before the first estimate, and where the last one was cut short.
     error: Option<ErrorEstimate>,
+    error_samples: ErrorSamples,
     report: SolveReport,
 }
 
@@ -127,6 +133,7 @@ impl<'a> Solver<'a> {
             cluster_reflectance,
             resolved: None,
             error: None,
+            error_samples: ErrorSamples::default(),
             report,
         }
     }
@@ -299,19 +306,23 @@ impl<'a> Solver<'a> {
         let Some(resolved) = self.resolved.as_ref().filter(|_| !self.observer.cancelled()) else { return };
         let start = Instant::now();
         self.progress(Stage::Error);
-        let effort = Effort { rays: plan.point_rays(), least_chance: 1.0, seed: self.options.seed };
-        let hemisphere =
-            resolved.for_values.as_ref().map(|own| HemisphereGather { paths: &resolved.paths, resolved: own, bounces: 0 });
-        let sampler = ErrorSampler {
-            reconstruction: &self.reconstruction(hemisphere, effort),
+        let cancelled = || self.observer.cancelled();
+        let looking = Looking {
+            scene: self.scene,
+            hierarchy: &self.hierarchy,
             radiosity: &self.radiosity,
             paths: &resolved.paths,
-            looks: resolved.for_looks.each_ref(),
-            effort: plan.error_effort(),
+            resolved: resolved.for_looks.each_ref(),
             seed: sampling::hash(self.options.seed, u64::MAX),
         };
-        let error = sampler.estimate();
-        self.error = Some(error);
+        let mut samples = std::mem::take(&mut self.error_samples);
+        if samples.look(plan.error_points(), plan.look_rays(), &looking, &cancelled) {
+            let effort = Effort { rays: plan.point_rays(), least_chance: 1.0, seed: self.options.seed };
+            let hemisphere = resolved.for_values.as_ref();
+            let hemisphere = hemisphere.map(|own| HemisphereGather { paths: &resolved.paths, resolved: own, bounces: 0 });
+            self.error = samples.estimate(&self.reconstruction(hemisphere, effort), &cancelled);
+        }
+        self.error_samples = samples;
         self.report.time_s.error += start.elapsed().as_secs_f64();
     }
 

@@ -1,6 +1,6 @@
 //! How hard to try for a requested error, and what to do when it is not reached.
 
-use super::error_estimate::{ErrorEffort, ErrorEstimate};
+use super::error_estimate::ErrorEstimate;
 use super::{Gather, SolveOptions, Strategy};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
 use crate::reconstruct::Resolution;
@@ -74,9 +74,9 @@ const RAYS_POWER: f64 = 1.8;
 const CLUSTERED_SURFACES: usize = 64;
 
 /// The same for paths over the hemisphere, from an office: few of them gain more by being spread evenly than many.
-const HEMISPHERE_RAYS_AT_2_PERCENT: f64 = 176.0;
-const FEW_HEMISPHERE_RAYS_POWER: f64 = 1.3;
-const MANY_HEMISPHERE_RAYS_POWER: f64 = 2.0;
+const HEMISPHERE_RAYS_AT_2_PERCENT: f64 = 230.0;
+const FEW_HEMISPHERE_RAYS_POWER: f64 = 1.6;
+const MANY_HEMISPHERE_RAYS_POWER: f64 = 1.6;
 
 /// Positions at which radiosities are resolved: so many for 2%, within these limits, times so much where they are found too few.
 /// Their noise averages out over the ends of many paths: on an office 16,384 did nearly as well as 65,536.
@@ -195,9 +195,14 @@ impl Plan {
         self.resolution
     }
 
-    /// How hard the error estimate tries: its own noise must stay well below the error that is asked for.
-    pub fn error_effort(&self) -> ErrorEffort {
-        ErrorEffort { points: self.error_points, rays: self.look_rays }
+    /// Points at which the error is looked at.
+    pub fn error_points(&self) -> usize {
+        self.error_points
+    }
+
+    /// Rays of a look at a point: its noise must not be much larger than the error that is asked for.
+    pub fn look_rays(&self) -> u32 {
+        self.look_rays
     }
 
     /// Looks at the error that was reached, and sees to what is worst: noise of the estimate, noise at the points, or the links.
@@ -214,15 +219,18 @@ impl Plan {
         let may_be_sq = 2.0 * error.measured.powi(2) - error.claimed.powi(2);
         let is_promising = error.measured < PROMISING * requested || may_be_sq < (0.5 * requested).powi(2);
         if is_promising && self.error_points < *ERROR_POINTS.end() {
-            // The noise of the product falls with the root of the points, but with the rays themselves while looks are the
-            // noisier part.
-            self.error_points += self.error_points / 2;
-            self.look_rays = (self.look_rays + self.look_rays / 2).min(MAX_LOOK_RAYS);
+            // The product of two looks scatters by the square of their noise while that is above the error itself: then twice the
+            // rays are worth four times the points.
+            if error.look_noise > error.measured && self.look_rays < MAX_LOOK_RAYS {
+                self.look_rays = (2 * self.look_rays).min(MAX_LOOK_RAYS);
+            } else {
+                self.error_points += self.error_points / 2;
+            }
             return Verdict::LookCloser;
         }
         let excess = error.measured.max(0.5 * error.claimed) / (AIM * requested);
         if error.gather_noise > 0.7 * error.measured && self.options.point_rays.is_none() && self.point_rays < MAX_POINT_RAYS {
-            let factor = excess.powf(RAYS_POWER).clamp(1.5, 8.0);
+            let factor = excess.powf(RAYS_POWER).clamp(1.25, 8.0);
             self.point_rays = (f64::from(self.point_rays) * factor).min(f64::from(MAX_POINT_RAYS)) as u32;
             return Verdict::MoreRays;
         }
