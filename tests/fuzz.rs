@@ -21,9 +21,6 @@ use std::time::{Duration, Instant};
 use patchlight::solve::Gather;
 use triangles::Random;
 
-/// Inputs of each target in a default run.
-const FEW: usize = 400;
-
 const OBJ: &[u8] = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0.25\nv 0 1 0\nv 0.5 0.5 2\nusemtl a\nf 1 2 3 4\nf -1 -2 -3\nusemtl b\n\
                      f 1/1 2/2 5/3\nf 4 3 2 1\ng x\nf 1 2 5 3 4\n\0newmtl a\nKd 0.5 0.5 0.5\nKe 1 2 3\n\nnewmtl b # c\nKd .9\nKs 0 0 0\n";
 
@@ -37,6 +34,8 @@ const TO_AND_FRO: &[u8] = &[
 /// What is fed with bytes, and what the bytes are made of.
 struct Target {
     name: &'static str,
+    /// Inputs in a default run.
+    few: usize,
     feed: fn(&[u8]),
     seeds: Vec<Vec<u8>>,
 }
@@ -44,9 +43,9 @@ struct Target {
 fn targets() -> [Target; 3] {
     let solutions = [Gather::Links, Gather::Hemisphere].map(|gather| harness::small_solution(gather).to_vec());
     [
-        Target { name: "obj", feed: harness::read_obj, seeds: vec![OBJ.to_vec(), Vec::new()] },
-        Target { name: "solution", feed: harness::read_solution, seeds: solutions.into() },
-        Target { name: "solve", feed: harness::solve_scene, seeds: vec![vec![0; 60], (0..=255).collect()] },
+        Target { name: "obj", few: 400, feed: harness::read_obj, seeds: vec![OBJ.to_vec(), Vec::new()] },
+        Target { name: "solution", few: 200, feed: harness::read_solution, seeds: solutions.into() },
+        Target { name: "solve", few: 40, feed: harness::solve_scene, seeds: vec![vec![0; 60], (0..=255).collect()] },
     ]
 }
 
@@ -86,7 +85,7 @@ fn a_few_inputs_do_no_harm() {
     for target in targets() {
         let mut random = Random(1);
         target.seeds.iter().for_each(|seed| feed(&target, seed));
-        (0..FEW).for_each(|_| feed(&target, &input(&target, &mut random)));
+        (0..target.few).for_each(|_| feed(&target, &input(&target, &mut random)));
     }
 }
 

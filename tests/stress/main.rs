@@ -29,6 +29,8 @@
 //! The whole matrix of scenes, backends, ways and seeds takes some minutes: `cargo test --release --test stress -- --ignored`.
 #![allow(clippy::print_stdout, reason = "a test tells what it measured")]
 
+#[path = "../support/claims.rs"]
+mod claims;
 mod hard_scenes;
 #[path = "../support/rooms.rs"]
 mod rooms;
@@ -38,6 +40,7 @@ mod triangles;
 
 use std::fmt::Write as _;
 
+use claims::most_failures;
 use patchlight::reconstruct::SurfacePoint;
 use patchlight::scene::import::{DiagnosticKind, ImportOptions, read_scene};
 use patchlight::scene::{Scene, SceneError, Sides, SurfaceId};
@@ -58,13 +61,14 @@ fn backends(surfaces: usize) -> Vec<Backend> {
     of_this_build.into_iter().filter(fits).collect()
 }
 
-/// A claim holds with probability 0.977, so of many some fail; none may be far off.
+/// Claims hold with probability 0.977, so of many some may fail, but none by much. Runs that differ in the backend alone fail together.
 fn assert_claims(claims: &[Claim]) {
-    let failed: Vec<String> = (claims.iter().filter(|claim| !claim.holds()))
-        .map(|claim| format!("{}: {:.5}, claimed {:.5}", claim.run, claim.error, claim.claimed))
-        .collect();
-    println!("{} of {} claims do not hold", failed.len(), claims.len());
-    assert!(failed.is_empty(), "{failed:#?}");
+    let failed: Vec<&Claim> = claims.iter().filter(|claim| !claim.holds()).collect();
+    let told: Vec<String> =
+        failed.iter().map(|claim| format!("{}: {:.5}, claimed {:.5}", claim.run, claim.error, claim.claimed)).collect();
+    println!("{} of {} claims do not hold: {told:#?}", failed.len(), claims.len());
+    assert!(failed.len() <= most_failures(claims.len()), "{} of {} claims do not hold: {told:#?}", failed.len(), claims.len());
+    assert!(failed.iter().all(|claim| claim.error < 1.5 * claim.claimed), "claims that are far off: {told:#?}");
 }
 
 #[test]
@@ -209,4 +213,14 @@ fn a_hundred_thousand_vertices_in_one_place() {
 fn a_scene_without_a_face_is_refused() {
     let nothing = Scene::new(1, Vec::new(), Vec::new(), Sides::Front);
     assert_eq!(nothing.unwrap_err(), SceneError::Empty);
+}
+
+/// Found by the whole matrix: with some seeds a leap over the slow part of the light hid what was left of it.
+#[test]
+fn a_cube_that_reflects_nearly_all_is_claimed_for_with_every_seed() {
+    let scenes = hard_scenes::all();
+    let hard = scenes.iter().find(|hard| hard.name == "a cube that reflects 0.999").unwrap();
+    let way = |seed| Way { backend: Backend::Obvhs, gather: Gather::Hemisphere, seed };
+    let claims: Vec<Claim> = (1..6).filter_map(|seed| trial::run(hard, way(seed), 0.05)).collect();
+    assert_claims(&claims);
 }
