@@ -4,9 +4,11 @@
 //! the values, and its CPU seconds are those that the system counts for the process, all threads, from start to end. Values are scored against
 //! references that no run of the table made: exact ones, converged path tracing, or (labelled) light paths of our own.
 //!
+//! `cargo bench --bench error_vs_time -- office` runs the scenes with this in their names, and prints what it would write.
+//!
 //! With `PATCHLIGHT_PEERS=<virtual environment>` Mitsuba 3 and Radiance run beside, on the same points (`peers/README.md` says how to install
 //! them). The section in BENCHMARKS.md between the marks of this benchmark, and the plots in docs/, are written anew.
-#![allow(clippy::print_stderr, reason = "a benchmark tells how far it is")]
+#![allow(clippy::print_stderr, clippy::print_stdout, reason = "a benchmark tells how far it is, and prints its tables")]
 
 mod figures;
 mod peers;
@@ -49,8 +51,9 @@ fn main() {
     let folder = root.join("target/error_vs_time");
     std::fs::create_dir_all(&folder).expect("a folder for what is measured");
     let peers = peers::installed();
+    let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     let mut measured: Vec<(Problem, Vec<Measured>)> = Vec::new();
-    for problem in problem::all(root, &folder, peers.as_ref()) {
+    for problem in problem::all(root, &folder, &wanted, peers.as_ref()) {
         eprintln!("{}: {} points, reference: {}", problem.name, problem.points.len(), problem.reference_is);
         let mut runs = Vec::new();
         for job in jobs(&problem) {
@@ -67,6 +70,11 @@ fn main() {
         measured.push((problem, runs));
     }
 
+    let text = section::text(&measured);
+    if !wanted.is_empty() {
+        println!("{text}");
+        return;
+    }
     let docs = root.join("docs");
     for (problem, runs) in &measured {
         for (kind, title) in [(figures::Time::Cpu, "CPU"), (figures::Time::Wall, "wall")] {
@@ -75,5 +83,5 @@ fn main() {
             std::fs::write(file, figure).expect("a figure is written");
         }
     }
-    section::write(&root.join("BENCHMARKS.md"), &section::text(&measured)).expect("BENCHMARKS.md has the marks of this benchmark");
+    section::write(&root.join("BENCHMARKS.md"), &text).expect("BENCHMARKS.md has the marks of this benchmark");
 }

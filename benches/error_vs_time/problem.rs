@@ -1,4 +1,5 @@
 //! Scenes with points and references: what runs are scored against.
+#![allow(clippy::print_stderr, reason = "a benchmark tells how far it is")]
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
@@ -34,15 +35,18 @@ pub struct Problem {
     pub bakes: bool,
 }
 
-/// All scenes that are there.
-pub fn all(root: &Path, folder: &Path, peers: Option<&Peers>) -> Vec<Problem> {
+/// All scenes that are there, or those with one of the `wanted` words in their names.
+pub fn all(root: &Path, folder: &Path, wanted: &[String], peers: Option<&Peers>) -> Vec<Problem> {
+    let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|word| name.contains(word.as_str()));
     let mut problems = vec![two_squares(folder)];
     let shared = root.join("../shared/peers");
-    for name in ["cornell", "office"] {
-        problems.extend(of_peers(&shared, name));
-    }
-    for name in ["full_office", "room"] {
-        problems.push(own(root, folder, name, peers));
+    problems.extend(["cornell", "office"].into_iter().filter_map(|name| of_peers(&shared, name)));
+    problems.retain(|problem| is_wanted(&problem.name));
+    for file in ["full_office", "room"] {
+        if is_wanted(&file.replace('_', " ")) {
+            eprintln!("{file}: looking for its reference");
+            problems.push(own(root, folder, file, peers));
+        }
     }
     problems
 }
