@@ -27,17 +27,18 @@ def mesh(path, vertices, triangles):
 
 def load(path, folder):
     vertices, faces, materials = scene.read(path)
+    diffuse = lambda name: {"type": "diffuse", "reflectance": {"type": "rgb", "value": materials[name][0].tolist()}}
+    groups = {}
+    for face, front, back in scene.sheets(vertices, faces):
+        groups.setdefault((front, back), []).extend((face[0], face[k], face[k + 1]) for k in range(1, len(face) - 1))
     description = {"type": "scene"}
-    for number, (name, (kd, ke)) in enumerate(materials.items()):
-        triangles = [(f[0], f[k], f[k + 1]) for f, material in faces if material == name for k in range(1, len(f) - 1)]
-        if not triangles:
-            continue
+    for number, ((front, back), triangles) in enumerate(groups.items()):
         file = f"{folder}/{number}.ply"
         mesh(file, vertices, np.array(triangles))
-        shape = {"type": "ply", "filename": file, "face_normals": True,
-                 "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": kd.tolist()}}}
-        if ke.any():
-            shape["emitter"] = {"type": "area", "radiance": {"type": "rgb", "value": ke.tolist()}}
+        bsdf = diffuse(front) if back is None else {"type": "twosided", "front": diffuse(front), "back": diffuse(back)}
+        shape = {"type": "ply", "filename": file, "face_normals": True, "bsdf": bsdf}
+        if materials[front][1].any():
+            shape["emitter"] = {"type": "area", "radiance": {"type": "rgb", "value": materials[front][1].tolist()}}
         description[f"shape{number}"] = shape
     return mi.load_dict(description)
 

@@ -48,7 +48,7 @@ def main():
             for name, (kd, ke) in materials.items():
                 kind, numbers = ("light", ke) if ke.any() else ("plastic", [*kd, 0, 0])
                 file.write(f"void {kind} {name}\n0\n0\n{len(numbers)} {' '.join(map(str, numbers))}\n")
-            for number, (face, material) in enumerate(faces):
+            for number, (face, material, _) in enumerate(scene.sheets(vertices, faces)):
                 corners = " ".join(f"{x:.9g}" for x in vertices[face].ravel())
                 file.write(f"{material} polygon p{number}\n0\n0\n{3 * len(face)} {corners}\n")
         with open(f"{folder}/scene.oct", "wb") as file:

@@ -22,6 +22,20 @@ def read(path):
     return np.array(vertices), faces, materials
 
 
+def sheets(vertices, faces):
+    """Faces as (vertex indices, material, material of the back or None): two faces on the same corners, one each way round, are a sheet.
+
+    Of two faces in one place a ray would meet either."""
+    found = {}
+    for face, material in faces:
+        corners = tuple(sorted(map(tuple, vertices[face])))
+        if corners in found:
+            found[corners][2] = material
+        else:
+            found[corners] = [face, material, None]
+    return list(found.values())
+
+
 def read_materials(path):
     materials, name = {}, None
     for line in path.read_text().splitlines():
