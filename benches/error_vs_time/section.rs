@@ -112,7 +112,7 @@ fn claims(text: &mut String, measured: &[(Problem, Vec<Measured>)]) {
     for (problem, runs) in measured {
         let claiming: Vec<&Measured> = runs.iter().filter(|run| run.claimed.is_some() && !run.bake).collect();
         let reached: Vec<&&Measured> = claiming.iter().filter(|run| run.reached).collect();
-        let is_true = |run: &&&Measured| run.requested.is_some_and(|requested| run.error <= requested.hypot(run.reference_noise));
+        let is_true = |run: &Measured| run.requested.is_some_and(|requested| run.error <= requested.hypot(run.reference_noise));
         let mut ratios: Vec<f64> =
             claiming.iter().filter_map(|run| Some(run.claimed? / run.error)).filter(|ratio| ratio.is_finite()).collect();
         ratios.sort_by(f64::total_cmp);
@@ -120,7 +120,7 @@ fn claims(text: &mut String, measured: &[(Problem, Vec<Measured>)]) {
             claiming.len(),
             claiming.iter().filter(|run| run.claim_holds() == Some(true)).count(),
             reached.len(),
-            reached.iter().copied().filter(|run| is_true(&run)).count(),
+            reached.iter().filter(|run| is_true(run)).count(),
         ];
         all.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
         untrue.extend(
