@@ -1,5 +1,5 @@
 # The commands that people and CI run. `make` alone lists them.
-.PHONY: help setup demo test lint bench test-debian13
+.PHONY: help setup demo test lint bench bench-error counters test-debian13
 
 # Rust's own installer puts cargo there; a fresh shell may not have it in PATH yet.
 export PATH := $(PATH):$(HOME)/.cargo/bin
@@ -9,6 +9,8 @@ help:
 	@echo 'make test           set up, run all tests'
 	@echo 'make lint           formatting and clippy, warnings are errors'
 	@echo 'make bench          run the benchmarks (minutes)'
+	@echo 'make bench-error    error against time over scenes, ways and backends, and whether the claims are true (ten minutes)'
+	@echo 'make counters       write anew what solves cost in rays, links and elements, after a change that is meant to move it'
 	@echo 'make test-debian13  run the tests in a Debian 13 root, which has Embree 4 (needs root and debootstrap)'
 
 setup:
@@ -32,6 +34,13 @@ lint: setup
 
 bench: setup
 	cargo bench --locked
+
+bench-error: setup
+	cargo bench --locked --bench error_vs_time
+
+counters: setup
+	PATCHLIGHT_WRITE_COUNTERS=1 cargo test --locked --test counters
+	git --no-pager diff --stat -- tests/counters.json
 
 test-debian13:
 	scripts/test-debian13.sh

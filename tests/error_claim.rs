@@ -3,6 +3,8 @@
 //! The norm is that of `--error`: `||B - B_true|| / ||B_true - E||` over all surfaces, of the values at points.
 #![allow(clippy::print_stdout, reason = "a test tells what it measured")]
 
+#[path = "support/claims.rs"]
+mod claims;
 #[path = "support/rooms.rs"]
 mod rooms;
 #[path = "support/triangles.rs"]
@@ -10,6 +12,7 @@ mod triangles;
 #[path = "support/two_squares.rs"]
 mod two_squares;
 
+use claims::most_failures;
 use patchlight::pipeline::{self, PipelineError};
 use patchlight::progress::{Observer, Silent};
 use patchlight::reconstruct::SurfacePoint;
@@ -83,20 +86,6 @@ fn scenes() -> Vec<Known> {
         Known::new("two squares", squares(false)),
         Known::new("two squares with a blocker", squares(true)),
     ]
-}
-
-/// Of so many claims, each true with probability 0.977, more than `most_failures` fail with a probability below 0.002.
-fn most_failures(claims: usize) -> usize {
-    let p = 1.0 - 0.977f64;
-    let (mut term, mut below, mut k) = ((1.0 - p).powi(claims as i32), 0.0, 0);
-    loop {
-        below += term;
-        if 1.0 - below < 0.002 {
-            return k;
-        }
-        term *= (claims - k) as f64 / (k + 1) as f64 * p / (1.0 - p);
-        k += 1;
-    }
 }
 
 /// Runs all, counts claims that do not hold, and prints every one.

@@ -15,9 +15,12 @@ pub enum PolygonError {
     /// A coordinate is NaN or infinite.
     #[error("vertex {0} has a coordinate that is not finite")]
     NotFinite(usize),
-    /// The area is below `1e-14` times the square of the longest edge.
+    /// The area is below `1e-14` times the square of the longest edge, or that edge is shorter than `1e-75` m.
     #[error("the polygon has no area")]
     NoArea,
+    /// An edge is longer than `1e75` m: its square, the area, must have a square in f64.
+    #[error("the polygon is too large")]
+    TooLarge,
     /// A vertex lies off the plane by more than `1e-6` of the diameter.
     #[error("the vertices do not lie in one plane")]
     NotPlanar,
@@ -54,6 +57,9 @@ impl Polygon {
     /// Below this fraction of the longest edge squared an area counts as none: it is what rounding leaves of a line.
     const AREA_TOLERANCE: f64 = 1e-14;
 
+    /// In metres; the shortest is as much below one metre.
+    const LARGEST_EDGE: f64 = 1e75;
+
     /// A vertex may lie this fraction of the diameter off the plane; file formats round to six or seven digits.
     pub const PLANARITY_TOLERANCE: f64 = 1e-6;
 
@@ -80,7 +86,10 @@ impl Polygon {
         let area = 0.5 * twice_area.length();
         let longest_sq =
             (0..vertices.len()).map(|k| vertices[k].distance_squared(vertices[(k + 1) % vertices.len()])).fold(0.0, f64::max);
-        if area.is_nan() || area <= Self::AREA_TOLERANCE * longest_sq {
+        if longest_sq > Self::LARGEST_EDGE.powi(2) {
+            return Err(PolygonError::TooLarge);
+        }
+        if longest_sq < Self::LARGEST_EDGE.powi(-2) || area <= Self::AREA_TOLERANCE * longest_sq {
             return Err(PolygonError::NoArea);
         }
         let normal = twice_area.normalize();

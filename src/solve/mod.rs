@@ -212,8 +212,8 @@ impl<'a> Solver<'a> {
         self.links = self.refinement.link_set(&self.hierarchy);
         self.exposure.grow(self.scene, &self.hierarchy, self.rays, self.options.seed);
         self.radiosity.grow(&self.hierarchy);
-        let close = || Closure::new(self.scene, &self.hierarchy, &self.links, &self.exposure);
-        self.closure = plan.clusters().then(close);
+        let closure = Closure::new(self.scene, &self.hierarchy, &self.links, &self.exposure);
+        self.closure = (plan.clusters() || closure.is_needed(self.scene, &self.hierarchy)).then_some(closure);
         self.report.time_s.refine += start.elapsed().as_secs_f64();
         end
     }

@@ -4,11 +4,14 @@
 //! what is missing is known: it is filled with the mean of the reflected light that the leaf does gather (the ambient term of Holzschuch, Sillion,
 //! Drettakis 1994, section 2.2, with the leaf's own surroundings instead of one ambient radiosity for the scene). Where the sum
 //! exceeds 1 reflected light is scaled down to it, in open scenes too; so sweeps converge whatever the links say. Emitted light is left alone.
+//!
+//! Without clusters the sums are off by noise alone, and scaling down what came out too large would turn noise into a bias. So there it is used
+//! only where sweeps would diverge without it: where `rho` times the sum reaches 1.
 
 use super::{Exposure, Radiosity, gather, push};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
-use crate::scene::Scene;
+use crate::scene::{Scene, SurfaceId};
 
 /// The reflected light of a leaf is not multiplied by more than this.
 const MOST: f64 = 4.0;
@@ -34,6 +37,14 @@ impl Closure {
         let most = if exposure.is_closed() { MOST } else { 1.0 };
         let factors = sums.iter().map(|&sum| if sum > 0.0 { (1.0 / sum).min(most) } else { 1.0 }).collect();
         Self { channels, factors, emitted }
+    }
+
+    /// Whether sweeps need it to converge: some leaf would reflect as much as all that its sources send, or more.
+    pub fn is_needed(&self, scene: &Scene, hierarchy: &Hierarchy) -> bool {
+        hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)).any(|leaf| {
+            let reflectance = &scene.material_of(SurfaceId(hierarchy.node(leaf).surface)).reflectance;
+            reflectance.iter().any(|rho| *rho >= self.factors[leaf.index()])
+        })
     }
 
     /// Fills in, or takes away, reflected light at a leaf.

@@ -63,3 +63,73 @@ pub(super) fn gather_cluster(hierarchy: &Hierarchy, receiver: NodeId, links: &[L
         lobes.iter_mut().zip(&arriving).for_each(|(lobes, &h)| lobes.add(h, direction));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Polygon;
+    use crate::scene::{Material, Scene, Sides, SurfaceId};
+    use crate::sweep::push;
+    use crate::transmittance::Rays;
+    use crate::visibility::{Backend, OccluderMesh, build};
+
+    /// Two boxes that stand on a floor, seen from outside: unequal ones, so that their clusters are lopsided.
+    fn boxes() -> Scene {
+        let mut quads = vec![[[-5.0, -5.0, 0.0], [5.0, -5.0, 0.0], [5.0, 5.0, 0.0], [-5.0, 5.0, 0.0]]];
+        for ([x, y], [a, b, c]) in [([-2.0, 0.5], [1.0, 0.5, 2.0]), ([1.0, -1.0], [0.3, 1.4, 0.6])] {
+            let corner = |k: usize| [x + a * (k & 1) as f64, y + b * (k >> 1 & 1) as f64, c * (k >> 2) as f64];
+            for face in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+                quads.push(face.map(corner));
+            }
+        }
+        let grey = Material { name: "grey".to_owned(), reflectance: vec![0.5], exitance: vec![1.0] };
+        let faces = quads.iter().zip(0..).map(|(corners, face)| (Polygon::new(corners).unwrap(), 0, face)).collect();
+        Scene::new(1, vec![grey], faces, Sides::Front).unwrap()
+    }
+
+    fn is_below(hierarchy: &Hierarchy, mut node: NodeId, cluster: NodeId) -> bool {
+        while node != cluster {
+            let Some(parent) = hierarchy.parent(node) else { return false };
+            node = parent;
+        }
+        true
+    }
+
+    #[test]
+    fn all_power_of_a_link_to_a_cluster_arrives_at_its_exposed_faces() {
+        let scene = boxes();
+        let hierarchy = Hierarchy::new(&scene);
+        let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
+        let mut exposure = Exposure::default();
+        exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), 0);
+        let radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
+
+        let (mut checked, mut clear) = (0, 0);
+        for receiver in hierarchy.ids().filter(|&node| hierarchy.is_cluster(node)) {
+            for source in (0..scene.surfaces().len() as u32).map(|surface| hierarchy.node_of(SurfaceId(surface))) {
+                let link = Link { form_factor: 0.25, source, transmittance: 0.5, seen: 0.5 };
+                let links = LinkSet::new(hierarchy.len(), &[(receiver, link)], Vec::new());
+                let arrived = push(&hierarchy, gather(&hierarchy, &links, &exposure, &radiosity), 1);
+                let exposed = |leaf: NodeId| hierarchy.area(leaf) * exposure.of(leaf);
+                let leaves = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node));
+                let power: f64 = leaves.map(|leaf| exposed(leaf) * arrived[leaf.index()]).sum();
+
+                // Towards what it hardly shows itself to, a cluster takes less.
+                let mut lobe = Lobes::default();
+                lobe.add(1.0, hierarchy.direction(receiver, source));
+                let below = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node) && is_below(&hierarchy, node, receiver));
+                let (shown, all) = below.fold((0.0, 0.0), |(shown, all), leaf| {
+                    (shown + exposed(leaf) * lobe.at(hierarchy.normal(leaf)), all + exposed(leaf))
+                });
+                let expected = hierarchy.area(receiver) * 0.125 * radiosity.of(source)[0] * (shown / (0.1 * all)).min(1.0);
+                assert!(
+                    (power - expected).abs() <= 1e-12 * expected.abs(),
+                    "{receiver:?} from {source:?}: {power}, not {expected}"
+                );
+                clear += usize::from(shown > 0.1 * all);
+                checked += 1;
+            }
+        }
+        assert!(checked > 100 && clear > checked / 2, "{clear} of {checked}");
+    }
+}

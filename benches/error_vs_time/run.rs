@@ -1,0 +1,135 @@
+//! One run of a program: what it took and how wrong it was.
+
+use std::fs::File;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use super::BAKE_POINTS;
+use super::problem::Problem;
+
+/// Short runs are repeated until they have taken so many CPU seconds, at most so often: the system counts in hundredths.
+const ENOUGH_CPU_S: f64 = 0.5;
+const MOST_REPEATS: u32 = 5;
+
+/// No run may take longer.
+const MOST_SECONDS: &str = "90";
+
+/// What the program is asked for.
+pub struct Job {
+    pub gather: &'static str,
+    pub backend: &'static str,
+    pub error: f64,
+    pub seed: u64,
+    /// With the points of a whole bake instead of the scored ones alone.
+    pub bake: bool,
+}
+
+impl Job {
+    pub fn new(gather: &'static str, backend: &'static str, error: f64) -> Self {
+        Self { gather, backend, error, seed: 0, bake: false }
+    }
+}
+
+/// What a run took and gave.
+pub struct Measured {
+    /// Program and way, the same for all runs of one curve.
+    pub who: String,
+    /// Asked for: an error, or a peer's setting.
+    pub asked: String,
+    pub requested: Option<f64>,
+    pub cpu_s: f64,
+    pub wall_s: f64,
+    /// `||B - R|| / ||R - E||` at the scored points.
+    pub error: f64,
+    /// What the reference's own noise adds to that, at most.
+    pub reference_noise: f64,
+    pub claimed: Option<f64>,
+    /// Exit code 0: what was asked for is said to be reached.
+    pub reached: bool,
+    pub bake: bool,
+}
+
+impl Measured {
+    pub fn line(&self) -> String {
+        let claimed = self.claimed.map_or(String::new(), |claimed| format!(", claimed {:.2}%", 100.0 * claimed));
+        let Self { who, asked, cpu_s, wall_s, error, .. } = self;
+        let bake = if self.bake { ", bake" } else { "" };
+        let end = if self.reached { "" } else { ", not reached" };
+        format!("{who}, {asked}{bake}: {cpu_s:.2} CPU-s, {wall_s:.2} s, error {:.2}%{claimed}{end}", 100.0 * error)
+    }
+
+    /// Whether what is claimed covers what is measured.
+    pub fn claim_holds(&self) -> Option<bool> {
+        self.claimed.map(|claimed| self.error <= claimed.hypot(self.reference_noise))
+    }
+}
+
+/// Runs the program of this build.
+pub fn patchlight(problem: &Problem, job: &Job, folder: &Path) -> Measured {
+    let (values, report) = (folder.join("values.csv"), folder.join("report.json"));
+    let points = if job.bake { problem.bake_points(folder, BAKE_POINTS) } else { problem.points_file(folder) };
+    let mut command = Command::new(env!("CARGO_BIN_EXE_patchlight"));
+    command.arg("solve").arg(&problem.scene).args(["--error", &job.error.to_string(), "--backend", job.backend]);
+    command.args(["--seed", &job.seed.to_string(), "--time", MOST_SECONDS, "--progress", "none"]);
+    command.args(["--set", &format!("gather={}", job.gather)]);
+    command.arg("--points").arg(points).arg("--values").arg(&values).arg("--report").arg(&report);
+    let timed = timed(&mut command);
+
+    let report: serde_json::Value =
+        serde_json::from_reader(File::open(&report).expect("the program wrote a report")).expect("a report is JSON");
+    // The scored points come first.
+    let found = &read_values(&values)[..problem.points.len()];
+    let (error, reference_noise) = problem.error_of(found);
+    let backend = if job.backend == "auto" { "" } else { ", obvhs" };
+    Measured {
+        who: format!("patchlight, gather={}{backend}", job.gather),
+        asked: format!("{}%", 100.0 * job.error),
+        requested: Some(job.error),
+        cpu_s: timed.cpu_s,
+        wall_s: timed.wall_s,
+        error,
+        reference_noise,
+        claimed: Some(report["error"]["estimate"].as_f64().unwrap_or(f64::INFINITY)),
+        reached: timed.code == 0,
+        bake: job.bake,
+    }
+}
+
+/// Radiosities by point from a CSV file whose last three columns they are.
+pub fn read_values(file: &Path) -> Vec<[f64; 3]> {
+    let mut reader = csv::Reader::from_path(file).expect("values were written");
+    let rows = reader.records().map(|row| row.expect("a row of values"));
+    rows.map(|row| std::array::from_fn(|channel| row[row.len() - 3 + channel].parse().expect("a value at every point"))).collect()
+}
+
+/// Means over the repeats of a run.
+pub struct Timed {
+    pub cpu_s: f64,
+    pub wall_s: f64,
+    pub code: i32,
+}
+
+/// Runs a command some times; it must end well, or by a limit that it was given.
+pub fn timed(command: &mut Command) -> Timed {
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    let (start, cpu_before) = (Instant::now(), children_cpu_s());
+    let (mut repeats, mut code) = (0, 0);
+    while repeats == 0 || (repeats < MOST_REPEATS && children_cpu_s() - cpu_before < ENOUGH_CPU_S) {
+        let status = command.status().expect("the program starts");
+        code = status.code().unwrap_or(-1);
+        assert!(code == 0 || code == 4, "{command:?} ended with {status}");
+        repeats += 1;
+    }
+    let count = f64::from(repeats);
+    Timed { cpu_s: (children_cpu_s() - cpu_before) / count, wall_s: start.elapsed().as_secs_f64() / count, code }
+}
+
+/// CPU seconds of all processes that were started and have ended, user and system, by Linux: `/proc/self/stat` in clock ticks of 10 ms.
+fn children_cpu_s() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").expect("this benchmark needs Linux");
+    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
+    let ticks = |index: usize| fields[index].parse::<f64>().expect("a count of ticks");
+    // After the name in brackets the state is field 3; cutime and cstime are 16 and 17.
+    0.01 * (ticks(16 - 3) + ticks(17 - 3))
+}

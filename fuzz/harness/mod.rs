@@ -1,0 +1,12 @@
+//! What fuzzers feed with bytes: each function takes any bytes whatever and panics only where patchlight is at fault.
+//!
+//! The targets of cargo-fuzz call them (`fuzz/fuzz_targets`), and so does the seeded driver that needs no nightly compiler (`tests/fuzz.rs`).
+#![allow(dead_code, reason = "each target calls one of them")]
+
+mod obj;
+mod solution;
+mod solve;
+
+pub use obj::read_obj;
+pub use solution::{read_solution, small_solution};
+pub use solve::solve_scene;

@@ -1,0 +1,72 @@
+//! The reader of stored solutions, and what may be asked of whatever it lets pass.
+
+use std::io::Cursor;
+use std::path::Path;
+use std::sync::OnceLock;
+
+use patchlight::geometry::Polygon;
+use patchlight::output::{Provenance, SOLUTION_FORMAT_VERSION, read_solution_from, write_solution};
+use patchlight::pipeline::{self, Evaluator};
+use patchlight::progress::Silent;
+use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::{Material, Scene, Sides};
+use patchlight::solve::{Gather, RunOptions, SolveOptions};
+
+/// Bytes of the header: magic, version, length and checksum of the body.
+const HEADER: usize = 24;
+
+/// Larger solutions take too long to look at.
+const MOST_RAYS: u32 = 4096;
+
+/// Reads the bytes as a solution, and once more as the body of one whose header is right: a checksum is no defence against anyone who means it.
+pub fn read_solution(bytes: &[u8]) {
+    look_at(bytes);
+    look_at(&with_header(bytes));
+}
+
+fn with_header(body: &[u8]) -> Vec<u8> {
+    let mut bytes = b"\x89PLSOL\r\n".to_vec();
+    bytes.extend(SOLUTION_FORMAT_VERSION.to_le_bytes());
+    bytes.extend((body.len() as u64).to_le_bytes());
+    bytes.extend(crc32fast::hash(body).to_le_bytes());
+    bytes.extend(body);
+    bytes
+}
+
+/// What is read must be good for values and pictures.
+fn look_at(bytes: &[u8]) {
+    let Ok(solution) = read_solution_from(bytes, Path::new("in memory")) else { return };
+    assert_eq!(solution.validate(), Ok(()));
+    if solution.point_rays() > MOST_RAYS || solution.scene().channels() > 16 {
+        return;
+    }
+    let points: Vec<SurfacePoint> = (solution.scene().surfaces().iter())
+        .map(|surface| SurfacePoint { position: surface.polygon.centroid(), normal: surface.polygon.normal() })
+        .take(8)
+        .collect();
+    let Ok(evaluator) = Evaluator::new(solution, &RunOptions { threads: 1, ..RunOptions::default() }) else { return };
+    let values = evaluator.values_at(&points, &Silent).expect("nobody cancels");
+    assert_eq!(values.channels * points.len(), values.radiosity.len());
+    if let Ok(image) = evaluator.render(&evaluator.default_camera(4, 3), &Silent) {
+        assert!(image.is_some());
+    }
+}
+
+/// The body of a small stored solution, over links or over the hemisphere: fuzzers change it.
+pub fn small_solution(gather: Gather) -> &'static [u8] {
+    static BODIES: [OnceLock<Vec<u8>>; 2] = [OnceLock::new(), OnceLock::new()];
+    BODIES[usize::from(gather == Gather::Hemisphere)].get_or_init(|| {
+        let wall = Material { name: "wall".to_owned(), reflectance: vec![0.5], exitance: vec![0.0] };
+        let lamp = Material { name: "lamp".to_owned(), reflectance: vec![0.0], exitance: vec![1.0] };
+        let floor = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let ceiling = [[0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 1.0, 1.0]];
+        let faces = vec![(Polygon::new(&floor), 0, 0), (Polygon::new(&ceiling), 1, 1)];
+        let faces = faces.into_iter().map(|(polygon, material, face)| (polygon.expect("it has an area"), material, face)).collect();
+        let scene = Scene::new(1, vec![wall, lamp], faces, Sides::Front).expect("a scene");
+        let options = SolveOptions { error: 0.5, gather, max_links: Some(8), point_rays: Some(16), ..SolveOptions::default() };
+        let (evaluator, _) = pipeline::solve(scene, &options, &RunOptions::default(), &Silent).expect("legal options");
+        let mut file = Cursor::new(Vec::new());
+        write_solution(&mut file, evaluator.solution(), &Provenance::new(&options)).expect("memory suffices");
+        file.into_inner().split_off(HEADER)
+    })
+}
