@@ -118,7 +118,7 @@ impl ErrorSamples {
                 }
                 let share = f64::from(more) / f64::from(look.rays + more);
                 for (half, known) in look.irradiances.iter_mut().enumerate() {
-                    let seed = sampling::hash(look.place.seed, u64::from(look.rays) << 8 | 10 + half as u64);
+                    let seed = sampling::hash(look.place.seed, (u64::from(look.rays) << 8) | (10 + half as u64));
                     gathers[half].sampled_irradiance(&[Place { seed, ..look.place }], more, scratch, irradiance);
                     known.iter_mut().zip(irradiance.iter()).for_each(|(known, found)| *known += share * (found - *known));
                 }
