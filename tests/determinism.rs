@@ -89,3 +89,15 @@ fn another_seed_gives_another_answer_that_is_as_good() {
     println!("two seeds differ by {difference:.4}");
     assert!(difference > 0.0 && difference <= 0.1, "{difference}");
 }
+
+#[test]
+fn strategies_agree_on_the_power_that_is_absorbed() {
+    // Cornell's light goes around several times: a strategy that misses a bounce misses a tenth or more.
+    let absorbed = |options: SolveOptions| solve(cornell(), &options, &RunOptions::default(), &Silent).unwrap().1.energy.absorbed;
+    let default = absorbed(SolveOptions { error: 0.02, ..SolveOptions::default() });
+    for strategy in [Strategy::Uniform, Strategy::Hanrahan91] {
+        let found = absorbed(SolveOptions { error: 0.05, strategy, element_area: Some(0.02), ..SolveOptions::default() });
+        println!("{strategy:?}: {found} W absorbed; default: {default} W");
+        assert!((found / default - 1.0).abs() < 0.03, "{strategy:?}: {found} W absorbed, the default strategy finds {default} W");
+    }
+}

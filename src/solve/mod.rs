@@ -21,7 +21,7 @@ use plan::{Plan, Verdict};
 
 use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
-use crate::links::{LinkSet, RefineContext, RefineEnd, RefineLimits, Refinement};
+use crate::links::{LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::progress::{Observer, Progress, Stage};
 use crate::reconstruct::{Effort, HemisphereGather, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Scratch, Way};
 use crate::scene::{Scene, SurfaceId};
@@ -155,7 +155,7 @@ impl<'a> Solver<'a> {
                 if ended != RefineEnd::Content {
                     return ended;
                 }
-                if !self.dormant_pair_is_lit() {
+                if !self.dormant_pair_is_lit(plan) {
                     break;
                 }
             }
@@ -218,10 +218,12 @@ impl<'a> Solver<'a> {
         end
     }
 
-    /// Whether a pair that sleeps because its source was dark must be looked at again.
-    fn dormant_pair_is_lit(&self) -> bool {
-        let of_two = self.links.dormant().iter().filter(|pair| pair.receiver != pair.source);
-        of_two.map(|pair| pair.source).any(|source| self.radiosity.of(source).iter().any(|&b| b > 0.0))
+    /// Whether a pair that sleeps because its source was dark must be looked at again. Where clusters are linked, one with itself sleeps
+    /// because it carries little.
+    fn dormant_pair_is_lit(&self, plan: &Plan) -> bool {
+        let sleeps_in_the_dark = |pair: &&Pair| pair.receiver != pair.source || !plan.clusters();
+        let in_the_dark = self.links.dormant().iter().filter(sleeps_in_the_dark);
+        in_the_dark.map(|pair| pair.source).any(|source| self.radiosity.of(source).iter().any(|&b| b > 0.0))
     }
 
     /// Gathers over the links and push-pulls until what is still to come is below the tolerance.
