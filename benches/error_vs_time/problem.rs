@@ -156,7 +156,7 @@ fn own(root: &Path, folder: &Path, name: &str, peers: Option<&Peers>) -> Problem
         exitance,
         noise: 0.0,
         reference_is: String::new(),
-        bakes: name == "room",
+        bakes: false,
     };
     (problem.reference, problem.noise, problem.reference_is) = match peers {
         Some(peers) => peers.reference(&problem, folder),

@@ -52,9 +52,6 @@ pub(crate) const CONFIDENCE: f64 = 0.977;
 /// The noise of the values is looked at in one of so many points.
 const AGAIN: usize = 4;
 
-/// Bounces that the paths of looks take at least.
-const LOOK_BOUNCES: u32 = 1;
-
 /// A point, and what was found there by two independent looks.
 struct Look {
     place: Place,
@@ -82,6 +79,8 @@ pub(crate) struct Looking<'a> {
     pub paths: &'a LightPaths<'a>,
     /// What the two looks find where their paths end.
     pub resolved: [&'a Resolved; 2],
+    /// Bounces that the paths of looks take at least.
+    pub bounces: u32,
     pub seed: u64,
 }
 
@@ -108,7 +107,7 @@ impl ErrorSamples {
         self.looks.extend(places.into_iter().map(unseen));
 
         let gathers =
-            [0, 1].map(|half: usize| HemisphereGather { paths: with.paths, resolved: with.resolved[half], bounces: LOOK_BOUNCES });
+            [0, 1].map(|half: usize| HemisphereGather { paths: with.paths, resolved: with.resolved[half], bounces: with.bounces });
         self.looks.par_iter_mut().for_each_init(
             || (PathScratch::default(), vec![0.0; channels]),
             |(scratch, irradiance), look| {

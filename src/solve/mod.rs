@@ -315,6 +315,7 @@ impl<'a> Solver<'a> {
             radiosity: &self.radiosity,
             paths: &resolved.paths,
             resolved: resolved.for_looks.each_ref(),
+            bounces: plan.look_bounces(),
             seed: sampling::hash(self.options.seed, u64::MAX),
         };
         let mut samples = std::mem::take(&mut self.error_samples);

@@ -82,6 +82,8 @@ const MANY_HEMISPHERE_RAYS_POWER: f64 = 2.0;
 /// Their noise averages out over the ends of many paths: on an office 16,384 did nearly as well as 65,536.
 const POSITIONS_AT_2_PERCENT: f64 = 20_000.0;
 const POSITIONS_POWER: f64 = 1.5;
+/// The same where only looks need them.
+const LOOKS_POSITIONS_POWER: f64 = 0.5;
 const POSITIONS: std::ops::RangeInclusive<f64> = 8192.0..=262_144.0;
 const MORE_POSITIONS: f64 = 3.0;
 
@@ -122,8 +124,9 @@ impl Plan {
             Gather::Hemisphere => (HEMISPHERE_RAYS_AT_2_PERCENT, MANY_HEMISPHERE_RAYS_POWER),
             _ => (RAYS_AT_2_PERCENT, RAYS_POWER),
         };
+        let positions_power = if gather == Gather::Hemisphere { POSITIONS_POWER } else { LOOKS_POSITIONS_POWER };
         let positions =
-            (POSITIONS_AT_2_PERCENT * (0.02 / options.error).powf(POSITIONS_POWER)).clamp(*POSITIONS.start(), *POSITIONS.end());
+            (POSITIONS_AT_2_PERCENT * (0.02 / options.error).powf(positions_power)).clamp(*POSITIONS.start(), *POSITIONS.end());
         let resolution = Resolution::of_positions(scene, positions as usize, POSITION_PATHS, POSITION_LAMP_RAYS);
         Self {
             options: options.clone(),
@@ -209,6 +212,12 @@ impl Plan {
     /// Rays of a look at a point: its noise must not be much larger than the error that is asked for.
     pub fn look_rays(&self) -> u32 {
         self.look_rays
+    }
+
+    /// Bounces that the paths of looks take at least: one where values take the radiosities of cells too, so that the size of these is
+    /// not shared.
+    pub fn look_bounces(&self) -> u32 {
+        u32::from(self.gather == Gather::Hemisphere)
     }
 
     /// Looks at the error that was reached, and sees to what is worst: noise of the estimate, noise at the points, or the links.
