@@ -68,7 +68,7 @@ pub fn solve(
     Ok((evaluator, report))
 }
 
-/// Like [`solve`], but asks `visibility`, whatever it is: a backend of one's own, or one that keeps a record of what it is asked.
+/// Like [`solve()`], but asks `visibility`, whatever it is: a backend of one's own, or one that keeps a record of what it is asked.
 /// It must answer for the triangles of [`OccluderMesh::of_scene`](visibility::OccluderMesh::of_scene); `run.backend` is not looked
 /// at.
 ///
