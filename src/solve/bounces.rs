@@ -8,9 +8,9 @@ use std::time::Instant;
 
 use super::plan::Plan;
 use super::report::{EnergyBalance, IterationReport};
-use super::{RunOptions, SolveOptions, Solver, Strategy};
-use crate::links::{DormantTransfer, MutualContext, MutualLinks, RefineEnd, RefineLimits, TopLevel};
-use crate::progress::{Progress, Stage};
+use super::{RunOptions, SolveOptions, Solver, Strategy, refine_limits};
+use crate::links::{DormantTransfer, MutualContext, MutualLinks, RefineEnd, TopLevel};
+use crate::progress::Stage;
 use crate::scene::{Scene, SurfaceId};
 use crate::sweep::{self, Radiosity};
 use crate::transmittance::Rays;
@@ -45,15 +45,8 @@ impl Solver<'_> {
         self.report.counts.rounds += 1;
         self.progress(Stage::Refine);
         let start = Instant::now();
-        let (observer, round) = (self.observer, self.report.counts.rounds as u32);
-        let limits = RefineLimits {
-            max_links: self.options.max_links.unwrap_or(u64::from(u32::MAX)),
-            max_bytes: run.memory_bytes.unwrap_or(u64::MAX),
-            stop: &|links, elements| {
-                observer.progress(&Progress { stage: Stage::Refine, round, fraction: None, links, elements, error: None });
-                observer.cancelled() || deadline.is_some_and(|deadline| Instant::now() >= deadline)
-            },
-        };
+        let stop = self.refinement_stop(deadline);
+        let limits = refine_limits(self.options, run, &stop);
         let context = context(self.scene, self.rays, self.options, &self.radiosity, plan);
         let mut ended = links.link_surfaces(&self.hierarchy, &context, &limits);
         self.report.time_s.initial_linking += start.elapsed().as_secs_f64();

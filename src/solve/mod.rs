@@ -75,6 +75,15 @@ pub(crate) fn solve(
     solver.finish(scene.clone(), &plan, stopped_by)
 }
 
+/// Where refinement ends, content or not.
+fn refine_limits<'s>(options: &SolveOptions, run: &RunOptions, stop: &'s (dyn Fn(u64, u64) -> bool + Sync)) -> RefineLimits<'s> {
+    RefineLimits {
+        max_links: options.max_links.unwrap_or(u64::from(u32::MAX)),
+        max_bytes: run.memory_bytes.unwrap_or(u64::MAX),
+        stop,
+    }
+}
+
 /// Radiosities that are resolved finer than elements.
 struct ResolvedLight<'a> {
     resolution: Resolution,
@@ -179,6 +188,15 @@ impl<'a> Solver<'a> {
         }
     }
 
+    /// Tells how far a refinement is, and whether to end it now: on cancellation, or after the deadline.
+    fn refinement_stop(&self, deadline: Option<Instant>) -> impl Fn(u64, u64) -> bool + Sync + use<'a> {
+        let (observer, round) = (self.observer, self.report.counts.rounds as u32);
+        move |links, elements| {
+            observer.progress(&Progress { stage: Stage::Refine, round, fraction: None, links, elements, error: None });
+            observer.cancelled() || deadline.is_some_and(|deadline| Instant::now() >= deadline)
+        }
+    }
+
     /// Refines until the oracle is content at `tolerance`.
     fn refine(&mut self, plan: &Plan, tolerance: f64, run: &RunOptions, deadline: Option<Instant>) -> RefineEnd {
         let start = Instant::now();
@@ -198,15 +216,8 @@ impl<'a> Solver<'a> {
             seed: self.options.seed,
             form_factor_nanoseconds: AtomicU64::new(0),
         };
-        let (observer, round) = (self.observer, self.report.counts.rounds as u32);
-        let limits = RefineLimits {
-            max_links: self.options.max_links.unwrap_or(u64::from(u32::MAX)),
-            max_bytes: run.memory_bytes.unwrap_or(u64::MAX),
-            stop: &|links, elements| {
-                observer.progress(&Progress { stage: Stage::Refine, round, fraction: None, links, elements, error: None });
-                observer.cancelled() || deadline.is_some_and(|deadline| Instant::now() >= deadline)
-            },
-        };
+        let stop = self.refinement_stop(deadline);
+        let limits = refine_limits(self.options, run, &stop);
         let end = self.refinement.refine(&mut self.hierarchy, &context, &limits);
         self.report.time_s.form_factor += context.form_factor_nanoseconds.into_inner() as f64 * 1e-9;
         self.links = self.refinement.link_set(&self.hierarchy);
