@@ -83,10 +83,12 @@ enum Outcome {
     Dormant,
     Linked(Link),
     Split(Decision),
-    /// Waits for its visibility; `segments` of the chunk's batch are its own.
+    /// Waits for its visibility: so many segments of the chunk's batch decide, the next give the value. They are drawn apart, because
+    /// what one half of an even spread misses the other half meets more often.
     Asked {
         form_factor: f64,
-        segments: u32,
+        deciding: u32,
+        valued: u32,
     },
 }
 
@@ -196,10 +198,10 @@ impl RefineContext<'_> {
         // Decide again, with the part that gets through.
         let mut first = 0;
         for (&pair, outcome) in pairs.iter().zip(&mut outcomes) {
-            let Outcome::Asked { form_factor, segments } = *outcome else { continue };
-            let own = first..first + segments as usize;
-            first = own.end;
-            let (deciding, valued) = (own.start..own.start + segments as usize / 2, own.start + segments as usize / 2..own.end);
+            let Outcome::Asked { form_factor, deciding, valued } = *outcome else { continue };
+            let deciding = first..first + deciding as usize;
+            let valued = deciding.end..deciding.end + valued as usize;
+            first = valued.end;
             let seen = sampled_transmittance(&kernels[deciding.clone()], &occluded[deciding]);
             let (receiver, source) = (hierarchy.node(pair.receiver), hierarchy.node(pair.source));
             let near = receiver.radius + source.radius > NEAR * receiver.centroid.distance(source.centroid);
@@ -270,19 +272,20 @@ impl RefineContext<'_> {
 
         // It is: ask for visibility, and take the form factor with care. Of clusters that are near each other it is sampled.
         let is_lamp = hierarchy.surface_of(pair.source).is_some_and(|surface| self.scene.material_of(surface).emits());
-        let count = 2 * if is_lamp { self.rays_per_light_link } else { self.rays_per_link };
+        let count = if is_lamp { self.rays_per_light_link } else { self.rays_per_link };
         let seed = sampling::hash(self.seed, u64::from(pair.receiver.0) << 32 | u64::from(pair.source.0));
-        let (segments, sampled) = sampled_pairs(self.scene, hierarchy, pair, count, seed, segments, kernels);
+        let mut sample = |seed| sampled_pairs(self.scene, hierarchy, pair, count, seed, segments, kernels);
+        let (deciding, valued) = (sample(seed), sample(sampling::hash(seed, 1)));
         let start = Instant::now();
         let form_factor = match (clusters, separated) {
             (false, _) => {
                 polygon_form_factor(&hierarchy.facet(pair.receiver), &hierarchy.facet(pair.source), self.form_factor_accuracy)
             }
             (true, true) => estimate_cluster_form_factor(hierarchy, pair),
-            (true, false) => sampled.min(bound_form_factor(hierarchy, pair)),
+            (true, false) => (0.5 * (deciding.1 + valued.1)).min(bound_form_factor(hierarchy, pair)),
         };
         self.form_factor_nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
-        Outcome::Asked { form_factor, segments }
+        Outcome::Asked { form_factor, deciding: deciding.0, valued: valued.0 }
     }
 
     /// The numbers that an oracle sees.

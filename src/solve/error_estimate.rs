@@ -34,6 +34,17 @@ pub(crate) struct ErrorEstimate {
     pub gather_noise: f64,
     /// The noise of a single look: it shrinks with more rays a look.
     pub look_noise: f64,
+    /// The part of the scatter between points that is noise of looks; the rest is that of the error itself.
+    pub look_scatter: f64,
+}
+
+impl ErrorEstimate {
+    /// How many times as many points it may take to claim `requested`; infinite if no number of points would do.
+    pub fn estimate_more_points(&self, requested: f64) -> f64 {
+        let excess = |claim: f64| (claim / UNSEEN).powi(2) - self.measured.powi(2);
+        let allowed = excess(requested);
+        if allowed > 0.0 { (excess(self.claimed) / allowed).powi(2) } else { f64::INFINITY }
+    }
 }
 
 /// The claim lies so many standard deviations above the measured square.
@@ -140,30 +151,34 @@ impl ErrorSamples {
         let scene = reconstruction.scene;
         let count = self.looks.len() as f64;
         let (mut error_sq, mut noise_sq, mut look_noise_sq, mut norm_sq) = (0.0, 0.0, 0.0, 0.0);
+        let mut look_variance = 0.0;
         let mut by_point = Vec::with_capacity(self.looks.len());
         for (Look { place, stands_for, irradiances, .. }, Value { radiosity, again }) in self.looks.iter().zip(&self.values) {
             let material = scene.material_of(place.surface);
             let weight = stands_for / count;
-            let mut product = 0.0;
+            let (mut product, mut apart) = (0.0, 0.0);
             for channel in 0..scene.channels() {
                 let (exitance, rho) = (material.exitance[channel], material.reflectance[channel]);
                 let reflected = [0, 1].map(|half: usize| rho * irradiances[half][channel]);
                 let found = radiosity[channel] - exitance;
                 product += weight * (found - reflected[0]) * (found - reflected[1]);
                 norm_sq += weight * reflected[0] * reflected[1];
-                look_noise_sq += weight * 0.5 * (reflected[0] - reflected[1]).powi(2);
+                apart += weight * 0.5 * (reflected[0] - reflected[1]).powi(2);
                 if let Some(again) = again {
                     noise_sq += AGAIN as f64 * weight * 0.5 * (radiosity[channel] - again[channel]).powi(2);
                 }
             }
             error_sq += product;
+            look_noise_sq += apart;
+            // For normal noise the product of the looks has the variance s^4 + 2 s^2 e^2, whose mean this is.
+            look_variance += apart * apart + 2.0 * product * apart;
             by_point.push(product);
         }
         if error_sq == 0.0 && norm_sq == 0.0 {
             return Some(ErrorEstimate::default());
         }
         if norm_sq.is_nan() || norm_sq <= 0.0 {
-            return Some(ErrorEstimate { measured: f64::INFINITY, claimed: f64::INFINITY, gather_noise: 0.0, look_noise: 0.0 });
+            return Some(ErrorEstimate { measured: f64::INFINITY, claimed: f64::INFINITY, ..ErrorEstimate::default() });
         }
 
         // The scatter of the points gives the confidence limit.
@@ -176,6 +191,7 @@ impl ErrorSamples {
             claimed: UNSEEN * relative(error_sq.max(0.0) + CONFIDENCE_SIGMAS * deviation) + LEFT_BY_SWEEPS,
             gather_noise: relative(noise_sq),
             look_noise: relative(look_noise_sq),
+            look_scatter: if variance > 0.0 { (look_variance / count / variance).clamp(0.0, 1.0) } else { 0.0 },
         })
     }
 

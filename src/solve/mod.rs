@@ -223,8 +223,11 @@ impl<'a> Solver<'a> {
         self.links = self.refinement.link_set(&self.hierarchy);
         self.exposure.grow(self.scene, &self.hierarchy, self.rays, self.options.seed);
         self.radiosity.grow(&self.hierarchy);
-        let closure = Closure::new(self.scene, &self.hierarchy, &self.links, &self.exposure);
-        self.closure = (plan.clusters() || closure.is_needed(self.scene, &self.hierarchy)).then_some(closure);
+        self.closure = if plan.clusters() {
+            Some(Closure::of_estimates(self.scene, &self.hierarchy, &self.links, &self.exposure))
+        } else {
+            Closure::of_divergent(self.scene, &self.hierarchy, &self.links, &self.exposure)
+        };
         self.report.time_s.refine += start.elapsed().as_secs_f64();
         end
     }

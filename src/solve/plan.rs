@@ -55,8 +55,11 @@ const MAX_LOOKS: u32 = 16;
 /// The part of the requested error that is aimed at: the claim lies above what is measured.
 const AIM: f64 = 0.7;
 
-/// A look closer is worth it if what is measured is below this part of what is requested.
-const PROMISING: f64 = 0.85;
+/// A look closer is worth it if it takes at most so many times as many points.
+const FEW_TIMES: f64 = 4.0;
+
+/// More rays to a look are worth it if its noise makes up this part of the scatter.
+const NOISY: f64 = 0.75;
 
 /// Points at which the error is sampled at first, and at most.
 const ERROR_POINTS: std::ops::RangeInclusive<usize> = 512..=32_768;
@@ -82,9 +85,12 @@ const MANY_HEMISPHERE_RAYS_POWER: f64 = 2.0;
 /// Their noise averages out over the ends of many paths: on an office 16,384 did nearly as well as 65,536.
 const POSITIONS_AT_2_PERCENT: f64 = 20_000.0;
 const POSITIONS_POWER: f64 = 1.5;
+const LEAST_POSITIONS: f64 = 8192.0;
+const MOST_POSITIONS: f64 = 262_144.0;
 /// The same where only looks need them.
-const LOOKS_POSITIONS_POWER: f64 = 0.5;
-const POSITIONS: std::ops::RangeInclusive<f64> = 8192.0..=262_144.0;
+const LOOKS_POSITIONS_AT_2_PERCENT: f64 = 10_000.0;
+const LOOKS_POSITIONS_POWER: f64 = 1.0;
+const LEAST_LOOKS_POSITIONS: f64 = 4096.0;
 const MORE_POSITIONS: f64 = 3.0;
 
 /// Paths and rays to lamps from each position.
@@ -124,9 +130,12 @@ impl Plan {
             Gather::Hemisphere => (HEMISPHERE_RAYS_AT_2_PERCENT, MANY_HEMISPHERE_RAYS_POWER),
             _ => (RAYS_AT_2_PERCENT, RAYS_POWER),
         };
-        let positions_power = if gather == Gather::Hemisphere { POSITIONS_POWER } else { LOOKS_POSITIONS_POWER };
+        let (positions_at_2_percent, positions_power, least_positions) = match gather {
+            Gather::Hemisphere => (POSITIONS_AT_2_PERCENT, POSITIONS_POWER, LEAST_POSITIONS),
+            _ => (LOOKS_POSITIONS_AT_2_PERCENT, LOOKS_POSITIONS_POWER, LEAST_LOOKS_POSITIONS),
+        };
         let positions =
-            (POSITIONS_AT_2_PERCENT * (0.02 / options.error).powf(positions_power)).clamp(*POSITIONS.start(), *POSITIONS.end());
+            (positions_at_2_percent * (0.02 / options.error).powf(positions_power)).clamp(least_positions, MOST_POSITIONS);
         let resolution = Resolution::of_positions(scene, positions as usize, POSITION_PATHS, POSITION_LAMP_RAYS);
         Self {
             options: options.clone(),
@@ -232,11 +241,12 @@ impl Plan {
         }
         // As far below what is measured as the claim lies above it, the error may still be.
         let may_be_sq = 2.0 * error.measured.powi(2) - error.claimed.powi(2);
-        let is_promising = error.measured < PROMISING * requested || may_be_sq < (0.5 * requested).powi(2);
+        let is_promising = error.measured < AIM * requested
+            || error.estimate_more_points(requested) < FEW_TIMES
+            || may_be_sq < (0.5 * requested).powi(2);
         if is_promising && self.error_points < *ERROR_POINTS.end() {
-            // The product of two looks scatters by the square of their noise while that is above the error itself: then twice the
-            // rays are worth four times the points.
-            if error.look_noise > error.measured && self.look_rays < MAX_LOOK_RAYS {
+            // Twice the rays cost what twice the points do, and take away more than half of the noise alone.
+            if error.look_scatter > NOISY && self.look_rays < MAX_LOOK_RAYS {
                 self.look_rays = (2 * self.look_rays).min(MAX_LOOK_RAYS);
             } else {
                 self.error_points += self.error_points / 2;
