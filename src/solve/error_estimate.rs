@@ -32,9 +32,8 @@ pub(crate) struct ErrorEstimate {
     pub claimed: f64,
     /// The part that is noise of the gather at points: it shrinks with more rays a point.
     pub gather_noise: f64,
-    /// The noise of a single look: it shrinks with more rays a look.
-    pub look_noise: f64,
-    /// The part of the scatter between points that is noise of looks; the rest is that of the error itself.
+    /// The part of the scatter between points that is noise of looks, and shrinks with more rays to them; the rest is that of the error
+    /// itself.
     pub look_scatter: f64,
 }
 
@@ -150,8 +149,7 @@ impl ErrorSamples {
         // Products of the two looks, point by point.
         let scene = reconstruction.scene;
         let count = self.looks.len() as f64;
-        let (mut error_sq, mut noise_sq, mut look_noise_sq, mut norm_sq) = (0.0, 0.0, 0.0, 0.0);
-        let mut look_variance = 0.0;
+        let (mut error_sq, mut noise_sq, mut look_variance, mut norm_sq) = (0.0, 0.0, 0.0, 0.0);
         let mut by_point = Vec::with_capacity(self.looks.len());
         for (Look { place, stands_for, irradiances, .. }, Value { radiosity, again }) in self.looks.iter().zip(&self.values) {
             let material = scene.material_of(place.surface);
@@ -169,7 +167,6 @@ impl ErrorSamples {
                 }
             }
             error_sq += product;
-            look_noise_sq += apart;
             // For normal noise the product of the looks has the variance s^4 + 2 s^2 e^2, whose mean this is.
             look_variance += apart * apart + 2.0 * product * apart;
             by_point.push(product);
@@ -190,7 +187,6 @@ impl ErrorSamples {
             measured: relative(error_sq),
             claimed: UNSEEN * relative(error_sq.max(0.0) + CONFIDENCE_SIGMAS * deviation) + LEFT_BY_SWEEPS,
             gather_noise: relative(noise_sq),
-            look_noise: relative(look_noise_sq),
             look_scatter: if variance > 0.0 { (look_variance / count / variance).clamp(0.0, 1.0) } else { 0.0 },
         })
     }

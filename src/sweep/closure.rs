@@ -45,13 +45,7 @@ impl Closure {
     }
 
     /// With the factor that `close` gives to a leaf and the sum of its form factors.
-    fn by(
-        close: impl Fn(NodeId, f64) -> f64,
-        scene: &Scene,
-        hierarchy: &Hierarchy,
-        links: &LinkSet,
-        exposure: &Exposure,
-    ) -> Self {
+    fn by(close: impl Fn(NodeId, f64) -> f64, scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure) -> Self {
         let channels = scene.channels();
         let emission = Radiosity::emitted(scene, hierarchy, exposure);
         let emitted = push(hierarchy, gather(hierarchy, links, exposure, &emission), channels);
