@@ -30,6 +30,9 @@ pub struct Link {
     pub seen: f32,
 }
 
+/// Links are what a solution holds most of: what they may take decides how large a scene fits.
+const _: () = assert!(size_of::<Link>() <= 24, "a link takes more than 24 bytes");
+
 impl Link {
     /// Form factor F_rs, occlusion included.
     pub fn occluded_form_factor(&self) -> f64 {
