@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use super::plan::Plan;
 use super::report::{EnergyBalance, IterationReport};
-use super::{RunOptions, SolveOptions, Solver, Strategy, refine_limits};
+use super::{RunOptions, SolveOptions, Solver, Strategy};
 use crate::links::{DormantTransfer, MutualContext, MutualLinks, RefineEnd, TopLevel};
 use crate::progress::Stage;
 use crate::scene::{Scene, SurfaceId};
@@ -46,7 +46,7 @@ impl Solver<'_> {
         self.progress(Stage::Refine);
         let start = Instant::now();
         let stop = self.refinement_stop(deadline);
-        let limits = refine_limits(self.options, run, &stop);
+        let limits = self.refine_limits(plan, run, &stop);
         let context = context(self.scene, self.rays, self.options, &self.radiosity, plan);
         let mut ended = links.link_surfaces(&self.hierarchy, &context, &limits);
         self.report.time_s.initial_linking += start.elapsed().as_secs_f64();

@@ -23,7 +23,9 @@ use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::{LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::progress::{Observer, Progress, Stage};
-use crate::reconstruct::{Effort, HemisphereGather, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Scratch, Way};
+use crate::reconstruct::{
+    Effort, HemisphereGather, Lattice, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Scratch, Way,
+};
 use crate::scene::{Scene, SurfaceId};
 use crate::sweep::{self, Closure, Exposure, Radiosity, sampled_exposed_point, sweep_in_place};
 use crate::transmittance::Rays;
@@ -64,6 +66,7 @@ pub(crate) fn solve(
                 Verdict::Exhausted => break 'rounds StoppedBy::Exhausted,
                 Verdict::LookCloser => {}
                 Verdict::MoreRays => solver.error_samples.forget_values(),
+                Verdict::Resolve if !solver.cells_fit(&plan, run) => break 'rounds StoppedBy::Memory,
                 Verdict::Resolve => solver.error_samples = ErrorSamples::default(),
                 Verdict::Refine => {
                     solver.error_samples.forget_values();
@@ -73,15 +76,6 @@ pub(crate) fn solve(
         }
     };
     solver.finish(scene.clone(), &plan, stopped_by)
-}
-
-/// Where refinement ends, content or not.
-fn refine_limits<'s>(options: &SolveOptions, run: &RunOptions, stop: &'s (dyn Fn(u64, u64) -> bool + Sync)) -> RefineLimits<'s> {
-    RefineLimits {
-        max_links: options.max_links.unwrap_or(u64::from(u32::MAX)),
-        max_bytes: run.memory_bytes.unwrap_or(u64::MAX),
-        stop,
-    }
 }
 
 /// Radiosities that are resolved finer than elements.
@@ -197,6 +191,35 @@ impl<'a> Solver<'a> {
         }
     }
 
+    /// Where refinement ends, content or not: what cells take is not left to links.
+    fn refine_limits<'s>(&self, plan: &Plan, run: &RunOptions, stop: &'s (dyn Fn(u64, u64) -> bool + Sync)) -> RefineLimits<'s> {
+        let left = |bytes: u64| bytes.saturating_sub(self.cell_bytes(plan));
+        RefineLimits {
+            max_links: self.options.max_links.unwrap_or(u64::from(u32::MAX)),
+            max_bytes: run.memory_bytes.map_or(u64::MAX, left),
+            channels: self.scene.channels(),
+            stop,
+        }
+    }
+
+    /// What the solution keeps of radiosities that are resolved as finely as planned.
+    fn cell_bytes(&self, plan: &Plan) -> u64 {
+        match plan.gather() {
+            Gather::Hemisphere => {
+                let cells = Lattice::new(self.scene, plan.resolution().side).count();
+                cells.map_or(u64::MAX, |cells| (cells * self.scene.channels() * size_of::<f32>()) as u64)
+            }
+            _ => 0,
+        }
+    }
+
+    /// Whether the memory allows radiosities that are resolved as finely as planned, beside what there is.
+    fn cells_fit(&self, plan: &Plan, run: &RunOptions) -> bool {
+        let nodes = self.hierarchy.memory_bytes() + size_of_val(self.radiosity.values()) as u64;
+        let links = self.links.memory_bytes();
+        run.memory_bytes.is_none_or(|most| (nodes + links).saturating_add(self.cell_bytes(plan)) <= most)
+    }
+
     /// Refines until the oracle is content at `tolerance`.
     fn refine(&mut self, plan: &Plan, tolerance: f64, run: &RunOptions, deadline: Option<Instant>) -> RefineEnd {
         let start = Instant::now();
@@ -217,7 +240,7 @@ impl<'a> Solver<'a> {
             form_factor_nanoseconds: AtomicU64::new(0),
         };
         let stop = self.refinement_stop(deadline);
-        let limits = refine_limits(self.options, run, &stop);
+        let limits = self.refine_limits(plan, run, &stop);
         let end = self.refinement.refine(&mut self.hierarchy, &context, &limits);
         self.report.time_s.form_factor += context.form_factor_nanoseconds.into_inner() as f64 * 1e-9;
         self.links = self.refinement.link_set(&self.hierarchy);
@@ -388,7 +411,7 @@ impl<'a> Solver<'a> {
             exposure: self.exposure,
             radiosity: self.radiosity,
             point_rays: plan.point_rays(),
-            resolution: plan.resolution(),
+            resolution: self.resolved.as_ref().map_or(plan.resolution(), |resolved| resolved.resolution),
             resolved: self.resolved.and_then(|resolved| resolved.for_values),
         };
         report.memory_bytes = solution.memory_bytes();
