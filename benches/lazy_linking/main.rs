@@ -2,7 +2,7 @@
 //! beside the paper's.
 //!
 //! `cargo bench --bench lazy_linking` prints them as Markdown; `-- --plots docs` also draws figures 2, 5, 6, 7 into docs/, and names of rooms leave out the
-//! others; `-- --choose` shows how the tolerances below were chosen. All strategies share form factors, visibility and 16 rays a link, on one thread; what differs is which links are made. The
+//! others; `-- --choose refine` and `-- --choose reduce` show how the tolerances below were chosen. All strategies share form factors, visibility and 16 rays a link, on one thread; what differs is which links are made. The
 //! parameters below are the same for all rooms.
 #![allow(missing_docs, reason = "a program")]
 #![allow(clippy::print_stdout, reason = "a program that prints tables")]
@@ -67,21 +67,23 @@ pub struct Comparison {
 
 fn main() {
     let mut arguments = std::env::args().skip(1).filter(|argument| argument != "--bench");
-    let (mut names, mut plots, mut with_default, mut choosing) = (Vec::new(), None, true, false);
+    let (mut names, mut plots, mut with_default, mut choosing) = (Vec::new(), None, true, None);
     let mut settings = Vec::new();
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--plots" => plots = arguments.next().map(PathBuf::from),
             "--without-default" => with_default = false,
-            "--choose" => choosing = true,
+            "--choose" => choosing = arguments.next(),
             "--set" => settings.extend(arguments.next()),
             _ => names.push(argument),
         }
     }
     let is_chosen = |room: &&PaperRoom| names.is_empty() || names.iter().any(|name| name == room.file);
     let rooms: Vec<&PaperRoom> = ROOMS.iter().filter(is_chosen).collect();
-    if choosing {
-        return tolerances::choose(&rooms);
+    match choosing.as_deref() {
+        Some("refine") => return tolerances::choose_refine(&rooms),
+        Some("reduce") => return tolerances::choose_reduce(&rooms),
+        _ => {}
     }
     let measured: Vec<Measured> = rooms.into_iter().map(|room| measure(room, with_default, &settings)).collect();
     tables::print(&measured);

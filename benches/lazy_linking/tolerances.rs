@@ -20,15 +20,18 @@ const CLOSE: f64 = 0.02;
 const REFINE_SERIES: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
 const REDUCE_SERIES: [f64; 5] = [0.2, 0.3, 0.4, 0.5, 0.6];
 
-/// Tries both series on rooms, prints what each does, and which of them the rule takes.
-pub fn choose(rooms: &[&PaperRoom]) {
+/// Tries the series for eps_refine on rooms, prints what each step does, and which of them the rule takes.
+pub fn choose_refine(rooms: &[&PaperRoom]) {
     println!("\n| room | eps_refine | k links | CPU-s | from the next finer: values | elements |\n|---|---|---|---|---|---|");
     let mut allowed = [true; REFINE_SERIES.len() - 1];
     for room in rooms {
         refine_series(room, &mut allowed);
     }
     print_choice("eps_refine", REFINE_SERIES.iter().zip(allowed).find(|(_, allowed)| *allowed));
+}
 
+/// The same for eps_reduce, with the eps_refine of the experiment.
+pub fn choose_reduce(rooms: &[&PaperRoom]) {
     println!(
         "\n| room | eps_reduce | k links | ratio | CPU-s | ratio | from the original: values | elements |\n|---|---|---|---|---|---|---|---|"
     );

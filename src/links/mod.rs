@@ -9,12 +9,15 @@ mod mutual;
 pub mod oracle;
 mod refine;
 mod sample_pairs;
+mod skips;
 
 use serde::{Deserialize, Serialize};
 
 pub(crate) use limits::{RefineEnd, RefineLimits};
-pub(crate) use mutual::{DormantTransfer, MutualContext, MutualLinks, TopLevel};
+pub(crate) use mutual::{MutualContext, MutualLinks, RAYS_PER_LINK, TopLevel};
 pub(crate) use refine::{RefineContext, Refinement};
+pub use skips::Skips;
+pub(crate) use skips::Spared;
 
 use crate::hierarchy::{Hierarchy, NodeId};
 

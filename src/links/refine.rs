@@ -14,7 +14,7 @@ use super::exchange::{
 use super::limits::{Holding, RefineEnd, RefineLimits};
 use super::oracle::{Candidate, Decision, RefinementOracle};
 use super::sample_pairs::{sampled_blocked_form_factor, sampled_pairs, sampled_transmittance};
-use super::{Link, LinkSet, Pair};
+use super::{Link, LinkSet, Pair, Skips, Spared};
 use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::Scene;
@@ -38,6 +38,8 @@ pub(crate) struct RefineContext<'a> {
     pub rays_per_link: u32,
     /// Visibility rays for a link from a lamp.
     pub rays_per_light_link: u32,
+    /// What is left out.
+    pub skips: Skips,
     pub seed: u64,
     /// Spent on form factors of links, added over threads.
     pub form_factor_nanoseconds: AtomicU64,
@@ -49,8 +51,8 @@ pub(crate) struct Refinement {
     linked: Vec<(NodeId, Link)>,
     dormant: Vec<Pair>,
     /// Pairs that were dropped, by reason.
-    pub behind: u64,
-    pub black: u64,
+    pub behind: Spared,
+    pub black: Spared,
 }
 
 /// What becomes of a pair of a wave.
@@ -84,7 +86,7 @@ impl Refinement {
     /// One dormant pair, (root, root), which covers everything.
     pub fn new() -> Self {
         let everything = Pair { receiver: NodeId::ROOT, source: NodeId::ROOT };
-        Self { linked: Vec::new(), dormant: vec![everything], behind: 0, black: 0 }
+        Self { linked: Vec::new(), dormant: vec![everything], behind: Spared::default(), black: Spared::default() }
     }
 
     /// How many links there are.
@@ -135,8 +137,8 @@ impl Refinement {
             let mut splits = Vec::new();
             for (pair, outcome) in wave.iter().zip(outcomes.into_iter().flatten()) {
                 match outcome {
-                    Outcome::Behind => self.behind += 1,
-                    Outcome::Black => self.black += 1,
+                    Outcome::Behind => self.behind.add(context.rays_for(hierarchy, *pair)),
+                    Outcome::Black => self.black.add(context.rays_for(hierarchy, *pair)),
                     Outcome::Dormant => self.dormant.push(*pair),
                     Outcome::Linked(link) => end = self.link(hierarchy, pair.receiver, link, limits).unwrap_or(end),
                     Outcome::Split(decision) => splits.push((*pair, decision)),
@@ -266,19 +268,20 @@ impl RefineContext<'_> {
         kernels: &mut Vec<f64>,
     ) -> Outcome {
         // What cannot pass, is not reflected or does not shine yet is not asked any further.
-        if is_dark(self.scene, hierarchy, pair) {
+        let is_itself = pair.receiver == pair.source;
+        if (self.skips.behind || (is_itself && !hierarchy.is_cluster(pair.source))) && is_dark(self.scene, hierarchy, pair) {
             return Outcome::Behind;
         }
-        if self.reflectance(hierarchy, pair.receiver).iter().all(|&rho| rho == 0.0) {
+        if self.skips.black && self.reflectance(hierarchy, pair.receiver).iter().all(|&rho| rho == 0.0) {
             return Outcome::Black;
         }
-        if self.radiosity_of(hierarchy, pair.source).iter().all(|&b| b == 0.0) {
+        if self.skips.dark && self.radiosity_of(hierarchy, pair.source).iter().all(|&b| b == 0.0) {
             return Outcome::Dormant;
         }
 
         // Is it little enough, by a cheap form factor? No cluster is linked with itself.
         let clusters = hierarchy.is_cluster(pair.receiver) || hierarchy.is_cluster(pair.source);
-        if clusters && !self.clusters {
+        if clusters && (!self.clusters || (is_itself && !self.skips.within)) {
             return Outcome::Split(larger(hierarchy, pair));
         }
         let separated = !clusters || separated(hierarchy, pair);
@@ -293,13 +296,12 @@ impl RefineContext<'_> {
                 return Outcome::Split(decision);
             }
         }
-        if pair.receiver == pair.source {
+        if is_itself {
             return Outcome::Dormant;
         }
 
         // It is: ask for visibility, and take the form factor with care. Of clusters that are near each other it is sampled.
-        let is_lamp = hierarchy.surface_of(pair.source).is_some_and(|surface| self.scene.material_of(surface).emits());
-        let count = 2 * if is_lamp { self.rays_per_light_link } else { self.rays_per_link };
+        let count = self.rays_for(hierarchy, pair);
         let seed = sampling::hash(self.seed, u64::from(pair.receiver.0) << 32 | u64::from(pair.source.0));
         let (segments, sampled) = sampled_pairs(self.scene, hierarchy, pair, count, seed, segments, kernels);
         let start = Instant::now();
@@ -312,6 +314,12 @@ impl RefineContext<'_> {
         };
         self.form_factor_nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
         Outcome::Asked { form_factor, segments }
+    }
+
+    /// Visibility rays for a link of this pair: as many to decide by as for its value.
+    fn rays_for(&self, hierarchy: &Hierarchy, pair: Pair) -> u32 {
+        let is_lamp = hierarchy.surface_of(pair.source).is_some_and(|surface| self.scene.material_of(surface).emits());
+        2 * if is_lamp { self.rays_per_light_link } else { self.rays_per_link }
     }
 
     /// The numbers that an oracle sees.

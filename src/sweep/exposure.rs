@@ -4,7 +4,9 @@
 //! floor around it, that darkness would count twice: in the radiosity, and in the visibility of the covered part. So radiosities are
 //! means over the exposed part, form factors and visibilities are of the whole, and what a node gathers is divided by its exposure.
 //!
-//! A point is covered if a ray that leaves it by the cosine first meets a back. Such points are found by sampling.
+//! A point is covered if a ray that leaves it by the cosine first meets a back, or if it leaves the scene but the point lies on another
+//! surface of the same plane that looks the other way, as the underside of a box does that stands on a floor: rays pass what lies in their
+//! own plane. Such points are found by sampling.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +14,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::{Frame, sampling};
+use crate::geometry::{Facet, Frame, sampling};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
@@ -135,6 +137,15 @@ fn sampled_exposure(scene: &Scene, hierarchy: &Hierarchy, rays: &Rays<'_>, node:
     (exposed as f32 / samples as f32, open)
 }
 
+/// The surfaces of the same plane that look the other way, the other side of a sheet left out.
+fn opposite_in_plane(scene: &Scene, surface: SurfaceId) -> impl Iterator<Item = Facet<'_>> {
+    let own = scene.surface(surface);
+    let normal = own.polygon.facet().normal;
+    let in_plane = scene.surfaces().iter().enumerate().filter(move |(_, other)| other.plane == own.plane);
+    let others = in_plane.filter(move |(index, _)| own.twin.is_none_or(|twin| twin.index() != *index));
+    others.map(|(_, other)| other.polygon.facet()).filter(move |other| other.normal.dot(normal) < 0.0)
+}
+
 /// Where a ray from a point ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum End {
@@ -166,7 +177,10 @@ fn sampled_points(
     let looks: Vec<Ray> = (0..samples).map(look).collect();
     let mut hits = Vec::new();
     rays.first_hits(&looks, &mut hits);
+    let leaves_scene = hits.iter().any(Option::is_none);
+    let opposite: Vec<Facet<'_>> = if leaves_scene { opposite_in_plane(scene, surface).collect() } else { Vec::new() };
     let end = |look: &Ray, hit: Option<Hit>| match hit {
+        None if opposite.iter().any(|facing| facing.contains(DVec3::from(look.origin))) => End::Back,
         None => End::Outside,
         Some(hit) => {
             let side = scene.side_towards(SurfaceId(hit.surface), -DVec3::from(look.direction));

@@ -14,7 +14,6 @@ mod top_level;
 
 use std::sync::atomic::AtomicU64;
 
-pub(crate) use dormant::DormantTransfer;
 use pairs::PairSet;
 pub(crate) use top_level::TopLevel;
 
