@@ -30,12 +30,6 @@ fn check(name: &str, scene: Scene, options: &SolveOptions) {
     );
     let lost = energy.imbalance.expect("a closed scene");
     assert!(lost.abs() <= claimed, "{name}: {lost} of the power is lost, {claimed} is claimed");
-
-    // All that is sent is absorbed, reflected again or lost.
-    let reflected = energy.sent - energy.emitted;
-    let (kept, whole) = (energy.absorbed + reflected + energy.escaped, energy.sent);
-    assert!((energy.escaped - lost * whole).abs() <= 1e-12 * whole);
-    assert!((kept / whole - 1.0).abs() <= claimed, "{name}: {kept} of {whole} W are accounted for");
 }
 
 fn to(error: f64) -> SolveOptions {

@@ -1,9 +1,10 @@
 //! Lazy linking and link reduction on five rooms: the tables and figures of Holzschuch, Sillion, Drettakis 1994 for this implementation,
 //! beside the paper's.
 //!
-//! `cargo bench --bench lazy_linking` prints them as Markdown; `-- --plots docs` also draws figures 2, 5, 6, 7 into docs/, and names of rooms leave out the
-//! others; `-- --choose refine` and `-- --choose reduce` show how the tolerances below were chosen. All strategies share form factors, visibility and 16 rays a link, on one thread; what differs is which links are made. The
-//! parameters below are the same for all rooms.
+//! `cargo bench --bench lazy_linking` prints them as Markdown; `-- --plots docs` draws figures 2, 5, 6, 7 into docs/ instead, and names of rooms
+//! leave out the others; `-- --choose refine` and `-- --choose reduce` show how the tolerances below were chosen. All strategies share form
+//! factors, visibility and 16 rays a link, on one thread; what differs is which links are made. The parameters below are the same for all
+//! rooms.
 #![allow(missing_docs, reason = "a program")]
 #![allow(clippy::print_stdout, reason = "a program that prints tables")]
 
@@ -25,13 +26,14 @@ use patchlight::solve::{SolveOptions, Strategy};
 
 use measure::{Points, Run, run, run_default};
 use paper::{PaperRoom, ROOMS};
+use plot::Courses;
 
 /// eps_refine in units of the mean reflected radiosity that a room may be expected to have.
 const REFINE_TOLERANCE: f64 = 0.02;
 /// MinArea in m^2: the number of the paper's figure 1.
 const MIN_AREA: f64 = 0.001;
-/// eps_reduce, which the paper does not tell.
-const REDUCE_TOLERANCE: f64 = 0.5;
+/// eps_reduce, which the paper does not tell: by the rule of `tolerances`, as eps_refine.
+const REDUCE_TOLERANCE: f64 = 0.4;
 /// The smallest form factor that link culling leaves.
 const CULL_FORM_FACTOR: f64 = 1e-3;
 
@@ -79,17 +81,25 @@ fn main() {
         }
     }
     let is_chosen = |room: &&PaperRoom| names.is_empty() || names.iter().any(|name| name == room.file);
-    let rooms: Vec<&PaperRoom> = ROOMS.iter().filter(is_chosen).collect();
+    let rooms: Vec<&'static PaperRoom> = ROOMS.iter().filter(is_chosen).collect();
     match choosing.as_deref() {
         Some("refine") => return tolerances::choose_refine(&rooms),
         Some("reduce") => return tolerances::choose_reduce(&rooms),
         _ => {}
     }
+    if let Some(folder) = plots {
+        let courses: Vec<Courses> = rooms.into_iter().map(courses).collect();
+        return plot::draw(&courses, &folder).expect("the folder can be written");
+    }
     let measured: Vec<Measured> = rooms.into_iter().map(|room| measure(room, with_default, &settings)).collect();
     tables::print(&measured);
-    if let Some(folder) = plots {
-        plot::draw(&measured, &folder).expect("the folder can be written");
-    }
+}
+
+/// The strategies whose course is drawn.
+fn courses(room: &'static PaperRoom) -> Courses {
+    let scene = scene_of(room);
+    let of = |strategy| run(&scene, &SolveOptions { strategy, ..options_of(&scene) }).into();
+    Courses { room, original: of(Strategy::Original94), lazy: of(Strategy::Lazy94), reduced: of(Strategy::Lazy94Reduction) }
 }
 
 fn scene_of(room: &PaperRoom) -> Scene {

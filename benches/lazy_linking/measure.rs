@@ -7,7 +7,7 @@ use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::{Observer, Progress, Silent, Stage};
 use patchlight::reconstruct::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{RunOptions, Solution, SolveOptions, SolveReport, Strategy};
+use patchlight::solve::{IterationReport, RunOptions, Solution, SolveOptions, SolveReport, Strategy};
 
 use super::rooms;
 use super::triangles::Random;
@@ -18,6 +18,18 @@ pub struct Run {
     pub report: SolveReport,
     /// CPU seconds up to the end of each iteration.
     pub cpu_s: Vec<f64>,
+}
+
+/// What a run was like by iteration, without its solution.
+pub struct Course {
+    pub bounces: Vec<IterationReport>,
+    pub cpu_s: Vec<f64>,
+}
+
+impl From<Run> for Course {
+    fn from(run: Run) -> Self {
+        Self { bounces: run.report.bounces, cpu_s: run.cpu_s }
+    }
 }
 
 /// Notes the CPU time when iterations start, and when the last has ended.

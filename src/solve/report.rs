@@ -80,7 +80,7 @@ pub struct Energy {
     pub residual: f64,
     /// Sent by all surfaces: emitted and reflected.
     pub sent: f64,
-    /// In a closed scene, where all that is sent arrives: the part of it that a gather loses, or makes if negative. `None` where rays
+    /// In a closed scene, where all that is sent arrives: the part of it that a sweep loses, or makes if negative. `None` where rays
     /// leave the scene.
     pub imbalance: Option<f64>,
     /// At most so much more would be reflected if all dormant pairs were links, interreflection included; proved, for the light that the
@@ -207,22 +207,25 @@ impl Powers<'_> {
         let Self { scene, hierarchy, links, exposure, closure, radiosity } = *self;
         let channels = scene.channels();
         let mut irradiance = sweep::push(hierarchy, sweep::gather(hierarchy, links, exposure, radiosity), channels);
-        let mut energy = Energy::default();
+        let (mut energy, mut arrived) = (Energy::default(), 0.0);
         for leaf in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
             let material = scene.material_of(SurfaceId(hierarchy.node(leaf).surface));
             let exposed = hierarchy.area(leaf) * exposure.of(leaf);
             let arriving = &mut irradiance[leaf.index() * channels..][..channels];
-            if let Some(closure) = closure {
-                closure.close(leaf, arriving);
-            }
             for (channel, arriving) in arriving.iter().enumerate() {
                 energy.emitted += exposed * material.exitance[channel];
                 energy.absorbed += (1.0 - material.reflectance[channel]) * exposed * arriving;
                 energy.sent += exposed * radiosity.of(leaf)[channel];
                 energy.escaped += exposed * (radiosity.of(leaf)[channel] - arriving);
             }
+
+            // What sweeps make of it, where links are estimates.
+            if let Some(closure) = closure {
+                closure.close(leaf, arriving);
+            }
+            arrived += exposed * arriving.iter().sum::<f64>();
         }
-        energy.imbalance = (exposure.is_closed() && energy.sent > 0.0).then(|| energy.escaped / energy.sent);
+        energy.imbalance = (exposure.is_closed() && energy.sent > 0.0).then(|| 1.0 - arrived / energy.sent);
         energy
     }
 }
