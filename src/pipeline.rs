@@ -95,6 +95,7 @@ fn solve_in(
     observer: &dyn Observer,
 ) -> (Evaluator, SolveReport) {
     let rays = Rays::new(&*visibility, &scene);
+    let rays = if options.skips.rays { rays } else { rays.asking_always() };
     let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, &rays, observer));
     let mut evaluator = Evaluator { solution, bounds: None, visibility, pool };
     if options.bounds == Bounds::Guaranteed {

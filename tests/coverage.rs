@@ -19,7 +19,7 @@ use patchlight::pipeline;
 use patchlight::progress::Silent;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{RunOptions, Solution, SolveOptions, SolveReport, StoppedBy, Strategy};
+use patchlight::solve::{Gather, RunOptions, Solution, SolveOptions, SolveReport, StoppedBy, Strategy};
 use rooms::{Room, channels, crowded, straight, turned};
 use triangles::{Random, add, cross, times};
 
@@ -210,18 +210,34 @@ fn each_pair_once_when_rounds_follow_rounds() {
 }
 
 #[test]
-fn each_pair_once_where_a_limit_ends_refinement() {
-    for max_links in [1, 50, 2000] {
-        let options = SolveOptions { max_links: Some(max_links), error: 1e-6, ..quick(Strategy::Default, 0.01) };
-        let (solution, report) = solve(furnished(4), &options, &RunOptions::default());
-        assert_eq!(report.stopped_by, StoppedBy::MaxLinks);
-        coverage(&solution);
+fn limits_are_kept_and_each_pair_is_covered_once() {
+    for strategy in [Strategy::Default, Strategy::Hanrahan91, Strategy::Uniform] {
+        for scene in [furnished(4), crowded(16, 8)] {
+            let area: f64 = scene.surfaces().iter().map(|surface| surface.polygon.area()).sum();
+            let element_area = Some(area / 1000.0);
+            let hard = SolveOptions { error: 0.05, element_area, gather: Gather::Links, ..quick(strategy, 0.01) };
+            for max_links in [1, 50, 2000] {
+                let options = SolveOptions { max_links: Some(max_links), ..hard.clone() };
+                let (solution, report) = solve(scene.clone(), &options, &RunOptions::default());
+                assert_eq!(report.stopped_by, StoppedBy::MaxLinks);
+                let links = solution.links().len() as u64;
+                println!("{strategy:?}, {} surfaces: {links} links of at most {max_links}", scene.surfaces().len());
+                assert!(links <= max_links, "{links} links of at most {max_links}");
+                assert!(links >= max_links / 2 || max_links < scene.surfaces().len() as u64, "only {links} of {max_links}");
+                coverage(&solution);
+            }
+
+            // Beside the links, nodes and pairs without a link count.
+            let memory_bytes = 200_000;
+            let run = RunOptions { memory_bytes: Some(memory_bytes), ..RunOptions::default() };
+            let (solution, report) = solve(scene.clone(), &hard, &run);
+            println!("{strategy:?}: {} of {memory_bytes} bytes", report.memory_bytes);
+            assert_eq!(report.stopped_by, StoppedBy::Memory);
+            assert!((memory_bytes / 2..=memory_bytes).contains(&report.memory_bytes));
+            assert_eq!(report.memory_bytes, solution.memory_bytes());
+            coverage(&solution);
+        }
     }
-    let run = RunOptions { memory_bytes: Some(40_000), ..RunOptions::default() };
-    let options = SolveOptions { error: 1e-6, ..quick(Strategy::Default, 0.01) };
-    let (solution, report) = solve(furnished(4), &options, &run);
-    assert_eq!(report.stopped_by, StoppedBy::Memory);
-    coverage(&solution);
 }
 
 #[test]

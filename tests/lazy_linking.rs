@@ -11,8 +11,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use patchlight::form_factor::exact_area_form_factor;
 use patchlight::geometry::Polygon;
 use patchlight::hierarchy::NodeId;
+use patchlight::pipeline;
+use patchlight::progress::Silent;
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{Solution, SolveOptions, SolveReport, Strategy};
+use patchlight::solve::{RunOptions, Solution, SolveOptions, SolveReport, StoppedBy, Strategy};
 use rooms::{Room, channels, solve, straight, turned};
 use triangles::Random;
 
@@ -137,12 +139,24 @@ fn each_pair_once_linked_dormant_unseen_or_behind() {
 }
 
 #[test]
-fn a_limit_leaves_pairs_dormant_or_links_unrefined() {
-    for max_links in [100, 3000] {
-        let limited = SolveOptions { max_links: Some(max_links), ..options(Strategy::Original94) };
-        let (solution, report) = run(&furnished(6), &limited);
-        assert!(report.bounces.len() < 10 || report.counts.links > max_links, "{:?}", report.counts);
-        assert_covered_once(&solution);
+fn limits_are_kept_and_leave_pairs_dormant_or_links_unrefined() {
+    for strategy in [Strategy::Original94, Strategy::Lazy94, Strategy::Lazy94Reduction] {
+        for max_links in [1, 100, 3000] {
+            let limited = SolveOptions { max_links: Some(max_links), error: 0.05, ..options(strategy) };
+            let (solution, report) = run(&furnished(6), &limited);
+            println!("{strategy:?}: {} links of at most {max_links}", report.counts.links);
+            assert!(report.counts.links <= max_links && report.counts.links >= max_links / 2, "{:?}", report.counts);
+            assert_eq!(report.stopped_by, StoppedBy::MaxLinks);
+            assert_covered_once(&solution);
+        }
+        let memory_bytes = 300_000;
+        let limits = RunOptions { memory_bytes: Some(memory_bytes), ..RunOptions::default() };
+        let (evaluator, report) =
+            pipeline::solve(furnished(6), &SolveOptions { error: 0.05, ..options(strategy) }, &limits, &Silent).unwrap();
+        println!("{strategy:?}: {} of {memory_bytes} bytes", report.memory_bytes);
+        assert_eq!(report.stopped_by, StoppedBy::Memory);
+        assert!((memory_bytes / 2..=memory_bytes).contains(&report.memory_bytes));
+        assert_covered_once(evaluator.solution());
     }
 }
 

@@ -7,7 +7,10 @@ use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::{Observer, Progress, Silent, Stage};
 use patchlight::reconstruct::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{RunOptions, Solution, SolveOptions, SolveReport, Strategy};
+use patchlight::solve::{IterationReport, RunOptions, Solution, SolveOptions, SolveReport, Strategy};
+
+use super::rooms;
+use super::triangles::Random;
 
 /// A run with what it took.
 pub struct Run {
@@ -15,6 +18,18 @@ pub struct Run {
     pub report: SolveReport,
     /// CPU seconds up to the end of each iteration.
     pub cpu_s: Vec<f64>,
+}
+
+/// What a run was like by iteration, without its solution.
+pub struct Course {
+    pub bounces: Vec<IterationReport>,
+    pub cpu_s: Vec<f64>,
+}
+
+impl From<Run> for Course {
+    fn from(run: Run) -> Self {
+        Self { bounces: run.report.bounces, cpu_s: run.cpu_s }
+    }
 }
 
 /// Notes the CPU time when iterations start, and when the last has ended.
@@ -38,6 +53,47 @@ impl Observer for Stopwatch {
 pub fn cpu_seconds() -> f64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+/// Points at which elements are compared; at the first of them values are, too.
+const POINTS: usize = 4000;
+const VALUE_POINTS: usize = 500;
+
+/// Where solutions of a scene are compared, uniform by area.
+pub struct Points(Vec<(SurfacePoint, usize)>);
+
+impl Points {
+    pub fn of(scene: &Scene) -> Self {
+        Self(rooms::points_of(scene, POINTS, &mut Random(94)))
+    }
+
+    fn for_values(&self) -> &[(SurfacePoint, usize)] {
+        &self.0[..VALUE_POINTS]
+    }
+
+    /// The values that a user gets, at some of the points.
+    pub fn values(&self, run: &Run) -> Vec<f64> {
+        self.values_of(&run.evaluator)
+    }
+
+    pub fn values_of(&self, evaluator: &Evaluator) -> Vec<f64> {
+        point_values(evaluator, self.for_values())
+    }
+
+    /// The radiosities of the elements that all points lie on.
+    pub fn elements(&self, run: &Run) -> Vec<f64> {
+        element_values(run.evaluator.solution(), &self.0)
+    }
+
+    /// `||a - b|| / ||b - E||` of [`Points::values`], channels pooled.
+    pub fn difference_of_values(&self, scene: &Scene, a: &[f64], b: &[f64]) -> f64 {
+        difference(scene, self.for_values(), a, b)
+    }
+
+    /// The same of [`Points::elements`]; of the first of them, where `b` has no more.
+    pub fn difference_of_elements(&self, scene: &Scene, a: &[f64], b: &[f64]) -> f64 {
+        difference(scene, &self.0, a, b)
+    }
 }
 
 /// Rays to a point at which values are compared: so many that their noise is well below a percent.
@@ -70,7 +126,7 @@ pub fn run_default(scene: &Scene, error: f64, time_s: f64) -> (Evaluator, SolveR
 }
 
 /// The radiosities of the elements that `points` lie on, channels in a row.
-pub fn element_values(solution: &Solution, points: &[(SurfacePoint, usize)]) -> Vec<f64> {
+fn element_values(solution: &Solution, points: &[(SurfacePoint, usize)]) -> Vec<f64> {
     points
         .iter()
         .flat_map(|(point, surface)| solution.radiosity().of(leaf_at(solution, *surface, point.position)))
@@ -79,7 +135,7 @@ pub fn element_values(solution: &Solution, points: &[(SurfacePoint, usize)]) -> 
 }
 
 /// The values at points that a user gets.
-pub fn point_values(evaluator: &Evaluator, points: &[(SurfacePoint, usize)]) -> Vec<f64> {
+fn point_values(evaluator: &Evaluator, points: &[(SurfacePoint, usize)]) -> Vec<f64> {
     let places: Vec<SurfacePoint> = points.iter().map(|(point, _)| *point).collect();
     let values = evaluator.values_at(&places, &Silent).expect("nobody cancels");
     assert_eq!(values.missed, 0, "points that lie on no surface");
@@ -87,7 +143,7 @@ pub fn point_values(evaluator: &Evaluator, points: &[(SurfacePoint, usize)]) -> 
 }
 
 /// `||a - b|| / ||b - E||` over points that are uniform by area, channels pooled.
-pub fn difference(scene: &Scene, points: &[(SurfacePoint, usize)], a: &[f64], b: &[f64]) -> f64 {
+fn difference(scene: &Scene, points: &[(SurfacePoint, usize)], a: &[f64], b: &[f64]) -> f64 {
     let exitance = points.iter().flat_map(|(_, surface)| &scene.material_of(SurfaceId(*surface as u32)).exitance);
     let (mut error, mut reflected) = (0.0, 0.0);
     for ((a, b), exitance) in a.iter().zip(b).zip(exitance) {

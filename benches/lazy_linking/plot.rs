@@ -3,9 +3,17 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::Measured;
-use super::measure::Run;
+use super::measure::Course;
+use super::paper::PaperRoom;
 use super::tables::unrefined;
+
+/// How three strategies went in a room.
+pub struct Courses {
+    pub room: &'static PaperRoom,
+    pub original: Course,
+    pub lazy: Course,
+    pub reduced: Course,
+}
 
 /// A line of a plot.
 struct Series {
@@ -14,21 +22,21 @@ struct Series {
     values: Vec<f64>,
 }
 
-pub fn draw(measured: &[Measured], folder: &Path) -> std::io::Result<()> {
-    let each = |value: &dyn Fn(&Measured, usize) -> f64| -> Vec<Series> {
-        let values = |m: &Measured| (0..m.original.report.bounces.len()).map(|k| 100.0 * value(m, k)).collect();
+pub fn draw(measured: &[Courses], folder: &Path) -> std::io::Result<()> {
+    let each = |value: &dyn Fn(&Courses, usize) -> f64| -> Vec<Series> {
+        let values = |m: &Courses| (0..m.original.bounces.len()).map(|k| 100.0 * value(m, k)).collect();
         measured.iter().map(|m| Series { name: m.room.name.to_owned(), values: values(m) }).collect()
     };
-    let never = each(&|m, k| unrefined(&m.original.report.bounces[k]));
-    let links = each(&|m, k| m.reduced.report.bounces[k].links as f64 / m.lazy.report.bounces[k].links as f64);
-    let nodes = each(&|m, k| m.reduced.report.bounces[k].elements as f64 / m.lazy.report.bounces[k].elements as f64);
+    let never = each(&|m, k| unrefined(&m.original.bounces[k]));
+    let links = each(&|m, k| m.reduced.bounces[k].links as f64 / m.lazy.bounces[k].links as f64);
+    let nodes = each(&|m, k| m.reduced.bounces[k].elements as f64 / m.lazy.bounces[k].elements as f64);
     let time = each(&|m, k| m.reduced.cpu_s[k] / m.lazy.cpu_s[k]);
 
     // Figure 5 has two lines for each of the paper's two rooms.
     let mut incorrect = Vec::new();
     for m in measured.iter().filter(|m| ["full_office", "dining_room"].contains(&m.room.file)) {
-        for (strategy, run) in [("original", &m.original), ("lazy", &m.lazy)] {
-            incorrect.push(Series { name: format!("{}, {strategy}", m.room.name), values: incorrect_share(run) });
+        for (strategy, course) in [("original", &m.original), ("lazy", &m.lazy)] {
+            incorrect.push(Series { name: format!("{}, {strategy}", m.room.name), values: incorrect_share(course) });
         }
     }
 
@@ -44,8 +52,8 @@ pub fn draw(measured: &[Measured], folder: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-fn incorrect_share(run: &Run) -> Vec<f64> {
-    run.report.bounces.iter().map(|iteration| 100.0 * iteration.incorrect_energy / iteration.total_energy).collect()
+fn incorrect_share(course: &Course) -> Vec<f64> {
+    course.bounces.iter().map(|iteration| 100.0 * iteration.incorrect_energy / iteration.total_energy).collect()
 }
 
 /// Colours that colour-blind readers tell apart (Okabe, Ito 2008).

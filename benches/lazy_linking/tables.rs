@@ -30,7 +30,7 @@ fn ten(run: &Run) -> f64 {
     run.cpu_s[run.cpu_s.len() - 1]
 }
 
-fn percent(part: f64) -> String {
+pub fn percent(part: f64) -> String {
     format!("{:.1}%", 100.0 * part)
 }
 

@@ -6,6 +6,7 @@
 //!   `shadow`, `separation`; unoccluded: `form_factor::bounds`);
 //! - radiosities: two systems of inequalities, iterated from outside, so that every iterate holds (`system`; which receivers see
 //!   nothing but fronts: `enclosure`);
+//! - apart from these, what pairs without a link hold back at most, whatever else is known (`held_back`);
 //! - what that says in all: errors in the usual norms, and on what kind of evidence the light travels (`radiosity_bounds`).
 //!
 //! What is proved is about polygons that are planar and do not overlap in one plane, with visibility as
@@ -17,6 +18,7 @@
 
 mod blockers;
 mod enclosure;
+mod held_back;
 mod overlap;
 mod pair;
 mod picture;
@@ -28,6 +30,7 @@ mod system;
 
 use serde::Serialize;
 
+pub(crate) use held_back::{HeldBackInput, bound_held_back};
 pub use point_bounds::PointBounds;
 pub(crate) use radiosity_bounds::{BoundsInput, bound_radiosities};
 pub use radiosity_bounds::{BoundsReport, ChannelError, EvidenceShare, RadiosityBounds};

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::blockers::{Blockers, Sight};
 use super::{Certainty, Evidence, FormFactorBounds, FormFactorRule};
 use crate::form_factor::{bound_unoccluded, estimate_unoccluded_range};
-use crate::geometry::{Aabb, Facet};
+use crate::geometry::{Aabb, Cone, Facet};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
 
@@ -17,11 +17,13 @@ pub(crate) struct PairBounds<'a> {
     hierarchy: &'a Hierarchy,
     rule: FormFactorRule,
     blockers: Blockers<'a>,
+    /// Which way the faces of each cluster look.
+    cones: Vec<Cone>,
 }
 
 impl<'a> PairBounds<'a> {
     pub fn new(scene: &'a Scene, hierarchy: &'a Hierarchy, rule: FormFactorRule) -> Self {
-        Self { scene, hierarchy, rule, blockers: Blockers::new(scene, hierarchy) }
+        Self { scene, hierarchy, rule, blockers: Blockers::new(scene, hierarchy), cones: cones_of_clusters(hierarchy) }
     }
 
     /// The pair with everything that can be proved about it.
@@ -83,29 +85,42 @@ impl<'a> PairBounds<'a> {
 
     /// The most that nodes in two boxes can exchange, as seen from any point with any normal of the receiver.
     ///
-    /// A sphere of radius R at distance d takes at most `(R / d)^2` of the view, whichever way one looks; faces of area A at least
-    /// at distance d take at most `A cos cos / (pi d^2)`, the cosine of a polygon being at most its greatest height over d. Within
-    /// one box, everything.
-    fn upper_of_boxes(&self, receiver: NodeId, source: NodeId) -> f64 {
+    /// A sphere of radius R at distance d is seen under the solid angle `2 pi (1 - sqrt(1 - (R / d)^2))`, and takes at most `(R / d)^2` of the
+    /// view, whichever way one looks; faces of area A at least at distance d take at most `A cos cos / (pi d^2)`. Cosines are bounded by the
+    /// cones of normals, and that of a polygon by its greatest height over d. Within one box, everything.
+    pub fn upper_of_boxes(&self, receiver: NodeId, source: NodeId) -> f64 {
         let (from, to) = (self.box_of(receiver), self.box_of(source));
         let gap = (from.min - to.max).max(to.min - from.max).max(DVec3::ZERO);
         let distance = gap.length() * (1.0 - 1e-12);
 
+        // Which way does each look, seen from the other?
+        let towards = Cone::between(to.centre() - from.centre(), 0.5 * (from.diagonal() + to.diagonal()) * (1.0 + 1e-12));
+        let cosine = |node: NodeId, other: &Aabb, direction: &Cone| {
+            if self.hierarchy.is_cluster(node) {
+                return self.cones[node.index()].bound_cosine(direction);
+            }
+            let facet = self.hierarchy.facet(node);
+            let highest = facet.height(DVec3::select(facet.normal.cmpgt(DVec3::ZERO), other.max, other.min)) * (1.0 + 1e-12);
+            let by_height = if distance > 0.0 { (highest / distance).clamp(0.0, 1.0) } else { 1.0 };
+            by_height.min(Cone::of(facet.normal).bound_cosine(direction))
+        };
+        let (of_receiver, of_source) = (cosine(receiver, &to, &towards), cosine(source, &from, &towards.reversed()));
+        if of_receiver == 0.0 || of_source == 0.0 {
+            return 0.0;
+        }
+
         let (centre, radius) = (to.centre(), 0.5 * to.diagonal() * (1.0 + 1e-12));
         let to_centre = (from.min - centre).max(centre - from.max).max(DVec3::ZERO).length();
-        let by_sphere = if to_centre > radius { (radius / to_centre).powi(2) } else { 1.0 };
+        let by_sphere = if to_centre > radius {
+            let sine_sq = (radius / to_centre).powi(2);
+            sine_sq.min(2.0 * of_receiver * sine_sq / (1.0 + (1.0 - sine_sq).sqrt()))
+        } else {
+            1.0
+        };
         if distance == 0.0 {
             return by_sphere;
         }
-        let cosine = |node: NodeId, other: &Aabb| {
-            if self.hierarchy.is_cluster(node) {
-                return 1.0;
-            }
-            let facet = self.hierarchy.facet(node);
-            let highest = facet.height(DVec3::select(facet.normal.cmpgt(DVec3::ZERO), other.max, other.min));
-            (highest * (1.0 + 1e-12) / distance).clamp(0.0, 1.0)
-        };
-        let by_area = self.hierarchy.area(source) * cosine(receiver, &to) * cosine(source, &from) / (PI * distance * distance);
+        let by_area = self.hierarchy.area(source) * of_receiver * of_source / (PI * distance * distance);
         by_area.min(by_sphere) * (1.0 + 1e-12)
     }
 
@@ -116,4 +131,15 @@ impl<'a> PairBounds<'a> {
             Aabb::around(self.hierarchy.facet(node).vertices.iter().copied())
         }
     }
+}
+
+/// Which way the faces of each cluster look, by node id: clusters come first, children after their parents.
+fn cones_of_clusters(hierarchy: &Hierarchy) -> Vec<Cone> {
+    let mut cones = vec![Cone::ALL; hierarchy.cluster_count()];
+    for cluster in (0..cones.len() as u32).rev().map(NodeId) {
+        let of = |child: NodeId| if hierarchy.is_cluster(child) { cones[child.index()] } else { Cone::of(hierarchy.normal(child)) };
+        let around = hierarchy.children(cluster).map(of).reduce(Cone::union);
+        cones[cluster.index()] = around.unwrap_or(Cone::ALL);
+    }
+    cones
 }

@@ -4,6 +4,7 @@
 
 mod aabb;
 mod clip;
+mod cone;
 mod facet;
 mod frame;
 mod gauss;
@@ -14,6 +15,7 @@ pub(crate) mod sampling;
 
 pub use aabb::Aabb;
 pub(crate) use clip::{Clip, ClippedFacet, clip_to_front, halves, plane_noise};
+pub(crate) use cone::Cone;
 pub(crate) use facet::Facet;
 pub(crate) use frame::Frame;
 pub(crate) use gauss::{for_each_gauss_point, gauss_rule};

@@ -28,6 +28,12 @@ impl Hierarchy {
         first
     }
 
+    /// How many pieces splitting a leaf makes at most, and how many bytes they add.
+    pub(crate) fn cost_of_split(&self, leaf: NodeId) -> (usize, u64) {
+        let pieces = self.facet(leaf).vertices.len().max(4);
+        (pieces, (pieces * (size_of::<Node>() + 4 * size_of::<DVec3>())) as u64)
+    }
+
     /// Appends a node for a piece of a surface.
     pub(super) fn push_polygon(&mut self, parent: NodeId, surface: u32, vertices: impl IntoIterator<Item = DVec3>) {
         let first_vertex = self.vertices.len();

@@ -4,15 +4,20 @@
 //! of leaves is covered by exactly one pair of nodes, linked, dormant or proved invisible, because all pairs descend from (root, root).
 
 mod exchange;
+mod limits;
 mod mutual;
 pub mod oracle;
 mod refine;
 mod sample_pairs;
+mod skips;
 
 use serde::{Deserialize, Serialize};
 
-pub(crate) use mutual::{DormantTransfer, MutualContext, MutualLinks, TopLevel};
-pub(crate) use refine::{RefineContext, RefineEnd, RefineLimits, Refinement};
+pub(crate) use limits::{RefineEnd, RefineLimits};
+pub(crate) use mutual::{MutualContext, MutualLinks, RAYS_PER_LINK, TopLevel};
+pub(crate) use refine::{RefineContext, Refinement};
+pub use skips::Skips;
+pub(crate) use skips::Spared;
 
 use crate::hierarchy::{Hierarchy, NodeId};
 
@@ -29,6 +34,9 @@ pub struct Link {
     /// by chance would be kept and others taken anew, and light would be lost.
     pub seen: f32,
 }
+
+/// Links are what a solution holds most of: what they may take decides how large a scene fits.
+const _: () = assert!(size_of::<Link>() <= 24, "a link takes more than 24 bytes");
 
 impl Link {
     /// Form factor F_rs, occlusion included.
@@ -120,10 +128,13 @@ impl LinkSet {
 
     /// Bytes that the links take.
     pub fn memory_bytes(&self) -> u64 {
-        (size_of_val(&self.links[..])
-            + size_of_val(&self.starts[..])
-            + size_of_val(&self.dormant[..])
-            + size_of_val(&self.unseen[..])) as u64
+        let nodes = self.starts.len().saturating_sub(1);
+        Self::bytes_of(nodes, self.links.len(), self.dormant.len() + self.unseen.len())
+    }
+
+    /// Bytes that so many links and pairs without one take, of so many nodes.
+    pub(crate) fn bytes_of(nodes: usize, links: usize, unlinked: usize) -> u64 {
+        ((nodes + 1) * size_of::<u32>() + links * size_of::<Link>() + unlinked * size_of::<Pair>()) as u64
     }
 
     /// Checks what later stages rely on.

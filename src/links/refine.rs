@@ -11,9 +11,10 @@ use rayon::prelude::*;
 use super::exchange::{
     bound_form_factor, estimate_cluster_form_factor, is_dark, polygon_form_factor, quick_form_factor, separated,
 };
+use super::limits::{Holding, RefineEnd, RefineLimits};
 use super::oracle::{Candidate, Decision, RefinementOracle};
 use super::sample_pairs::{sampled_blocked_form_factor, sampled_pairs, sampled_transmittance};
-use super::{Link, LinkSet, Pair};
+use super::{Link, LinkSet, Pair, Skips, Spared};
 use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::Scene;
@@ -37,30 +38,11 @@ pub(crate) struct RefineContext<'a> {
     pub rays_per_link: u32,
     /// Visibility rays for a link from a lamp.
     pub rays_per_light_link: u32,
+    /// What is left out.
+    pub skips: Skips,
     pub seed: u64,
     /// Spent on form factors of links, added over threads.
     pub form_factor_nanoseconds: AtomicU64,
-}
-
-/// Where refinement ends though the oracle wants more.
-pub(crate) struct RefineLimits<'a> {
-    pub max_links: u64,
-    pub max_bytes: u64,
-    /// Asked once a wave, with links and elements so far.
-    pub stop: &'a (dyn Fn(u64, u64) -> bool + Sync),
-}
-
-/// How a round of refinement ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum RefineEnd {
-    /// The oracle is content.
-    Content,
-    /// The largest number of links was reached: the remaining pairs were linked as they stand.
-    MaxLinks,
-    /// The memory budget was reached: the remaining pairs were linked as they stand.
-    Memory,
-    /// `stop` said so: the remaining pairs were linked as they stand.
-    Stopped,
 }
 
 /// What is known of every pair so far.
@@ -69,8 +51,8 @@ pub(crate) struct Refinement {
     linked: Vec<(NodeId, Link)>,
     dormant: Vec<Pair>,
     /// Pairs that were dropped, by reason.
-    pub behind: u64,
-    pub black: u64,
+    pub behind: Spared,
+    pub black: Spared,
 }
 
 /// What becomes of a pair of a wave.
@@ -96,6 +78,9 @@ enum Outcome {
 /// and the visibilities share the exact form factor: a small bias instead of a large noise.
 const NEAR: f64 = 1.5;
 
+/// Pairs of clusters that must be split, whatever may be linked, are followed while no more pairs than this wait: they may prove dark.
+const FEW_WAITING: usize = 1 << 16;
+
 /// Pairs of a wave that are decided, and ask for visibility, together: about a thousand segments.
 const CHUNK: usize = 256;
 
@@ -103,7 +88,7 @@ impl Refinement {
     /// One dormant pair, (root, root), which covers everything.
     pub fn new() -> Self {
         let everything = Pair { receiver: NodeId::ROOT, source: NodeId::ROOT };
-        Self { linked: Vec::new(), dormant: vec![everything], behind: 0, black: 0 }
+        Self { linked: Vec::new(), dormant: vec![everything], behind: Spared::default(), black: Spared::default() }
     }
 
     /// How many links there are.
@@ -125,57 +110,103 @@ impl Refinement {
         };
         let decisions: Vec<Decision> = self.linked.par_iter().map(decide).collect();
         let mut wave = std::mem::take(&mut self.dormant);
-        let mut kept = Vec::with_capacity(self.linked.len());
-        for (placed, decision) in std::mem::take(&mut self.linked).into_iter().zip(decisions) {
+        let mut end = RefineEnd::Content;
+        let linked = std::mem::take(&mut self.linked);
+        let mut left = linked.len();
+        for (placed, decision) in linked.into_iter().zip(decisions) {
+            left -= 1;
+            let pair = Pair { receiver: placed.0, source: placed.1.source };
             match decision {
-                Decision::Link => kept.push(placed),
-                split => push_children(hierarchy, Pair { receiver: placed.0, source: placed.1.source }, split, &mut wave),
+                Decision::Link => self.linked.push(placed),
+                split => match self.exceeded_by_split(hierarchy, pair, split, left + wave.len(), limits) {
+                    Some(limit) => {
+                        end = limit;
+                        self.linked.push(placed);
+                    }
+                    None => push_children(hierarchy, pair, split, &mut wave),
+                },
             }
         }
-        self.linked = kept;
 
         // Wave after wave: decide, ask, decide again, split.
-        let mut end = RefineEnd::Content;
         while !wave.is_empty() {
-            if end == RefineEnd::Content {
-                end = self.limit_reached(hierarchy, wave.len(), limits);
+            if end == RefineEnd::Content && limits.says_stop(hierarchy, self.linked.len() + wave.len()) {
+                end = RefineEnd::Stopped;
             }
+            let may_split = end == RefineEnd::Content;
             let outcomes: Vec<Vec<Outcome>> =
-                wave.par_chunks(CHUNK).map(|pairs| context.decide_chunk(hierarchy, pairs, end == RefineEnd::Content)).collect();
-            let mut next = Vec::new();
+                wave.par_chunks(CHUNK).map(|pairs| context.decide_chunk(hierarchy, pairs, may_split)).collect();
+            let mut splits = Vec::new();
             for (pair, outcome) in wave.iter().zip(outcomes.into_iter().flatten()) {
                 match outcome {
-                    Outcome::Behind => self.behind += 1,
-                    Outcome::Black => self.black += 1,
+                    Outcome::Behind => self.behind.add(2 * context.rays_for(hierarchy, *pair)),
+                    Outcome::Black => self.black.add(2 * context.rays_for(hierarchy, *pair)),
                     Outcome::Dormant => self.dormant.push(*pair),
-                    Outcome::Linked(link) => self.linked.push((pair.receiver, link)),
-                    Outcome::Split(decision) => push_children(hierarchy, *pair, decision, &mut next),
+                    Outcome::Linked(link) => end = self.link(hierarchy, pair.receiver, link, limits).unwrap_or(end),
+                    Outcome::Split(decision) => splits.push((*pair, decision)),
                     Outcome::Asked { .. } => unreachable!("a chunk answers all it asks"),
                 }
+            }
+
+            // What does not fit waits: pairs that prove dark make room. If none does, this is the end, and who cannot be linked sleeps.
+            let (mut next, mut left, mut refused) = (Vec::new(), splits.len(), None);
+            let all = splits.len();
+            for (pair, decision) in splits {
+                left -= 1;
+                let is_structural = !context.clusters && (hierarchy.is_cluster(pair.receiver) || hierarchy.is_cluster(pair.source));
+                match self.exceeded_by_split(hierarchy, pair, decision, left + next.len(), limits) {
+                    Some(limit) if !(is_structural && limit == RefineEnd::MaxLinks && left + next.len() <= FEW_WAITING) => {
+                        refused = Some(limit);
+                        if may_split { next.push(pair) } else { self.dormant.push(pair) }
+                    }
+                    _ => push_children(hierarchy, pair, decision, &mut next),
+                }
+            }
+            if let Some(limit) = refused.filter(|_| may_split && next.len() == all) {
+                end = limit;
             }
             wave = next;
         }
         end
     }
 
-    fn limit_reached(&self, hierarchy: &Hierarchy, waiting: usize, limits: &RefineLimits<'_>) -> RefineEnd {
-        let links = self.linked.len() + waiting;
-        let bytes = (links * size_of::<(NodeId, Link)>()) as u64 + hierarchy.memory_bytes();
-        if links as u64 > limits.max_links {
-            RefineEnd::MaxLinks
-        } else if bytes > limits.max_bytes {
-            RefineEnd::Memory
-        } else if (limits.stop)(links as u64, (hierarchy.len() - hierarchy.cluster_count()) as u64) {
-            RefineEnd::Stopped
-        } else {
-            RefineEnd::Content
+    /// Adds a link, or leaves the pair dormant if a limit says so, which is returned.
+    fn link(&mut self, hierarchy: &Hierarchy, receiver: NodeId, link: Link, limits: &RefineLimits<'_>) -> Option<RefineEnd> {
+        let exceeded = limits.exceeded(hierarchy, self.holding(1), 0);
+        match exceeded {
+            Some(_) => self.dormant.push(Pair { receiver, source: link.source }),
+            None => self.linked.push((receiver, link)),
         }
+        exceeded
     }
+
+    /// The limit that would be exceeded if a pair were split, and all that came of it and `waiting` others were linked.
+    fn exceeded_by_split(
+        &self,
+        hierarchy: &Hierarchy,
+        pair: Pair,
+        decision: Decision,
+        waiting: usize,
+        limits: &RefineLimits<'_>,
+    ) -> Option<RefineEnd> {
+        let (children, bytes) = limits.cost_of_split(hierarchy, split_end(pair, decision));
+        limits.exceeded(hierarchy, self.holding(waiting + children), bytes)
+    }
+
+    /// What there is if all `waiting` pairs are linked.
+    fn holding(&self, waiting: usize) -> Holding {
+        Holding { links: self.linked.len() + waiting, unlinked: self.dormant.len() }
+    }
+}
+
+/// The node of a pair that a decision splits.
+fn split_end(pair: Pair, decision: Decision) -> NodeId {
+    if decision == Decision::SplitReceiver { pair.receiver } else { pair.source }
 }
 
 /// Appends the pairs that take the place of `pair`, making elements where there are none yet.
 fn push_children(hierarchy: &mut Hierarchy, pair: Pair, decision: Decision, pairs: &mut Vec<Pair>) {
-    let split = if decision == Decision::SplitReceiver { pair.receiver } else { pair.source };
+    let split = split_end(pair, decision);
     if hierarchy.is_leaf(split) {
         hierarchy.split(split);
     }
@@ -239,19 +270,20 @@ impl RefineContext<'_> {
         kernels: &mut Vec<f64>,
     ) -> Outcome {
         // What cannot pass, is not reflected or does not shine yet is not asked any further.
-        if is_dark(self.scene, hierarchy, pair) {
+        let is_itself = pair.receiver == pair.source;
+        if (self.skips.behind || (is_itself && !hierarchy.is_cluster(pair.source))) && is_dark(self.scene, hierarchy, pair) {
             return Outcome::Behind;
         }
-        if self.reflectance(hierarchy, pair.receiver).iter().all(|&rho| rho == 0.0) {
+        if self.skips.black && self.reflectance(hierarchy, pair.receiver).iter().all(|&rho| rho == 0.0) {
             return Outcome::Black;
         }
-        if self.radiosity_of(hierarchy, pair.source).iter().all(|&b| b == 0.0) {
+        if self.skips.dark && self.radiosity_of(hierarchy, pair.source).iter().all(|&b| b == 0.0) {
             return Outcome::Dormant;
         }
 
         // Is it little enough, by a cheap form factor? No cluster is linked with itself.
         let clusters = hierarchy.is_cluster(pair.receiver) || hierarchy.is_cluster(pair.source);
-        if clusters && !self.clusters {
+        if clusters && (!self.clusters || (is_itself && !self.skips.within)) {
             return Outcome::Split(larger(hierarchy, pair));
         }
         let separated = !clusters || separated(hierarchy, pair);
@@ -266,13 +298,12 @@ impl RefineContext<'_> {
                 return Outcome::Split(decision);
             }
         }
-        if pair.receiver == pair.source {
+        if is_itself {
             return Outcome::Dormant;
         }
 
         // It is: ask for visibility, and take the form factor with care. Of clusters that are near each other it is sampled.
-        let is_lamp = hierarchy.surface_of(pair.source).is_some_and(|surface| self.scene.material_of(surface).emits());
-        let count = if is_lamp { self.rays_per_light_link } else { self.rays_per_link };
+        let count = self.rays_for(hierarchy, pair);
         let seed = sampling::hash(self.seed, u64::from(pair.receiver.0) << 32 | u64::from(pair.source.0));
         let mut sample = |seed| sampled_pairs(self.scene, hierarchy, pair, count, seed, segments, kernels);
         let (deciding, valued) = (sample(seed), sample(sampling::hash(seed, 1)));
@@ -286,6 +317,12 @@ impl RefineContext<'_> {
         };
         self.form_factor_nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
         Outcome::Asked { form_factor, deciding: deciding.0, valued: valued.0 }
+    }
+
+    /// Visibility rays for the value of a link of this pair; as many again decide whether it is one.
+    fn rays_for(&self, hierarchy: &Hierarchy, pair: Pair) -> u32 {
+        let is_lamp = hierarchy.surface_of(pair.source).is_some_and(|surface| self.scene.material_of(surface).emits());
+        if is_lamp { self.rays_per_light_link } else { self.rays_per_link }
     }
 
     /// The numbers that an oracle sees.

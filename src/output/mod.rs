@@ -34,7 +34,7 @@ pub use openexr::write_openexr;
 pub use ply::write_ply;
 pub use png::{Exposure, auto_exposure, write_png};
 pub use provenance::{Provenance, Quantity};
-pub use report::{CpuReport, ErrorFigures, MemoryReport, REPORT_SCHEMA, RunReport, SceneReport, SkippedWork, Timing, write_report};
+pub use report::{CpuReport, ErrorFigures, MemoryReport, REPORT_SCHEMA, RunReport, SceneReport, Timing, write_report};
 pub use solution_file::{
     SOLUTION_FORMAT_VERSION, SolutionFileError, is_solution_file, read_solution, read_solution_from, write_solution,
 };

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::bounds::BoundsReport;
-use crate::solve::{Counts, Energy, EnergyBalance, IterationReport, SolveOptions, SolveReport, StageTimes, StoppedBy};
+use crate::solve::{Counts, Energy, EnergyBalance, IterationReport, SkippedWork, SolveOptions, SolveReport, StageTimes, StoppedBy};
 
 /// The version of the schema.
 pub const REPORT_SCHEMA: u32 = 1;
@@ -126,15 +126,8 @@ pub struct ErrorFigures {
     pub measured: f64,
     /// A proven bound of the error of values at points, where one was asked for.
     pub bound: Option<f64>,
-}
-
-/// Work that was not done.
-#[derive(Clone, Debug, Serialize)]
-pub struct SkippedWork {
-    /// What, in words.
-    pub what: String,
-    /// How much of it.
-    pub count: u64,
+    /// What pairs without a link hold back at most, as a part of the power that the elements reflect.
+    pub skipped: f64,
 }
 
 impl RunReport {
@@ -158,12 +151,13 @@ impl RunReport {
                 confidence: error.confidence,
                 measured: error.measured,
                 bound: report.bounds.as_ref().map(|bounds| bounds.relative_error),
+                skipped: error.skipped,
             },
             bounds: report.bounds.clone(),
             energy: report.energy,
             bounces: report.bounces.clone(),
             energy_balance: report.energy_balance,
-            skipped: report.skipped.iter().map(|(what, count)| SkippedWork { what: what.clone(), count: *count }).collect(),
+            skipped: report.skipped.clone(),
             converged: report.converged,
             stopped_by: report.stopped_by,
             warnings: Vec::new(),

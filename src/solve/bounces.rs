@@ -7,9 +7,10 @@ use std::sync::atomic::AtomicU64;
 use std::time::Instant;
 
 use super::plan::Plan;
-use super::report::{EnergyBalance, IterationReport};
-use super::{RunOptions, SolveOptions, Solver, Strategy, refine_limits};
-use crate::links::{DormantTransfer, MutualContext, MutualLinks, RefineEnd, TopLevel};
+use super::report::{EnergyBalance, IterationReport, SkippedWork};
+use super::{RunOptions, SolveOptions, Solver, Strategy};
+use crate::bounds::{HeldBackInput, bound_held_back};
+use crate::links::{MutualContext, MutualLinks, RAYS_PER_LINK, RefineEnd, TopLevel};
 use crate::progress::Stage;
 use crate::scene::{Scene, SurfaceId};
 use crate::sweep::{self, Radiosity};
@@ -46,7 +47,7 @@ impl Solver<'_> {
         self.progress(Stage::Refine);
         let start = Instant::now();
         let stop = self.refinement_stop(deadline);
-        let limits = refine_limits(self.options, run, &stop);
+        let limits = self.refine_limits(plan, run, &stop);
         let context = context(self.scene, self.rays, self.options, &self.radiosity, plan);
         let mut ended = links.link_surfaces(&self.hierarchy, &context, &limits);
         self.report.time_s.initial_linking += start.elapsed().as_secs_f64();
@@ -84,13 +85,14 @@ impl Solver<'_> {
         let dormant = links.dormant(&self.hierarchy);
         let mut balance = EnergyBalance::default();
         if !dormant.is_empty() {
-            // At most this is held back: what all of them could transfer if nothing were in between, reflected over and over.
-            let context = context(self.scene, self.rays, self.options, &self.radiosity, plan);
-            let transfer = links.estimate_dormant_transfer(&self.hierarchy, &context);
-            balance.held_back = self.held_back(&transfer);
+            let input = HeldBackInput { scene: self.scene, hierarchy: &self.hierarchy, radiosity: self.radiosity.values() };
+            balance.held_back = bound_held_back(&input, &dormant);
 
+            // The ambient term stands for what they carry.
+            let context = context(self.scene, self.rays, self.options, &self.radiosity, plan);
+            let form_factors = links.estimate_dormant_form_factors(&self.hierarchy, &context);
             let sums = sweep::row_sums(self.scene, &self.hierarchy, &links_alone, &self.exposure);
-            let form_factor = |surface| transfer.form_factor(surface);
+            let form_factor = |surface: SurfaceId| form_factors[surface.index()];
             let ambient =
                 sweep::estimate_ambient(self.scene, &self.hierarchy, &self.exposure, &self.radiosity, &sums, &form_factor);
             let before = self.reflected_power();
@@ -102,33 +104,21 @@ impl Solver<'_> {
         balance.reflected = self.reflected_power();
         self.report.energy_balance = Some(balance);
         self.links = links_alone.with_unlinked(dormant, links.unseen());
+        let rays = u64::from(RAYS_PER_LINK);
+        let pairs = |what: &str, count: u64, estimate_saved_rays| SkippedWork {
+            what: what.to_owned(),
+            count: 2 * count,
+            estimate_saved_rays,
+            ..SkippedWork::default()
+        };
+        let (behind, unclassified) = (links.counts.behind, self.links.dormant().len() as u64 / 2);
         self.report.skipped = vec![
-            ("pairs of surfaces behind one another".to_owned(), 2 * links.counts.behind),
-            ("pairs of which no ray arrived".to_owned(), self.links.unseen().len() as u64),
-            ("links not refined because it would tell nothing".to_owned(), 2 * links.counts.reduced),
+            pairs("pairs of surfaces behind one another", behind, rays * behind),
+            pairs("pairs of surfaces never worth a link", unclassified, rays * unclassified),
+            pairs("pairs of which no ray arrived", self.links.unseen().len() as u64 / 2, 0),
+            pairs("links not refined because it would tell nothing", links.counts.reduced, 4 * rays * links.counts.reduced),
         ];
         self.report.time_s.error += start.elapsed().as_secs_f64();
-    }
-
-    /// The largest power that `transfer` and its interreflection could add to what surfaces reflect, in W, all channels added.
-    ///
-    /// With the links as they are the solution B is short by `e = (I - rho K)^-1 rho K' B`, K' being the missing part of the operator. Its
-    /// integral is at most that of `rho K' B` over the surfaces, divided by `1 - rho_max`.
-    fn held_back(&self, transfer: &DormantTransfer) -> f64 {
-        let surfaces = || (0..self.scene.surfaces().len() as u32).map(SurfaceId);
-        let of_channel = |channel: usize| {
-            let reflectance = |surface| self.scene.material_of(surface).reflectance[channel];
-            let highest = surfaces().map(reflectance).fold(0.0, f64::max);
-            let once: f64 = surfaces()
-                .map(|surface| {
-                    self.hierarchy.area(self.hierarchy.node_of(surface))
-                        * reflectance(surface)
-                        * transfer.irradiance(surface)[channel]
-                })
-                .sum();
-            once / (1.0 - highest)
-        };
-        (0..self.scene.channels()).map(of_channel).sum()
     }
 
     /// What all surfaces reflect, in W, all channels added.

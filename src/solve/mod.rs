@@ -12,20 +12,26 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
+pub use crate::links::Skips;
 pub use options::{Bounds, Gather, OptionsError, RunOptions, SolveOptions, Strategy, Sweep};
-pub use report::{Counts, Energy, EnergyBalance, ErrorReport, IterationReport, SolveReport, StageTimes, StoppedBy};
+pub use report::{Counts, Energy, EnergyBalance, ErrorReport, IterationReport, SkippedWork, SolveReport, StageTimes, StoppedBy};
 pub use solution::Solution;
+
+use report::Powers;
 
 use error_estimate::{ErrorEstimate, ErrorSamples, Looking};
 use plan::{Plan, Verdict};
 
+use crate::bounds::{HeldBackInput, bound_held_back};
 use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::{LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::progress::{Observer, Progress, Stage};
-use crate::reconstruct::{Effort, HemisphereGather, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Scratch, Way};
+use crate::reconstruct::{
+    Effort, HemisphereGather, Lattice, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Scratch, Way,
+};
 use crate::scene::{Scene, SurfaceId};
-use crate::sweep::{self, Closure, Exposure, Radiosity, sampled_exposed_point, sweep_in_place};
+use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, sampled_exposed_point, sweep_in_place};
 use crate::transmittance::Rays;
 
 /// No solve sweeps more often in a row: at reflectance 0.999 the change has fallen by e^-20 by then.
@@ -64,6 +70,7 @@ pub(crate) fn solve(
                 Verdict::Exhausted => break 'rounds StoppedBy::Exhausted,
                 Verdict::LookCloser => {}
                 Verdict::MoreRays => solver.error_samples.forget_values(),
+                Verdict::Resolve if !solver.cells_fit(&plan, run) => break 'rounds StoppedBy::Memory,
                 Verdict::Resolve => solver.error_samples = ErrorSamples::default(),
                 Verdict::Refine => {
                     solver.error_samples.forget_values();
@@ -73,15 +80,6 @@ pub(crate) fn solve(
         }
     };
     solver.finish(scene.clone(), &plan, stopped_by)
-}
-
-/// Where refinement ends, content or not.
-fn refine_limits<'s>(options: &SolveOptions, run: &RunOptions, stop: &'s (dyn Fn(u64, u64) -> bool + Sync)) -> RefineLimits<'s> {
-    RefineLimits {
-        max_links: options.max_links.unwrap_or(u64::from(u32::MAX)),
-        max_bytes: run.memory_bytes.unwrap_or(u64::MAX),
-        stop,
-    }
 }
 
 /// Radiosities that are resolved finer than elements.
@@ -197,6 +195,41 @@ impl<'a> Solver<'a> {
         }
     }
 
+    /// Where refinement ends, content or not: what cells take is not left to links.
+    fn refine_limits<'s>(&self, plan: &Plan, run: &RunOptions, stop: &'s (dyn Fn(u64, u64) -> bool + Sync)) -> RefineLimits<'s> {
+        let left = |bytes: u64| bytes.saturating_sub(self.cell_bytes(plan));
+        RefineLimits {
+            max_links: self.options.max_links.unwrap_or(u64::from(u32::MAX)),
+            max_bytes: run.memory_bytes.map_or(u64::MAX, left),
+            channels: self.scene.channels(),
+            stop,
+        }
+    }
+
+    /// What the solution keeps of radiosities that are resolved as finely as planned.
+    fn cell_bytes(&self, plan: &Plan) -> u64 {
+        match plan.gather() {
+            Gather::Hemisphere => {
+                let cells = Lattice::new(self.scene, plan.resolution().side).count();
+                cells.map_or(u64::MAX, |cells| (cells * self.scene.channels() * size_of::<f32>()) as u64)
+            }
+            _ => 0,
+        }
+    }
+
+    /// Whether the memory allows radiosities that are resolved as finely as planned, beside what there is.
+    fn cells_fit(&self, plan: &Plan, run: &RunOptions) -> bool {
+        let nodes = self.hierarchy.memory_bytes() + size_of_val(self.radiosity.values()) as u64;
+        let links = self.links.memory_bytes();
+        run.memory_bytes.is_none_or(|most| (nodes + links).saturating_add(self.cell_bytes(plan)) <= most)
+    }
+
+    /// Whether clusters gather and emit: by plan, or where few surfaces are no reason to do without.
+    fn links_clusters(&self, plan: &Plan) -> bool {
+        let may = self.options.strategy == Strategy::Default && self.options.bounds != Bounds::Guaranteed;
+        plan.clusters() || (may && !self.options.skips.clusters)
+    }
+
     /// Refines until the oracle is content at `tolerance`.
     fn refine(&mut self, plan: &Plan, tolerance: f64, run: &RunOptions, deadline: Option<Instant>) -> RefineEnd {
         let start = Instant::now();
@@ -208,22 +241,23 @@ impl<'a> Solver<'a> {
             rays: self.rays,
             oracle: &*oracle,
             radiosity: self.radiosity.values(),
-            clusters: plan.clusters(),
+            clusters: self.links_clusters(plan),
             cluster_reflectance: &self.cluster_reflectance,
             form_factor_accuracy: self.options.form_factor_accuracy,
             rays_per_link: self.options.rays_per_link,
             rays_per_light_link: self.options.rays_per_light_link,
+            skips: self.options.skips,
             seed: self.options.seed,
             form_factor_nanoseconds: AtomicU64::new(0),
         };
         let stop = self.refinement_stop(deadline);
-        let limits = refine_limits(self.options, run, &stop);
+        let limits = self.refine_limits(plan, run, &stop);
         let end = self.refinement.refine(&mut self.hierarchy, &context, &limits);
         self.report.time_s.form_factor += context.form_factor_nanoseconds.into_inner() as f64 * 1e-9;
         self.links = self.refinement.link_set(&self.hierarchy);
         self.exposure.grow(self.scene, &self.hierarchy, self.rays, self.options.seed);
         self.radiosity.grow(&self.hierarchy);
-        self.closure = if plan.clusters() {
+        self.closure = if self.links_clusters(plan) {
             Some(Closure::of_estimates(self.scene, &self.hierarchy, &self.links, &self.exposure))
         } else {
             Closure::of_divergent(self.scene, &self.hierarchy, &self.links, &self.exposure)
@@ -235,7 +269,7 @@ impl<'a> Solver<'a> {
     /// Whether a pair that sleeps because its source was dark must be looked at again. Where clusters are linked, one with itself sleeps
     /// because it carries little.
     fn dormant_pair_is_lit(&self, plan: &Plan) -> bool {
-        let sleeps_in_the_dark = |pair: &&Pair| pair.receiver != pair.source || !plan.clusters();
+        let sleeps_in_the_dark = |pair: &&Pair| pair.receiver != pair.source || !self.links_clusters(plan);
         let in_the_dark = self.links.dormant().iter().filter(sleeps_in_the_dark);
         in_the_dark.map(|pair| pair.source).any(|source| self.radiosity.of(source).iter().any(|&b| b > 0.0))
     }
@@ -287,9 +321,10 @@ impl<'a> Solver<'a> {
         let channels = self.scene.channels();
         let leaves: Vec<NodeId> = self.hierarchy.ids().filter(|&node| self.hierarchy.is_leaf(node)).collect();
         let mut values = vec![0.0; leaves.len() * channels];
+        let by_plane = ByPlane::new(self.scene);
         values.par_chunks_mut(channels).zip(&leaves).for_each_init(Scratch::default, |scratch, (value, &leaf)| {
             let surface = SurfaceId(self.hierarchy.node(leaf).surface);
-            match sampled_exposed_point(self.scene, &self.hierarchy, &self.exposure, self.rays, leaf, self.options.seed) {
+            match sampled_exposed_point(&self.hierarchy, &by_plane, &self.exposure, self.rays, leaf, self.options.seed) {
                 Some(point) => reconstruction.radiosities_at([(point, surface)].into_iter(), effort, scratch, value),
                 None => value.copy_from_slice(self.radiosity.of(leaf)),
             }
@@ -350,17 +385,61 @@ impl<'a> Solver<'a> {
         Reconstruction { scene, hierarchy, way: hemisphere.map_or_else(over_links, Way::Hemisphere), effort }
     }
 
+    /// What refinement left out.
+    fn skipped(&self, plan: &Plan) -> Vec<SkippedWork> {
+        let work = |what: &str, count, estimate_saved_rays| SkippedWork {
+            what: what.to_owned(),
+            count,
+            estimate_saved_rays,
+            ..SkippedWork::default()
+        };
+        let Refinement { behind, black, .. } = self.refinement;
+        let asleep =
+            |is_counted: &dyn Fn(&Pair) -> bool| self.links.dormant().iter().filter(|pair| is_counted(pair)).count() as u64;
+        let (dark, within) = (asleep(&|pair| pair.receiver != pair.source), asleep(&|pair| pair.receiver == pair.source));
+        let rays = 2 * u64::from(self.options.rays_per_link);
+        let unused = if self.links_clusters(plan) { 0 } else { self.hierarchy.cluster_count() as u64 };
+        let is_dark = |surface: &u32| self.radiosity.of(self.hierarchy.node_of(SurfaceId(*surface))).iter().all(|&b| b == 0.0);
+        let sealed = (0..self.scene.surfaces().len() as u32).filter(is_dark).count() as u64;
+        vec![
+            work("pairs behind one another", behind.pairs, behind.rays),
+            work("pairs with a black receiver", black.pairs, black.rays),
+            work("dormant pairs with a dark source, or for which there was no room", dark, rays * dark),
+            work("dormant pairs of a cluster with itself", within, rays * within),
+            work("surfaces that no light reaches", sealed, 0),
+            work("clusters that are not linked", unused, 0),
+            work("segments in a scene where nothing occludes", self.rays.spared(), self.rays.spared()),
+        ]
+    }
+
     fn finish(self, scene: Scene, plan: &Plan, stopped_by: StoppedBy) -> (Solution, SolveReport) {
+        let skipped = self.skipped(plan);
         let mut report = self.report;
+        let powers = Powers {
+            scene: &scene,
+            hierarchy: &self.hierarchy,
+            links: &self.links,
+            exposure: &self.exposure,
+            closure: self.closure.as_ref(),
+            radiosity: &self.radiosity,
+        };
+        let held_back = |pairs: &[Pair]| {
+            let radiosity = self.radiosity.values();
+            bound_held_back(&HeldBackInput { scene: &scene, hierarchy: &self.hierarchy, radiosity }, pairs)
+        };
         report.energy = Energy {
             residual: report.energy.residual,
-            ..report::energy(&scene, &self.hierarchy, &self.links, &self.exposure, &self.radiosity)
+            held_back: report.energy_balance.map_or_else(|| held_back(self.links.dormant()), |balance| balance.held_back),
+            held_back_unseen: held_back(self.links.unseen()),
+            ..powers.energy()
         };
+        let reflected = report.energy.sent - report.energy.emitted;
         report.error = ErrorReport {
             requested: self.options.error,
             estimate: self.error.map_or(f64::INFINITY, |error| error.claimed),
             confidence: error_estimate::CONFIDENCE,
             measured: self.error.map_or(f64::INFINITY, |error| error.measured),
+            skipped: if reflected > 0.0 { report.energy.held_back / reflected } else { 0.0 },
         };
         report.stopped_by = stopped_by;
         report.converged = stopped_by == StoppedBy::Error;
@@ -377,12 +456,11 @@ impl<'a> Solver<'a> {
             first_hit_rays: first_hits.count(),
             ..report.counts
         };
-        report.skipped.extend([
-            ("pairs behind one another".to_owned(), self.refinement.behind),
-            ("pairs with a black receiver".to_owned(), self.refinement.black),
-            ("pairs with a dark source".to_owned(), report.counts.dormant),
-            ("segments in a scene where nothing occludes".to_owned(), self.rays.spared()),
-        ]);
+        report.skipped.extend(skipped);
+        let per_ray = segments.seconds() / segments.count().max(1) as f64;
+        for skipped in &mut report.skipped {
+            skipped.estimate_saved_s = per_ray * skipped.estimate_saved_rays as f64;
+        }
         let solution = Solution {
             scene,
             options: self.options.clone(),
@@ -391,7 +469,7 @@ impl<'a> Solver<'a> {
             exposure: self.exposure,
             radiosity: self.radiosity,
             point_rays: plan.point_rays(),
-            resolution: plan.resolution(),
+            resolution: self.resolved.as_ref().map_or(plan.resolution(), |resolved| resolved.resolution),
             resolved: self.resolved.and_then(|resolved| resolved.for_values),
         };
         report.memory_bytes = solution.memory_bytes();

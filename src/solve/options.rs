@@ -5,6 +5,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::links::Skips;
 use crate::visibility::Backend;
 
 /// How pairs of nodes are refined.
@@ -208,6 +209,8 @@ pub struct SolveOptions {
     pub cull_form_factor: f64,
     /// Whether lazy linking gives surfaces an ambient term for what they miss.
     pub ambient: bool,
+    /// What is left out because it would be in vain.
+    pub skips: Skips,
 }
 
 impl Default for SolveOptions {
@@ -234,13 +237,14 @@ impl Default for SolveOptions {
             reduce_tolerance: 0.2,
             cull_form_factor: 1e-3,
             ambient: true,
+            skips: Skips::ALL,
         }
     }
 }
 
 impl SolveOptions {
     /// The keys that [`SolveOptions::set`] knows.
-    pub const KEYS: [&'static str; 21] = [
+    pub const KEYS: [&'static str; 22] = [
         "error",
         "strategy",
         "bounds",
@@ -262,6 +266,7 @@ impl SolveOptions {
         "reduce_tolerance",
         "cull_form_factor",
         "ambient",
+        "skips",
     ];
 
     /// Rejects values outside their range; never clamps.
@@ -336,7 +341,10 @@ impl SolveOptions {
             "link_tolerance" => self.link_tolerance = parse(key, value, NUMBER)?,
             "reduce_tolerance" => self.reduce_tolerance = parse(key, value, NUMBER)?,
             "cull_form_factor" => self.cull_form_factor = parse(key, value, NUMBER)?,
-            _ => self.ambient = parse(key, value, "true or false")?,
+            "ambient" => self.ambient = parse(key, value, "true or false")?,
+            _ => {
+                self.skips = parse(key, value, "all, none, or behind, black, dark, within, rays, clusters, joined by +")?;
+            }
         }
         self.validate()
     }

@@ -6,7 +6,7 @@ use crate::bounds::BoundsReport;
 use crate::hierarchy::Hierarchy;
 use crate::links::LinkSet;
 use crate::scene::{Scene, SurfaceId};
-use crate::sweep::{self, Exposure, Radiosity};
+use crate::sweep::{self, Closure, Exposure, Radiosity};
 
 /// Why refinement ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -63,9 +63,11 @@ pub struct ErrorReport {
     pub confidence: f64,
     /// The measured error itself, without the allowance for its noise.
     pub measured: f64,
+    /// [`Energy::held_back`] as a part of the power that the elements reflect.
+    pub skipped: f64,
 }
 
-/// Where the power goes, in W, all channels added.
+/// Where the power goes, in W, all channels added, by the links and the radiosities of the elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     /// Emitted by all surfaces.
@@ -76,6 +78,29 @@ pub struct Energy {
     pub escaped: f64,
     /// What the last iteration still changed.
     pub residual: f64,
+    /// Sent by all surfaces: emitted and reflected.
+    pub sent: f64,
+    /// In a closed scene, where all that is sent arrives: the part of it that a sweep loses, or makes if negative. `None` where rays
+    /// leave the scene.
+    pub imbalance: Option<f64>,
+    /// At most so much more would be reflected if all dormant pairs were links, interreflection included; proved, for the light that the
+    /// links carry.
+    pub held_back: f64,
+    /// The same for pairs that were dropped because no ray arrived.
+    pub held_back_unseen: f64,
+}
+
+/// Work that was not done.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SkippedWork {
+    /// What, in words.
+    pub what: String,
+    /// How much of it.
+    pub count: u64,
+    /// Visibility rays that it would have taken: those of one link for each pair, which might have been refined further.
+    pub estimate_saved_rays: u64,
+    /// What these would have taken, at the rate of this solve, in seconds added over threads.
+    pub estimate_saved_s: f64,
 }
 
 /// Seconds of wall time by stage, as far as the library spends them.
@@ -131,8 +156,7 @@ pub struct IterationReport {
 pub struct EnergyBalance {
     /// What surfaces reflect, the ambient term included.
     pub reflected: f64,
-    /// At most this is missing of what surfaces reflect, before the ambient term: a bound as far as form factors are exact and the
-    /// iterations have converged.
+    /// At most this is missing of what surfaces reflect, before the ambient term: [`Energy::held_back`].
     pub held_back: f64,
     /// What the ambient term adds.
     pub ambient: f64,
@@ -159,28 +183,49 @@ pub struct SolveReport {
     pub energy_balance: Option<EnergyBalance>,
     /// Bytes of the solution: hierarchy, links, radiosities.
     pub memory_bytes: u64,
-    /// Work that was not done, with its count, in words.
-    pub skipped: Vec<(String, u64)>,
+    /// Work that was not done.
+    pub skipped: Vec<SkippedWork>,
     /// Whether the requested error is reached.
     pub converged: bool,
     /// Why refinement ended.
     pub stopped_by: StoppedBy,
 }
 
-/// Where the power goes, by the links: what arrives nowhere has escaped.
-pub(super) fn energy(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure, radiosity: &Radiosity) -> Energy {
-    let channels = scene.channels();
-    let irradiance = sweep::push(hierarchy, sweep::gather(hierarchy, links, exposure, radiosity), channels);
-    let mut energy = Energy::default();
-    for leaf in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
-        let material = scene.material_of(SurfaceId(hierarchy.node(leaf).surface));
-        let exposed = hierarchy.area(leaf) * exposure.of(leaf);
-        for channel in 0..channels {
-            let arrived = exposed * irradiance[leaf.index() * channels + channel];
-            energy.emitted += exposed * material.exitance[channel];
-            energy.absorbed += (1.0 - material.reflectance[channel]) * arrived;
-            energy.escaped += exposed * radiosity.of(leaf)[channel] - arrived;
+/// What is told about the power that travels over the links of a solution.
+pub(super) struct Powers<'a> {
+    pub scene: &'a Scene,
+    pub hierarchy: &'a Hierarchy,
+    pub links: &'a LinkSet,
+    pub exposure: &'a Exposure,
+    pub closure: Option<&'a Closure>,
+    pub radiosity: &'a Radiosity,
+}
+
+impl Powers<'_> {
+    /// Where the power goes in one more gather: what arrives nowhere has escaped.
+    pub fn energy(&self) -> Energy {
+        let Self { scene, hierarchy, links, exposure, closure, radiosity } = *self;
+        let channels = scene.channels();
+        let mut irradiance = sweep::push(hierarchy, sweep::gather(hierarchy, links, exposure, radiosity), channels);
+        let (mut energy, mut arrived) = (Energy::default(), 0.0);
+        for leaf in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
+            let material = scene.material_of(SurfaceId(hierarchy.node(leaf).surface));
+            let exposed = hierarchy.area(leaf) * exposure.of(leaf);
+            let arriving = &mut irradiance[leaf.index() * channels..][..channels];
+            for (channel, arriving) in arriving.iter().enumerate() {
+                energy.emitted += exposed * material.exitance[channel];
+                energy.absorbed += (1.0 - material.reflectance[channel]) * exposed * arriving;
+                energy.sent += exposed * radiosity.of(leaf)[channel];
+                energy.escaped += exposed * (radiosity.of(leaf)[channel] - arriving);
+            }
+
+            // What sweeps make of it, where links are estimates.
+            if let Some(closure) = closure {
+                closure.close(leaf, arriving);
+            }
+            arrived += exposed * arriving.iter().sum::<f64>();
         }
+        energy.imbalance = (exposure.is_closed() && energy.sent > 0.0).then(|| 1.0 - arrived / energy.sent);
+        energy
     }
-    energy
 }

@@ -56,7 +56,7 @@ impl Closure {
     }
 
     /// Fills in, or takes away, reflected light at a leaf.
-    pub(super) fn close(&self, leaf: NodeId, irradiance: &mut [f64]) {
+    pub(crate) fn close(&self, leaf: NodeId, irradiance: &mut [f64]) {
         let factor = self.factors[leaf.index()];
         for (h, emitted) in irradiance.iter_mut().zip(&self.emitted[leaf.index() * self.channels..]) {
             *h = emitted + factor * (*h - emitted);

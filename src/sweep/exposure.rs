@@ -4,7 +4,9 @@
 //! floor around it, that darkness would count twice: in the radiosity, and in the visibility of the covered part. So radiosities are
 //! means over the exposed part, form factors and visibilities are of the whole, and what a node gathers is divided by its exposure.
 //!
-//! A point is covered if a ray that leaves it by the cosine first meets a back. Such points are found by sampling.
+//! A point is covered if a ray that leaves it by the cosine first meets a back, or if it leaves the scene but the point lies on another
+//! surface of the same plane that looks the other way, as the underside of a box does that stands on a floor: rays pass what lies in their
+//! own plane. Such points are found by sampling.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +14,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::{Frame, sampling};
+use crate::geometry::{Facet, Frame, sampling};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
@@ -68,6 +70,7 @@ impl Exposure {
         let known = self.by_node.len();
         self.by_node.resize(hierarchy.len(), 1.0);
 
+        let by_plane = ByPlane::new(scene);
         let (least, most) = SURFACE_SAMPLES.into_inner();
         let surface_samples = (ALL_SAMPLES / scene.surfaces().len() as u32).clamp(least, most);
 
@@ -81,11 +84,11 @@ impl Exposure {
                 .map(|node| {
                     let surface = hierarchy.node_of(SurfaceId(hierarchy.node(NodeId(node as u32)).surface));
                     if surface.index() == node {
-                        sampled_exposure(scene, hierarchy, rays, surface, surface_samples, seed)
+                        sampled_exposure(hierarchy, &by_plane, rays, surface, surface_samples, seed)
                     } else if self.of(surface) == 1.0 {
                         (1.0, false)
                     } else {
-                        sampled_exposure(scene, hierarchy, rays, NodeId(node as u32), PIECE_SAMPLES, seed)
+                        sampled_exposure(hierarchy, &by_plane, rays, NodeId(node as u32), PIECE_SAMPLES, seed)
                     }
                 })
                 .collect();
@@ -108,8 +111,8 @@ impl Exposure {
 /// A point of `node` that is exposed, as far as one ray from it tells: the centroid where all is exposed, else the first of
 /// [`PIECE_SAMPLES`] sampled points that is; `None` if none is.
 pub(crate) fn sampled_exposed_point(
-    scene: &Scene,
     hierarchy: &Hierarchy,
+    by_plane: &ByPlane<'_>,
     exposure: &Exposure,
     rays: &Rays<'_>,
     node: NodeId,
@@ -119,20 +122,50 @@ pub(crate) fn sampled_exposed_point(
         1.0 => Some(hierarchy.facet(node).centroid),
         0.0 => None,
         _ => {
-            let mut points = sampled_points(scene, hierarchy, rays, node, PIECE_SAMPLES, seed);
+            let mut points = sampled_points(hierarchy, by_plane, rays, node, PIECE_SAMPLES, seed);
             points.find_map(|(point, end)| (end != End::Back).then_some(point))
         }
     }
 }
 
 /// The exposed part of a node, and whether a ray from it leaves the scene.
-fn sampled_exposure(scene: &Scene, hierarchy: &Hierarchy, rays: &Rays<'_>, node: NodeId, samples: u32, seed: u64) -> (f32, bool) {
+fn sampled_exposure(
+    hierarchy: &Hierarchy,
+    by_plane: &ByPlane<'_>,
+    rays: &Rays<'_>,
+    node: NodeId,
+    samples: u32,
+    seed: u64,
+) -> (f32, bool) {
     let (mut exposed, mut open) = (0, false);
-    for (_, end) in sampled_points(scene, hierarchy, rays, node, samples, seed) {
+    for (_, end) in sampled_points(hierarchy, by_plane, rays, node, samples, seed) {
         exposed += u32::from(end != End::Back);
         open |= end == End::Outside;
     }
     (exposed as f32 / samples as f32, open)
+}
+
+/// The surfaces of every plane.
+pub(crate) struct ByPlane<'a> {
+    scene: &'a Scene,
+    order: Vec<SurfaceId>,
+}
+
+impl<'a> ByPlane<'a> {
+    pub(crate) fn new(scene: &'a Scene) -> Self {
+        let mut order: Vec<SurfaceId> = (0..scene.surfaces().len() as u32).map(SurfaceId).collect();
+        order.sort_by_key(|&surface| scene.surface(surface).plane);
+        Self { scene, order }
+    }
+
+    /// The surfaces in the plane of `surface` that look the other way, the other side of a sheet left out.
+    fn opposite(&self, surface: SurfaceId) -> impl Iterator<Item = Facet<'a>> {
+        let (scene, own) = (self.scene, self.scene.surface(surface));
+        let first = self.order.partition_point(|&other| scene.surface(other).plane < own.plane);
+        let in_plane = self.order[first..].iter().take_while(|&&other| scene.surface(other).plane == own.plane);
+        let others = in_plane.filter(|&&other| own.twin != Some(other)).map(|&other| scene.surface(other).polygon.facet());
+        others.filter(|other| other.normal.dot(own.polygon.facet().normal) < 0.0)
+    }
 }
 
 /// Where a ray from a point ends.
@@ -145,13 +178,14 @@ enum End {
 
 /// Points of a node, uniform by area, each with where a ray ends that leaves it by the cosine; a point is covered if that is a back.
 fn sampled_points(
-    scene: &Scene,
     hierarchy: &Hierarchy,
+    by_plane: &ByPlane<'_>,
     rays: &Rays<'_>,
     node: NodeId,
     samples: u32,
     seed: u64,
 ) -> impl Iterator<Item = (DVec3, End)> {
+    let scene = by_plane.scene;
     let facet = hierarchy.facet(node);
     let surface = SurfaceId(hierarchy.node(node).surface);
     let origin_plane = scene.surface(surface).plane;
@@ -166,7 +200,10 @@ fn sampled_points(
     let looks: Vec<Ray> = (0..samples).map(look).collect();
     let mut hits = Vec::new();
     rays.first_hits(&looks, &mut hits);
+    let leaves_scene = hits.iter().any(Option::is_none);
+    let opposite: Vec<Facet<'_>> = if leaves_scene { by_plane.opposite(surface).collect() } else { Vec::new() };
     let end = |look: &Ray, hit: Option<Hit>| match hit {
+        None if opposite.iter().any(|facing| facing.contains(DVec3::from(look.origin))) => End::Back,
         None => End::Outside,
         Some(hit) => {
             let side = scene.side_towards(SurfaceId(hit.surface), -DVec3::from(look.direction));

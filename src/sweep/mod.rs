@@ -10,7 +10,7 @@ mod radiosity;
 
 pub(crate) use closure::Closure;
 pub use exposure::Exposure;
-pub(crate) use exposure::sampled_exposed_point;
+pub(crate) use exposure::{ByPlane, sampled_exposed_point};
 pub(crate) use gather::{Irradiance, gather};
 pub(crate) use in_place::sweep_in_place;
 pub(crate) use missing::{estimate_ambient, incorrect_energy, reflect_ambient, row_sums};

@@ -30,6 +30,11 @@ impl<'a> Rays<'a> {
         }
     }
 
+    /// The same, but asks even where nothing can occlude anything.
+    pub fn asking_always(self) -> Self {
+        Self { nothing_occludes: false, ..self }
+    }
+
     /// Sets `occluded[i]` to whether anything lies on `segments[i]`.
     pub fn occluded(&self, segments: &[Segment], occluded: &mut Vec<bool>) {
         occluded.clear();

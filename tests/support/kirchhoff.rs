@@ -1,5 +1,7 @@
 //! Kirchhoff's furnace: in a closed room whose surfaces emit `E = (1 - rho) B0`, with any rho, `B = B0` everywhere.
 
+#![allow(dead_code, reason = "each test uses a part")]
+
 use patchlight::scene::Scene;
 
 use crate::rooms::{Room, channels, straight, turned};

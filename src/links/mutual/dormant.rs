@@ -1,4 +1,5 @@
-//! What pairs of surfaces without a link could transfer at most: their form factors as if nothing were in between.
+//! The form factors of the pairs of surfaces that have no link, as if nothing were in between: what the ambient term may stand for.
+//! What such pairs hold back at most is bounded elsewhere (`bounds::held_back`).
 
 use rayon::prelude::*;
 
@@ -7,33 +8,12 @@ use crate::hierarchy::Hierarchy;
 use crate::links::exchange::behind;
 use crate::scene::SurfaceId;
 
-/// What could reach each surface over the pairs that have no link; an estimate, because form factors are.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct DormantTransfer {
-    channels: usize,
-    form_factors: Vec<f64>,
-    irradiance: Vec<f64>,
-}
-
-impl DormantTransfer {
-    /// The sum of a surface's form factors to all surfaces that it has no link with; above 1 where these hide one another.
-    pub fn form_factor(&self, surface: SurfaceId) -> f64 {
-        self.form_factors[surface.index()]
-    }
-
-    /// The irradiance from there by channel, in W/m^2, if nothing were in between.
-    pub fn irradiance(&self, surface: SurfaceId) -> &[f64] {
-        &self.irradiance[surface.index() * self.channels..][..self.channels]
-    }
-}
-
 impl MutualLinks {
-    /// Adds up what the pairs that are still unclassified could transfer. O(n^2) form factors.
-    pub fn estimate_dormant_transfer(&self, hierarchy: &Hierarchy, context: &MutualContext<'_>) -> DormantTransfer {
-        let channels = context.scene.channels();
+    /// The sum of each surface's form factors to all surfaces with which it is still unclassified; above 1 where these hide one another. An
+    /// estimate, because form factors are. O(n^2).
+    pub fn estimate_dormant_form_factors(&self, hierarchy: &Hierarchy, context: &MutualContext<'_>) -> Vec<f64> {
         let count = context.scene.surfaces().len();
         let node = |surface: usize| hierarchy.node_of(SurfaceId(surface as u32));
-        let radiosity = |surface: usize| &context.radiosity[node(surface).index() * channels..][..channels];
 
         // The form factors in parallel, row by row; the sums in order.
         let rows: Vec<Vec<(usize, f64)>> = (self.unclassified.rows().par_iter())
@@ -50,17 +30,13 @@ impl MutualLinks {
                 row.iter().filter_map(exchanged).collect()
             })
             .collect();
-        let mut transfer = DormantTransfer { channels, form_factors: vec![0.0; count], irradiance: vec![0.0; count * channels] };
+        let mut sums = vec![0.0; count];
         for (first, row) in rows.into_iter().enumerate() {
             for (second, exchange) in row {
-                for (receiver, source) in [(first, second), (second, first)] {
-                    let form_factor = exchange / hierarchy.area(node(receiver));
-                    transfer.form_factors[receiver] += form_factor;
-                    let sums = &mut transfer.irradiance[receiver * channels..][..channels];
-                    sums.iter_mut().zip(radiosity(source)).for_each(|(h, b)| *h += form_factor * b);
-                }
+                sums[first] += exchange / hierarchy.area(node(first));
+                sums[second] += exchange / hierarchy.area(node(second));
             }
         }
-        transfer
+        sums
     }
 }

@@ -14,11 +14,11 @@ mod top_level;
 
 use std::sync::atomic::AtomicU64;
 
-pub(crate) use dormant::DormantTransfer;
 use pairs::PairSet;
 pub(crate) use top_level::TopLevel;
 
-use super::{Link, LinkSet, Pair, RefineEnd, RefineLimits};
+use super::limits::{Holding, RefineLimits};
+use super::{Link, LinkSet, Pair, RefineEnd};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
@@ -67,6 +67,7 @@ pub(crate) struct MutualLinks {
     links: Vec<MutualLink>,
     /// Pairs of surfaces that are not classified yet.
     unclassified: PairSet,
+    unclassified_count: usize,
     /// Pairs of nodes of which no ray arrived.
     unseen: Vec<Pair>,
     /// Counts of what was done.
@@ -91,10 +92,12 @@ pub(crate) struct MutualCounts {
 impl MutualLinks {
     /// Nothing is linked yet.
     pub fn new(strategy: TopLevel, scene: &Scene) -> Self {
+        let surfaces = scene.surfaces().len();
         Self {
             strategy,
             links: Vec::new(),
-            unclassified: PairSet::all(scene.surfaces().len()),
+            unclassified: PairSet::all(surfaces),
+            unclassified_count: surfaces * (surfaces - 1) / 2,
             unseen: Vec::new(),
             counts: MutualCounts::default(),
         }
@@ -103,6 +106,24 @@ impl MutualLinks {
     /// How many links there are, each direction counted.
     pub fn len(&self) -> u64 {
         2 * self.links.len() as u64
+    }
+
+    /// What a solution would hold with so many more links for both directions, and pairs without one.
+    fn holding(&self, links: usize, unlinked: usize) -> Holding {
+        let unlinked = self.unclassified_count + self.unseen.len() + unlinked;
+        Holding { links: 2 * (self.links.len() + links), unlinked: 2 * unlinked }
+    }
+
+    /// How many of so many pairs may be linked, and the limit that keeps out the rest.
+    fn links_to_go(&self, hierarchy: &Hierarchy, limits: &RefineLimits<'_>, wanted: usize) -> (usize, Option<RefineEnd>) {
+        let exceeded = |links| limits.exceeded(hierarchy, self.holding(links, wanted - links), 0);
+        let Some(limit) = exceeded(wanted) else { return (wanted, None) };
+        let (mut fits, mut exceeds) = (0, wanted);
+        while fits + 1 < exceeds {
+            let tried = fits.midpoint(exceeds);
+            if exceeded(tried).is_none() { fits = tried } else { exceeds = tried }
+        }
+        (fits, Some(limit))
     }
 
     /// The links by receiver.
@@ -147,20 +168,5 @@ impl MutualContext<'_> {
         let to_first = self.brightness(hierarchy, second) / hierarchy.area(first);
         let to_second = self.brightness(hierarchy, first) / hierarchy.area(second);
         exchange * to_first.max(to_second)
-    }
-}
-
-/// The limit that is reached with so many links for both directions.
-fn limit_reached(limits: &RefineLimits<'_>, links: usize, hierarchy: &Hierarchy) -> RefineEnd {
-    let bytes = (links * size_of::<MutualLink>()) as u64 + hierarchy.memory_bytes();
-    let elements = (hierarchy.len() - hierarchy.cluster_count()) as u64;
-    if 2 * links as u64 > limits.max_links {
-        RefineEnd::MaxLinks
-    } else if bytes > limits.max_bytes {
-        RefineEnd::Memory
-    } else if (limits.stop)(2 * links as u64, elements) {
-        RefineEnd::Stopped
-    } else {
-        RefineEnd::Content
     }
 }

@@ -29,6 +29,12 @@ impl PairSet {
         Self { rows: (0..count).map(row).collect() }
     }
 
+    /// Takes a pair in; `first < second`.
+    pub fn insert(&mut self, first: usize, second: usize) {
+        let bit = second - first - 1;
+        self.rows[first].words[bit / 64] |= 1 << (bit % 64);
+    }
+
     /// The rows, to be worked in parallel.
     pub fn rows_mut(&mut self) -> &mut [Row] {
         &mut self.rows
@@ -91,8 +97,12 @@ mod tests {
                 let first = row.first();
                 row.retain(|second| (first + second).is_multiple_of(3));
             }
-            let kept: Vec<(usize, usize)> = all.into_iter().filter(|(a, b)| (a + b).is_multiple_of(3)).collect();
+            let kept: Vec<(usize, usize)> = all.iter().copied().filter(|(a, b)| (a + b).is_multiple_of(3)).collect();
             assert_eq!(pairs.iter().collect::<Vec<_>>(), kept);
+
+            // What was left out comes back in.
+            all.iter().for_each(|&(first, second)| pairs.insert(first, second));
+            assert_eq!(pairs, PairSet::all(count));
         }
     }
 }

@@ -10,12 +10,12 @@ use rayon::prelude::*;
 
 use super::reduction::{Piece, is_worth_refining};
 use super::top_level::Promising;
-use super::{MutualContext, MutualLink, MutualLinks, limit_reached};
+use super::{MutualContext, MutualLink, MutualLinks};
 use crate::form_factor::{estimate_exchange, exact_exchange};
 use crate::geometry::Facet;
 use crate::hierarchy::{Hierarchy, NodeId, for_each_piece};
 use crate::links::exchange::behind;
-use crate::links::refine::{RefineEnd, RefineLimits};
+use crate::links::limits::{RefineEnd, RefineLimits};
 
 /// What becomes of a link that carries too much.
 enum Outcome {
@@ -38,26 +38,38 @@ impl MutualLinks {
         for (link, too_much) in std::mem::take(&mut self.links).into_iter().zip(carries_too_much) {
             if too_much { wave.push(link) } else { kept.push(link) }
         }
+        self.links = kept;
         self.counts.top_level_exceeding += wave.iter().filter(|link| is_top_level(link)).count() as u64;
 
-        // Wave after wave: would splitting tell anything? Split, ask, and look at what the pieces carry.
+        // Wave after wave: would splitting tell anything, and do the pieces fit? Split, ask, and look at what the pieces carry.
         let mut end = RefineEnd::Content;
         while !wave.is_empty() {
-            end = limit_reached(limits, kept.len() + wave.len(), hierarchy);
+            if limits.says_stop(hierarchy, 2 * (self.links.len() + wave.len())) {
+                end = RefineEnd::Stopped;
+            }
             if end != RefineEnd::Content {
-                kept.append(&mut wave);
+                self.links.append(&mut wave);
                 break;
             }
             let outcomes: Vec<Outcome> = wave.par_iter().map(|link| context.decide(hierarchy, link)).collect();
             let mut promising = Vec::new();
+            let mut left = wave.len();
             for (link, outcome) in wave.iter().zip(outcomes) {
+                left -= 1;
                 match outcome {
                     Outcome::Reduced => {
-                        kept.push(MutualLink { is_reduced: true, ..*link });
+                        self.links.push(MutualLink { is_reduced: true, ..*link });
                         self.counts.reduced += 1;
                     }
                     Outcome::Split(pieces) => {
                         let (split, other) = larger_first(hierarchy, link);
+                        let (children, bytes) = limits.cost_of_split(hierarchy, split);
+                        let holding = self.holding(left + promising.len() + children, 0);
+                        if let Some(limit) = limits.exceeded(hierarchy, holding, bytes) {
+                            end = limit;
+                            self.links.push(*link);
+                            continue;
+                        }
                         hierarchy.split(split);
                         for (child, piece) in hierarchy.children(split).zip(pieces) {
                             if let Some(exchange) = piece.exchange {
@@ -71,10 +83,9 @@ impl MutualLinks {
             let too_much: Vec<bool> = linked.par_iter().map(|link| context.carries_too_much(hierarchy, link)).collect();
             wave.clear();
             for (link, too_much) in linked.into_iter().zip(too_much) {
-                if too_much { wave.push(link) } else { kept.push(link) }
+                if too_much { wave.push(link) } else { self.links.push(link) }
             }
         }
-        self.links = kept;
         end
     }
 }

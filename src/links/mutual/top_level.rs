@@ -10,12 +10,12 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::pairs::Row;
-use super::{MutualContext, MutualLink, MutualLinks, RAYS_PER_LINK, limit_reached};
+use super::{MutualContext, MutualLink, MutualLinks, RAYS_PER_LINK};
 use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::Pair;
 use crate::links::exchange::behind;
-use crate::links::refine::{RefineEnd, RefineLimits};
+use crate::links::limits::{RefineEnd, RefineLimits};
 use crate::links::sample_pairs::{sampled_pairs, sampled_transmittance};
 use crate::scene::SurfaceId;
 
@@ -80,9 +80,8 @@ impl MutualLinks {
             .collect();
         let mut first_row = 0;
         while first_row < places.len() {
-            let end = limit_reached(limits, self.links.len(), hierarchy);
-            if end != RefineEnd::Content {
-                return end;
+            if limits.says_stop(hierarchy, 2 * self.links.len()) {
+                return RefineEnd::Stopped;
             }
             let last_row = (first_row + ROWS).min(places.len());
             let strategy = self.strategy;
@@ -90,12 +89,24 @@ impl MutualLinks {
                 .par_iter_mut()
                 .map(|row| context.classify(hierarchy, strategy, &places, row))
                 .collect();
-            self.counts.behind += rows.iter().map(|row| row.behind).sum::<u64>();
+            let behind = rows.iter().map(|row| row.behind).sum::<u64>();
+            self.counts.behind += behind;
             let promising: Vec<Promising> = rows.into_iter().flat_map(|row| row.promising).collect();
             let before = self.links.len();
-            let linked = self.ask(hierarchy, context, &promising);
+            self.unclassified_count -= promising.len() + behind as usize;
+            let (to_go, limit) = self.links_to_go(hierarchy, limits, promising.len());
+            let (promising, too_many) = promising.split_at(to_go);
+            let linked = self.ask(hierarchy, context, promising);
             self.links.extend(linked);
             self.counts.top_level += (self.links.len() - before) as u64;
+
+            // Pairs for which there is no room are unclassified again.
+            if let Some(limit) = limit {
+                let surface = |node: NodeId| hierarchy.node(node).surface as usize;
+                too_many.iter().for_each(|pair| self.unclassified.insert(surface(pair.first), surface(pair.second)));
+                self.unclassified_count += too_many.len();
+                return limit;
+            }
             first_row = last_row;
         }
         RefineEnd::Content

@@ -1,0 +1,78 @@
+//! In a closed scene all power that is sent arrives: what a gather over the links loses or makes is at most what the run claims as its error.
+#![allow(clippy::print_stdout, reason = "a test tells what it measured")]
+
+#[path = "support/kirchhoff.rs"]
+mod kirchhoff;
+#[path = "support/rooms.rs"]
+mod rooms;
+#[path = "support/triangles.rs"]
+mod triangles;
+
+use std::path::Path;
+
+use kirchhoff::kirchhoff;
+use patchlight::scene::Scene;
+use patchlight::scene::import::{ImportOptions, read_scene};
+use patchlight::solve::{Gather, SolveOptions, Strategy, Sweep};
+use rooms::{crowded, cube, solve, two_squares};
+
+fn read(name: &str) -> Scene {
+    read_scene(&Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.obj")), &ImportOptions::default()).unwrap().scene
+}
+
+/// Solves, and holds what is lost against the claim.
+fn check(name: &str, scene: Scene, options: &SolveOptions) {
+    let (_, report) = solve(scene, options);
+    let (energy, claimed) = (report.energy, report.error.estimate);
+    println!(
+        "{name}, {:?}, {:?}, to {}: {:?} of the power lost, {claimed:.4} claimed, {:?}",
+        options.strategy, options.gather, options.error, energy.imbalance, energy
+    );
+    let lost = energy.imbalance.expect("a closed scene");
+    assert!(lost.abs() <= claimed, "{name}: {lost} of the power is lost, {claimed} is claimed");
+}
+
+fn to(error: f64) -> SolveOptions {
+    SolveOptions { error, ..SolveOptions::default() }
+}
+
+#[test]
+fn furnaces_lose_nothing() {
+    for rho in [0.5, 0.9, 0.99] {
+        for sweep in [Sweep::Jacobi, Sweep::InPlace] {
+            let exact = SolveOptions { strategy: Strategy::Uniform, form_factor_accuracy: 0.0, leaf_rays: 0, sweep, ..to(0.1) };
+            let exact = SolveOptions { sweep_tolerance: 1e-12, ..exact };
+            let (_, report) = solve(cube(&[rho], &[1.0]), &exact);
+            let energy = report.energy;
+            assert!(
+                energy.imbalance.unwrap().abs() <= 1e-9 && (energy.absorbed / energy.emitted - 1.0).abs() <= 1e-9,
+                "{energy:?}"
+            );
+        }
+    }
+    for seed in 0..6 {
+        for error in [0.1, 0.02] {
+            check(&format!("furnace {seed}"), kirchhoff(seed, 3).scene, &to(error));
+        }
+    }
+}
+
+#[test]
+fn rooms_lose_no_more_than_they_claim() {
+    for seed in 0..3 {
+        check(&format!("crowded {seed}"), crowded(30, seed), &to(0.1));
+        check(&format!("crowded {seed}"), crowded(30, seed), &SolveOptions { gather: Gather::Links, ..to(0.1) });
+    }
+    for strategy in [Strategy::Default, Strategy::Hanrahan91] {
+        check("full office", read("full_office"), &SolveOptions { strategy, gather: Gather::Links, ..to(0.1) });
+    }
+    check("room", read("room"), &to(0.1));
+    check("room", read("room"), &SolveOptions { gather: Gather::Links, ..to(0.2) });
+}
+
+#[test]
+fn an_open_scene_has_no_balance() {
+    let (_, report) = solve(two_squares(true), &to(0.1));
+    assert_eq!(report.energy.imbalance, None);
+    assert!(report.energy.escaped > 0.0);
+}
