@@ -3,6 +3,7 @@
 //! A link says that receiver r gathers from source s: `B_r += rho_r F_rs B_s`. Links belong to their receivers. Every ordered pair
 //! of leaves is covered by exactly one pair of nodes, linked, dormant or proved invisible, because all pairs descend from (root, root).
 
+mod bottom_up;
 mod exchange;
 mod mutual;
 pub mod oracle;
@@ -11,6 +12,7 @@ mod sample_pairs;
 
 use serde::{Deserialize, Serialize};
 
+pub(crate) use bottom_up::{Direction, SampledContext};
 pub(crate) use mutual::{DormantTransfer, MutualContext, MutualLinks, TopLevel};
 pub(crate) use refine::{RefineContext, RefineEnd, RefineLimits, Refinement};
 

@@ -1,0 +1,43 @@
+//! The strategies of 1998: links are made once, by the error of their form factors alone, and light is swept over them to the end.
+
+use std::time::Instant;
+
+use super::{RunOptions, Solver, Strategy, refine_limits};
+use crate::links::{Direction, RefineEnd, SampledContext};
+use crate::progress::Stage;
+use crate::sweep::Closure;
+
+impl Solver<'_> {
+    /// Links all pairs of surfaces (Chang, Shih 1998), and sweeps.
+    pub(super) fn link_once(&mut self, run: &RunOptions, deadline: Option<Instant>) -> RefineEnd {
+        self.report.counts.rounds += 1;
+        self.progress(Stage::Refine);
+        let start = Instant::now();
+        let stop = self.refinement_stop(deadline);
+        let areas = self.scene.surfaces().iter().map(|surface| surface.polygon.area());
+        let context = SampledContext {
+            scene: self.scene,
+            rays: self.rays,
+            direction: if self.options.strategy == Strategy::TopDown98 { Direction::TopDown } else { Direction::BottomUp },
+            form_factor_tolerance: self.options.form_factor_tolerance,
+            min_area: self.options.bottom_area * areas.fold(0.0, f64::max),
+            samples: self.options.bottom_samples,
+            seed: self.options.seed,
+        };
+        let found = context.link(&mut self.hierarchy, &refine_limits(self.options, run, &stop));
+        self.links = found.links;
+        self.report.skipped = vec![
+            ("pairs of nodes behind one another".to_owned(), 2 * found.behind),
+            ("links of which no sample arrived, which were kept".to_owned(), 2 * found.unseen),
+        ];
+
+        // Sampled form factors may add up to more than 1, and sweeps must converge all the same.
+        self.exposure.grow(self.scene, &self.hierarchy, self.rays, self.options.seed);
+        self.radiosity.grow(&self.hierarchy);
+        let closure = Closure::new(self.scene, &self.hierarchy, &self.links, &self.exposure);
+        self.closure = closure.is_needed(self.scene, &self.hierarchy).then_some(closure);
+        self.report.time_s.refine += start.elapsed().as_secs_f64();
+        self.sweep(deadline);
+        found.end
+    }
+}
