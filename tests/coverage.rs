@@ -208,7 +208,7 @@ fn each_pair_once_where_links_are_made_once() {
                 let found = check(name, &scene, &SolveOptions { form_factor_tolerance, ..once.clone() });
                 assert!(found.linked > 0 && found.dormant == 0 && found.leaves > scene.surfaces().len());
             }
-            let limited = SolveOptions { max_links: Some(50), error: 1e-6, ..once };
+            let limited = SolveOptions { max_links: Some(50), error: 0.01, ..once };
             let (solution, report) = solve(scene.clone(), &limited, &RunOptions::default());
             assert_eq!(report.stopped_by, StoppedBy::MaxLinks);
             coverage(&solution);

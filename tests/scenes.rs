@@ -118,7 +118,8 @@ fn the_scenes_for_bottom_up_refinement_have_the_papers_numbers_of_polygons() {
     let imported = read_scene(&folder().join("four_polygons.obj"), &ImportOptions::default()).unwrap();
     assert!(imported.diagnostics.items.is_empty(), "{:?}", imported.diagnostics);
     let areas: Vec<f64> = imported.scene.surfaces().iter().map(|surface| surface.polygon.area()).collect();
-    assert_eq!(areas, [1.0, 1.0, 1.0, 0.25]);
+    assert!(areas.iter().zip([1.0, 1.0, 1.0, 0.25]).all(|(area, expected)| (area - expected).abs() < 1e-12), "{areas:?}");
+    assert_eq!(areas.len(), 4);
     let (_, summary, inspection) = read("living_room.obj");
     assert_eq!((summary.faces, summary.surfaces, inspection.escaped), (246, 246, 0));
 }
