@@ -144,10 +144,9 @@ fn a_furnace_is_off_by_no_more_than_its_form_factors() {
             let options = SolveOptions { seed, bottom_area: 1.0 / 64.0, sweep_tolerance: 1e-9, ..options(strategy, 0.1) };
             let (evaluator, report) = solve(cube(&[RHO], &[1.0]), &options);
             let solution = evaluator.solution();
-            let (hierarchy, links) = (solution.hierarchy(), solution.links());
             let (leaves, below) = leaves_below(solution);
             let mut of_leaves = vec![0.0; leaves.len()];
-            for (receiver, link) in links.iter() {
+            for (receiver, link) in solution.links().iter() {
                 let form_factor = link.occluded_form_factor();
                 below[receiver.index()].iter().for_each(|&leaf| of_leaves[leaf] += form_factor);
             }

@@ -12,7 +12,7 @@ mod sample_pairs;
 
 use serde::{Deserialize, Serialize};
 
-pub(crate) use bottom_up::{Direction, SampledContext};
+pub(crate) use bottom_up::{RefineDirection, SampledContext};
 pub(crate) use mutual::{DormantTransfer, MutualContext, MutualLinks, TopLevel};
 pub(crate) use refine::{RefineContext, RefineEnd, RefineLimits, Refinement};
 

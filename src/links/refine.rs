@@ -50,6 +50,22 @@ pub(crate) struct RefineLimits<'a> {
     pub stop: &'a (dyn Fn(u64, u64) -> bool + Sync),
 }
 
+impl RefineLimits<'_> {
+    /// The limit that is reached with so many links, each direction counted, that take so many bytes.
+    pub(super) fn reached(&self, hierarchy: &Hierarchy, links: u64, bytes: usize) -> RefineEnd {
+        let elements = (hierarchy.len() - hierarchy.cluster_count()) as u64;
+        if links > self.max_links {
+            RefineEnd::MaxLinks
+        } else if bytes as u64 + hierarchy.memory_bytes() > self.max_bytes {
+            RefineEnd::Memory
+        } else if (self.stop)(links, elements) {
+            RefineEnd::Stopped
+        } else {
+            RefineEnd::Content
+        }
+    }
+}
+
 /// How a round of refinement ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RefineEnd {
@@ -158,16 +174,7 @@ impl Refinement {
 
     fn limit_reached(&self, hierarchy: &Hierarchy, waiting: usize, limits: &RefineLimits<'_>) -> RefineEnd {
         let links = self.linked.len() + waiting;
-        let bytes = (links * size_of::<(NodeId, Link)>()) as u64 + hierarchy.memory_bytes();
-        if links as u64 > limits.max_links {
-            RefineEnd::MaxLinks
-        } else if bytes > limits.max_bytes {
-            RefineEnd::Memory
-        } else if (limits.stop)(links as u64, (hierarchy.len() - hierarchy.cluster_count()) as u64) {
-            RefineEnd::Stopped
-        } else {
-            RefineEnd::Content
-        }
+        limits.reached(hierarchy, links as u64, links * size_of::<(NodeId, Link)>())
     }
 }
 

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::{RunOptions, Solver, Strategy, refine_limits};
-use crate::links::{Direction, RefineEnd, SampledContext};
+use crate::links::{RefineDirection, RefineEnd, SampledContext};
 use crate::progress::Stage;
 use crate::sweep::Closure;
 
@@ -18,7 +18,11 @@ impl Solver<'_> {
         let context = SampledContext {
             scene: self.scene,
             rays: self.rays,
-            direction: if self.options.strategy == Strategy::TopDown98 { Direction::TopDown } else { Direction::BottomUp },
+            direction: if self.options.strategy == Strategy::TopDown98 {
+                RefineDirection::TopDown
+            } else {
+                RefineDirection::BottomUp
+            },
             form_factor_tolerance: self.options.form_factor_tolerance,
             min_area: self.options.bottom_area * areas.fold(0.0, f64::max),
             samples: self.options.bottom_samples,

@@ -19,7 +19,7 @@ pub enum Strategy {
     /// Every surface split to the same depth, every pair of elements linked.
     Uniform,
     /// All pairs of surfaces linked at first, BF refinement, a bounce of light an iteration: the original algorithm of Holzschuch,
-    /// Sillion, Drettakis 1994. This and the following take 16 rays a link.
+    /// Sillion, Drettakis 1994. This and the next three take 16 rays a link.
     Original94,
     /// The same with link culling: pairs of reflecting surfaces with little form factor are forgotten (Lischinski 1994, section
     /// 4.1.1).

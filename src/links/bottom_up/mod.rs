@@ -32,7 +32,7 @@ use trees::Tree;
 
 /// From which end of the trees pairs of nodes are judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Direction {
+pub(crate) enum RefineDirection {
     /// Samples on the smallest elements, combined for what is above them.
     BottomUp,
     /// Samples on every node that is looked at, for itself.
@@ -43,7 +43,7 @@ pub(crate) enum Direction {
 pub(crate) struct SampledContext<'a> {
     pub scene: &'a Scene,
     pub rays: &'a Rays<'a>,
-    pub direction: Direction,
+    pub direction: RefineDirection,
     /// F_eps: a link's form factors may be wrong by less than this.
     pub form_factor_tolerance: f64,
     /// A_eps in m^2: no element is smaller.
@@ -98,7 +98,7 @@ impl SampledContext<'_> {
                 break;
             }
 
-            // What is behind what, bit by bit, needs no link; the others are kept in the order of the pairs.
+            // Their links, in the order of the pairs.
             let links: Vec<(Vec<SampledLink>, Counts)> =
                 batch.par_iter().map(|&(first, second)| self.link_surfaces(hierarchy, &trees[first], &trees[second])).collect();
             for (links, found) in links {
@@ -106,7 +106,7 @@ impl SampledContext<'_> {
                 counts.behind += found.behind;
                 counts.unseen += found.unseen;
             }
-            end = limit_reached(limits, linked.len(), hierarchy);
+            end = limits.reached(hierarchy, 2 * linked.len() as u64, linked.len() * size_of::<SampledLink>());
         }
         let surface = |tree: usize| trees[tree].root();
         let both = |(first, second)| [(first, second), (second, first)];
@@ -121,7 +121,7 @@ impl SampledContext<'_> {
             .map(|surface| {
                 let root = hierarchy.node_of(SurfaceId(surface));
                 if end == RefineEnd::Content {
-                    end = limit_reached(limits, 0, hierarchy);
+                    end = limits.reached(hierarchy, 0, 0);
                 }
                 let min_area = if end == RefineEnd::Content { self.min_area } else { f64::INFINITY };
                 Tree::complete(hierarchy, root, min_area)
@@ -138,11 +138,11 @@ impl SampledContext<'_> {
             return (Vec::new(), Counts { behind: 1, unseen: 0 });
         }
         let mut links = match self.direction {
-            Direction::BottomUp => {
+            RefineDirection::BottomUp => {
                 let bottom = self.sample(hierarchy, first.level(0), second.level(0));
                 refine::refine(hierarchy, first, second, bottom, self.form_factor_tolerance)
             }
-            Direction::TopDown => self.refine_top_down(hierarchy, first.root(), second.root()),
+            RefineDirection::TopDown => self.refine_top_down(hierarchy, first.root(), second.root()),
         };
         let all = links.len();
         links.retain(|link| link.kernel.unoccluded > 0.0 || !is_dark(link));
@@ -176,19 +176,4 @@ fn link_set(hierarchy: &Hierarchy, linked: &[SampledLink], dormant: Vec<Pair>) -
 /// Whether the error of both form factors is below the tolerance: `max G A < F_eps`. The paper's procedure Error.
 fn is_within(hierarchy: &Hierarchy, first: NodeId, second: NodeId, kernel: Kernel, tolerance: f64) -> bool {
     kernel.largest * hierarchy.area(first).max(hierarchy.area(second)) < tolerance
-}
-
-/// The limit that is reached with so many links for both directions.
-fn limit_reached(limits: &RefineLimits<'_>, links: usize, hierarchy: &Hierarchy) -> RefineEnd {
-    let bytes = (links * size_of::<SampledLink>()) as u64 + hierarchy.memory_bytes();
-    let elements = (hierarchy.len() - hierarchy.cluster_count()) as u64;
-    if 2 * links as u64 > limits.max_links {
-        RefineEnd::MaxLinks
-    } else if bytes > limits.max_bytes {
-        RefineEnd::Memory
-    } else if (limits.stop)(2 * links as u64, elements) {
-        RefineEnd::Stopped
-    } else {
-        RefineEnd::Content
-    }
 }

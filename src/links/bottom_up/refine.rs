@@ -4,8 +4,6 @@
 //! was found one level below. A pair that is within the tolerance waits: its parents may be, too. Below a pair that is not, whatever waits is
 //! linked. As maxima and areas only grow on the way up, nothing above that pair is within the tolerance either, so that every pair of
 //! elements ends up under one link.
-//!
-//! The paper's text has the answers of Error the wrong way round in places; this is what its figures 4 to 6 and its section 3.4 mean.
 
 use super::kernels::Table;
 use super::trees::{Nodes, Tree, children, ids, one};

@@ -152,15 +152,5 @@ impl MutualContext<'_> {
 
 /// The limit that is reached with so many links for both directions.
 fn limit_reached(limits: &RefineLimits<'_>, links: usize, hierarchy: &Hierarchy) -> RefineEnd {
-    let bytes = (links * size_of::<MutualLink>()) as u64 + hierarchy.memory_bytes();
-    let elements = (hierarchy.len() - hierarchy.cluster_count()) as u64;
-    if 2 * links as u64 > limits.max_links {
-        RefineEnd::MaxLinks
-    } else if bytes > limits.max_bytes {
-        RefineEnd::Memory
-    } else if (limits.stop)(2 * links as u64, elements) {
-        RefineEnd::Stopped
-    } else {
-        RefineEnd::Content
-    }
+    limits.reached(hierarchy, 2 * links as u64, links * size_of::<MutualLink>())
 }
