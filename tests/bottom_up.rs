@@ -136,8 +136,8 @@ fn a_finer_tolerance_comes_nearer_to_the_exact_form_factors_of_elements() {
 
 #[test]
 fn a_furnace_is_off_by_no_more_than_its_form_factors() {
-    // In a closed cube form factors add up to 1; sampled along edges they may be far off. If those of every leaf do within delta, the radiosity, B0 everywhere, is off by at most
-    // rho delta / (1 - rho (1 + delta)) of it.
+    // In a closed cube form factors add up to 1; sampled along edges they may be far off. If those of every leaf do within delta,
+    // the radiosity, B0 everywhere, is off by at most rho delta / (1 - rho (1 + delta)) of it.
     const RHO: f64 = 0.3;
     for strategy in BOTH {
         for seed in 0..8 {

@@ -1,12 +1,13 @@
 //! What the elements of the four polygons exchange, by ways of our own: nothing is sampled.
 //!
-//! Unoccluded form factors between elements are exact. What the lamp hides of one element from a point of another is a polygon, the part of it in the
-//! pyramid of the lamp: its form factor is exact, too, and is integrated over the points by a mid-point rule. The lamp touches nothing, so
-//! that the integrand is smooth but for kinks.
+//! Unoccluded form factors between elements are exact. What the lamp hides of one element from a point of another is a polygon, the
+//! part of it in the pyramid of the lamp: its form factor is exact, too, and is integrated over the points by a mid-point rule. The
+//! lamp touches nothing, so that the integrand is smooth but for kinks.
 
 use patchlight::form_factor::{exact_area_form_factor, point_form_factor};
 use patchlight::geometry::Polygon;
 use patchlight::hierarchy::NodeId;
+use patchlight::scene::SurfaceId;
 use patchlight::solve::Solution;
 
 type Point = [f64; 3];
@@ -45,7 +46,7 @@ impl Exact {
             }
         }
         let areas: Vec<f64> = polygons.iter().map(Polygon::area).collect();
-        let materials = (0..count).map(|index| solution.scene().material_of(patchlight::scene::SurfaceId(surface(index))));
+        let materials = (0..count).map(|index| solution.scene().material_of(SurfaceId(surface(index))));
         let (exitance, reflectance): (Vec<_>, Vec<_>) =
             materials.map(|material| (material.exitance.clone(), material.reflectance.clone())).unzip();
         let (exitance, reflectance) = (exitance.concat(), reflectance.concat());
@@ -64,7 +65,8 @@ impl Exact {
         self.below[first.index()].iter().flat_map(|&a| below.iter().map(move |&b| self.between(a, b))).sum()
     }
 
-    /// The largest mean kernel between an element below one and an element below the other, in 1/m^2: the largest kernel is at least this.
+    /// The largest mean kernel between an element below one and an element below the other, in 1/m^2: the largest kernel is at
+    /// least this.
     pub fn least_largest_kernel(&self, first: NodeId, second: NodeId) -> f64 {
         let below = &self.below[second.index()];
         let mean = |a: u32, b: u32| self.between(a, b) / (self.areas[a as usize] * self.areas[b as usize]);

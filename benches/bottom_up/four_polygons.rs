@@ -1,6 +1,7 @@
 //! Tables 1 and 2, and how far the links of the four polygons are from what is exact.
 
 use patchlight::hierarchy::NodeId;
+use patchlight::scene::Scene;
 use patchlight::solve::Strategy;
 
 use super::exact::Exact;
@@ -37,7 +38,8 @@ pub fn tables() {
     let (largest, all) = exact.difference(&Exact::new(first.solution(), LAMP, FEWER_POINTS));
     let count = exact.elements.len();
     println!(
-        "\n{count} elements, {} pairs of them. Reference: half as many points by direction change no exchange by more than {:.1e} of the largest, all by {:.1e} of their sum.",
+        "\n{count} elements, {} pairs of them. Reference: half as many points by direction change no exchange by more than {:.1e} \
+         of the largest, all by {:.1e} of their sum.",
         count * (count - 1) / 2,
         largest,
         all
@@ -47,8 +49,9 @@ pub fn tables() {
     errors_by_level(&scene, &exact);
 }
 
-fn table_1(scene: &patchlight::scene::Scene) {
-    let title = "**Table 1.** Links with one to four samples on each smallest element; in brackets the paper's, on polygons that it does not tell.";
+fn table_1(scene: &Scene) {
+    let title = "**Table 1.** Links with one to four samples on each smallest element; in brackets the paper's, \
+                 on polygons that it does not tell.";
     heading(title, &["F_eps", "1 sample", "2", "3", "4"]);
     for (tolerance, paper) in TOLERANCES.iter().zip(LINKS_BY_SAMPLES) {
         let cells: Vec<String> = (paper.iter().zip(1..))
@@ -58,7 +61,7 @@ fn table_1(scene: &patchlight::scene::Scene) {
     }
 }
 
-fn table_2(scene: &patchlight::scene::Scene, exact: &Exact) {
+fn table_2(scene: &Scene, exact: &Exact) {
     let of = |strategy, tolerance: f64, samples| -> (Run, Errors, f64) {
         let runs: Vec<Run> = (0..SEEDS).map(|seed| run(scene, strategy, tolerance, samples, seed)).collect();
         let mean = |value: &dyn Fn(&Run) -> f64| runs.iter().map(value).sum::<f64>() / SEEDS as f64;
@@ -180,11 +183,12 @@ fn errors(run: &Run, exact: &Exact, tolerance: f64) -> Errors {
 }
 
 /// On the very links that top-down makes: its own samples, and the sums of those on the smallest elements.
-fn errors_by_level(scene: &patchlight::scene::Scene, exact: &Exact) {
+fn errors_by_level(scene: &Scene, exact: &Exact) {
     const TOLERANCE: f64 = 0.02;
     let columns = ["level of the larger node", "links", "off by samples on the nodes", "off by sums from below"];
     heading(
-        "**Form factors of the same pairs of nodes**, those that top-down links at 0.020 (4 samples, means of 8 seeds; level 1: smallest elements).",
+        "**Form factors of the same pairs of nodes**, those that top-down links at 0.020 (4 samples, means of 8 seeds; \
+         level 1: smallest elements).",
         &columns,
     );
     let mut sums = [[0.0; 4]; 6];

@@ -1,8 +1,9 @@
-//! Bottom-up refinement: tables 1 to 3 of Chang, Shih 1998 for this implementation beside the paper's, with how far all links are from what
-//! is exact, and top-down linking beside it.
+//! Bottom-up refinement: tables 1 to 3 of Chang, Shih 1998 for this implementation beside the paper's, with how far all links are
+//! from what is exact, and top-down linking beside it.
 //!
-//! `cargo bench --bench bottom_up` prints them as Markdown; with `four_polygons` or `living_room` after `--` only those of that scene. All runs
-//! share samples, visibility, elements and the tolerance F_eps, on one thread; what differs is which links are made.
+//! `cargo bench --bench bottom_up` prints them as Markdown; with `four_polygons` or `living_room` after `--` only those of that
+//! scene. All runs share samples, visibility, elements and the tolerance F_eps, on one thread; what differs is which links are
+//! made.
 #![allow(missing_docs, reason = "a program")]
 #![allow(clippy::print_stdout, reason = "a program that prints tables")]
 

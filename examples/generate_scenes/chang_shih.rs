@@ -1,7 +1,7 @@
 //! Two scenes with the numbers of polygons of those of Chang, Shih 1998, section 4, which shows pictures but gives no coordinates.
 //!
-//! The first has four polygons that make 832 elements at 1/256 of the largest area: three of one area and one of a quarter of it. The second is a
-//! living room of 246 polygons. Where they stand is our choice.
+//! The first has four polygons that make 832 elements at 1/256 of the largest area: three of one area and one of a quarter of it.
+//! The second is a living room of 246 polygons. Where they stand is our choice.
 
 use super::furniture::{Chance, bookshelf, ceiling_lamp, materials, picture, plain_chair, plant, table};
 use super::interior::Interior;

@@ -1,7 +1,7 @@
 //! Samples of the kernel between nodes, and what they tell of the nodes above.
 //!
-//! Along a common edge the kernel grows as 1/r^2 towards points that nearly touch. There means of samples are still unbiased, but have no
-//! finite variance: now and then one sample makes up most of a form factor.
+//! Along a common edge the kernel grows as 1/r^2 towards points that nearly touch. There means of samples are still unbiased, but
+//! have no finite variance: now and then one sample makes up most of a form factor.
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,9 +1,9 @@
 //! Linking two surfaces bottom-up: the procedures BottomUpRefine and CreateLink of Chang, Shih 1998, sections 3.3.1 and 3.3.3.
 //!
-//! Both trees are climbed together, level by level, the lower one until its top is reached. At each level pairs of nodes are judged by what
-//! was found one level below. A pair that is within the tolerance waits: its parents may be, too. Below a pair that is not, whatever waits is
-//! linked. As maxima and areas only grow on the way up, nothing above that pair is within the tolerance either, so that every pair of
-//! elements ends up under one link.
+//! Both trees are climbed together, level by level, the lower one until its top is reached. At each level pairs of nodes are judged
+//! by what was found one level below. A pair that is within the tolerance waits: its parents may be, too. Below a pair that is not,
+//! whatever waits is linked. As maxima and areas only grow on the way up, nothing above that pair is within the tolerance either,
+//! so that every pair of elements ends up under one link.
 
 use super::kernels::Table;
 use super::trees::{Nodes, Tree, children, ids, one};

@@ -1,7 +1,7 @@
 //! Linking two surfaces top-down (Hanrahan, Salzman, Aupperle 1991, as Chang, Shih 1998, section 2 and table 2 compare with it).
 //!
-//! A pair of nodes is judged by samples on itself. If they miss what is largest, the pair is linked though its error is not within the
-//! tolerance.
+//! A pair of nodes is judged by samples on itself. If they miss what is largest, the pair is linked though its error is not within
+//! the tolerance.
 
 use rayon::prelude::*;
 

@@ -1,4 +1,5 @@
-//! Complete subdivision: a surface down to elements of one depth, as far as none is smaller than A_eps (Chang, Shih 1998, section 3.3).
+//! Complete subdivision: a surface down to elements of one depth, as far as none is smaller than A_eps (Chang, Shih 1998, section
+//! 3.3).
 
 use std::ops::Range;
 
