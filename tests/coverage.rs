@@ -200,6 +200,23 @@ fn each_pair_once_whatever_the_strategy_and_the_tolerance() {
 }
 
 #[test]
+fn each_pair_once_where_links_are_made_once() {
+    for (name, scene) in [("cornell", cornell()), ("furnished", furnished(5)), ("soup", soup(4))] {
+        for strategy in [Strategy::BottomUp98, Strategy::TopDown98] {
+            let once = SolveOptions { bottom_area: 1.0 / 64.0, bottom_samples: 2, ..quick(strategy, 1.0) };
+            for form_factor_tolerance in [1.0, 0.1, 0.02] {
+                let found = check(name, &scene, &SolveOptions { form_factor_tolerance, ..once.clone() });
+                assert!(found.linked > 0 && found.dormant == 0 && found.leaves > scene.surfaces().len());
+            }
+            let limited = SolveOptions { max_links: Some(50), error: 0.01, ..once };
+            let (solution, report) = solve(scene.clone(), &limited, &RunOptions::default());
+            assert_eq!(report.stopped_by, StoppedBy::MaxLinks);
+            coverage(&solution);
+        }
+    }
+}
+
+#[test]
 fn each_pair_once_when_rounds_follow_rounds() {
     // Several rounds with their own tolerances split links that an earlier round has made.
     for (name, scene) in [("cornell", cornell()), ("furnished", furnished(3)), ("soup", soup(3))] {

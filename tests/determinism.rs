@@ -62,6 +62,14 @@ fn one_two_three_and_seven_threads_give_the_same_bytes() {
 }
 
 #[test]
+fn threads_change_nothing_where_links_are_made_once() {
+    for strategy in [Strategy::BottomUp98, Strategy::TopDown98] {
+        let options = SolveOptions { error: 0.2, strategy, bottom_area: 1.0 / 64.0, ..SolveOptions::default() };
+        check(&cornell(), &options, &[2, 5]);
+    }
+}
+
+#[test]
 fn threads_change_nothing_with_clusters() {
     for sweep in [Sweep::Jacobi, Sweep::InPlace] {
         check(&crowded(200, 3), &SolveOptions { error: 0.1, sweep, ..SolveOptions::default() }, &[2, 3, 7]);

@@ -7,6 +7,8 @@ use patchlight::scene::SceneSummary;
 use patchlight::scene::import::{ImportOptions, Imported, read_scene};
 use patchlight::visibility::{Backend, NO_PLANE, OccluderMesh, Ray, build};
 
+#[path = "../examples/generate_scenes/chang_shih.rs"]
+mod chang_shih;
 #[path = "../examples/generate_scenes/cornell.rs"]
 mod cornell;
 #[path = "../examples/generate_scenes/furnace.rs"]
@@ -108,6 +110,18 @@ fn the_five_rooms_have_the_papers_numbers_of_polygons_and_are_closed() {
         assert_eq!((summary.faces, summary.surfaces, inspection.escaped), (polygons, polygons, 0), "{name}");
         assert!(summary.emitters >= 2, "{name}");
     }
+}
+
+#[test]
+fn the_scenes_for_bottom_up_refinement_have_the_papers_numbers_of_polygons() {
+    // The back of its lamp is seen, as that of anything that hides polygons from each other and is one polygon itself.
+    let imported = read_scene(&folder().join("four_polygons.obj"), &ImportOptions::default()).unwrap();
+    assert!(imported.diagnostics.items.is_empty(), "{:?}", imported.diagnostics);
+    let areas: Vec<f64> = imported.scene.surfaces().iter().map(|surface| surface.polygon.area()).collect();
+    assert!(areas.iter().zip([1.0, 1.0, 1.0, 0.25]).all(|(area, expected)| (area - expected).abs() < 1e-12), "{areas:?}");
+    assert_eq!(areas.len(), 4);
+    let (_, summary, inspection) = read("living_room.obj");
+    assert_eq!((summary.faces, summary.surfaces, inspection.escaped), (246, 246, 0));
 }
 
 #[test]

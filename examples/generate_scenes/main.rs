@@ -3,6 +3,7 @@
 //! `cargo run --example generate_scenes hall POLYGONS SEED FILE.obj` writes a hall of so many polygons, at least 400, instead.
 #![allow(clippy::print_stdout, reason = "a program that tells what it wrote")]
 
+mod chang_shih;
 mod cornell;
 mod furnace;
 mod furniture;

@@ -1,6 +1,6 @@
 //! The list of the scenes.
 
-use super::{cornell, furnace, paper_rooms, room};
+use super::{chang_shih, cornell, furnace, paper_rooms, room};
 
 /// Name and content of every file.
 pub fn all() -> Vec<(String, String)> {
@@ -13,6 +13,8 @@ pub fn all() -> Vec<(String, String)> {
         ("east_room", paper_rooms::east_room()),
         ("west_room", paper_rooms::west_room()),
         ("hevea", paper_rooms::hevea()),
+        ("four_polygons", chang_shih::four_polygons()),
+        ("living_room", chang_shih::living_room()),
     ]
     .into_iter()
     .flat_map(|(name, model)| {

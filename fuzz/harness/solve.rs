@@ -81,6 +81,8 @@ fn options(bytes: &mut Bytes) -> SolveOptions {
             Strategy::Culling94,
             Strategy::Lazy94,
             Strategy::Lazy94Reduction,
+            Strategy::BottomUp98,
+            Strategy::TopDown98,
         ]),
         gather: bytes.pick(&[Gather::Auto, Gather::Links, Gather::Hemisphere]),
         sweep: bytes.pick(&[Sweep::Jacobi, Sweep::InPlace]),
@@ -90,6 +92,8 @@ fn options(bytes: &mut Bytes) -> SolveOptions {
         seed: u64::from(bytes.next()),
         max_links: Some(MOST_LINKS),
         iterations: 3,
+        bottom_area: 1.0 / 16.0,
+        bottom_samples: 2,
         ..SolveOptions::default()
     }
 }

@@ -56,7 +56,8 @@ pub struct SolveArguments {
     /// Relative error asked for, in the root mean square over all surfaces [default: 0.02]
     #[arg(long, value_name = "E")]
     pub error: Option<f64>,
-    /// How pairs are refined: default, hanrahan91, uniform, original94, culling94, lazy94 or lazy94+reduction
+    /// How pairs are refined: default, hanrahan91, uniform, original94, culling94, lazy94,
+    /// lazy94+reduction, bottom-up98 or top-down98
     #[arg(long, value_name = "NAME")]
     pub strategy: Option<String>,
     /// Which sides of a face emit and receive: front or both [default: front]

@@ -3,6 +3,7 @@
 //! A link says that receiver r gathers from source s: `B_r += rho_r F_rs B_s`. Links belong to their receivers. Every ordered pair
 //! of leaves is covered by exactly one pair of nodes, linked, dormant or proved invisible, because all pairs descend from (root, root).
 
+mod bottom_up;
 mod exchange;
 mod limits;
 mod mutual;
@@ -13,6 +14,7 @@ mod skips;
 
 use serde::{Deserialize, Serialize};
 
+pub(crate) use bottom_up::{RefineDirection, SampledContext};
 pub(crate) use limits::{RefineEnd, RefineLimits};
 pub(crate) use mutual::{MutualContext, MutualLinks, RAYS_PER_LINK, TopLevel};
 pub(crate) use refine::{RefineContext, Refinement};

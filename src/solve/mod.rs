@@ -2,6 +2,7 @@
 
 mod bounces;
 mod error_estimate;
+mod linked_once;
 mod options;
 mod plan;
 mod report;
@@ -52,7 +53,9 @@ pub(crate) fn solve(
 
     // Rounds: refine step by step, each step with the brightness that the one before has found; then look how good it is.
     let stopped_by = 'rounds: loop {
-        let ended = if options.strategy.links_surfaces() {
+        let ended = if options.strategy.links_once() {
+            solver.link_once(&plan, run, deadline)
+        } else if options.strategy.links_surfaces() {
             solver.bounce(&plan, run, deadline)
         } else {
             let ended = solver.refine_in_steps(&plan, run, deadline);

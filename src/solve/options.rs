@@ -20,7 +20,7 @@ pub enum Strategy {
     /// Every surface split to the same depth, every pair of elements linked.
     Uniform,
     /// All pairs of surfaces linked at first, BF refinement, a bounce of light an iteration: the original algorithm of Holzschuch,
-    /// Sillion, Drettakis 1994. This and the following take 16 rays a link.
+    /// Sillion, Drettakis 1994. This and the next three take 16 rays a link.
     Original94,
     /// The same with link culling: pairs of reflecting surfaces with little form factor are forgotten (Lischinski 1994, section
     /// 4.1.1).
@@ -30,15 +30,29 @@ pub enum Strategy {
     /// Lazy linking and link reduction (section 4).
     #[serde(rename = "lazy94+reduction")]
     Lazy94Reduction,
+    /// Links by the error of their form factors alone, found bottom-up from samples on the smallest elements (Chang, Shih 1998).
+    BottomUp98,
+    /// The same top-down, from samples on each node that is looked at: what that paper compares with.
+    TopDown98,
 }
 
 impl Strategy {
     /// All names, as typed on the command line.
-    pub const NAMES: [&'static str; 7] =
-        ["default", "hanrahan91", "uniform", "original94", "culling94", "lazy94", "lazy94+reduction"];
+    pub const NAMES: [&'static str; 9] =
+        ["default", "hanrahan91", "uniform", "original94", "culling94", "lazy94", "lazy94+reduction", "bottom-up98", "top-down98"];
 
-    /// Whether links start from pairs of surfaces, in a fixed number of iterations.
+    /// Whether links start from pairs of surfaces, and are what the options make them, whatever error they lead to.
     pub fn links_surfaces(self) -> bool {
+        self.forgets_pairs() || self.links_once()
+    }
+
+    /// Whether all links are made at once, without regard to light.
+    pub fn links_once(self) -> bool {
+        matches!(self, Self::BottomUp98 | Self::TopDown98)
+    }
+
+    /// Whether pairs of which no ray arrived are dropped.
+    pub fn forgets_pairs(self) -> bool {
         matches!(self, Self::Original94 | Self::Culling94 | Self::Lazy94 | Self::Lazy94Reduction)
     }
 }
@@ -55,6 +69,8 @@ impl FromStr for Strategy {
             "culling94" => Ok(Self::Culling94),
             "lazy94" => Ok(Self::Lazy94),
             "lazy94+reduction" => Ok(Self::Lazy94Reduction),
+            "bottom-up98" => Ok(Self::BottomUp98),
+            "top-down98" => Ok(Self::TopDown98),
             _ => Err(OptionsError::UnknownStrategy(name.to_owned())),
         }
     }
@@ -211,6 +227,12 @@ pub struct SolveOptions {
     pub ambient: bool,
     /// What is left out because it would be in vain.
     pub skips: Skips,
+    /// F_eps of the strategies of 1998: links whose form factors may be wrong by this are refined; above 0, at most 1.
+    pub form_factor_tolerance: f64,
+    /// A_eps of the strategies of 1998 as a part of the area of the largest surface: no element is smaller; 1/1024 to 1.
+    pub bottom_area: f64,
+    /// Points on each node that the strategies of 1998 sample, on the smallest elements if bottom-up; 1 to 8.
+    pub bottom_samples: u32,
 }
 
 impl Default for SolveOptions {
@@ -238,13 +260,16 @@ impl Default for SolveOptions {
             cull_form_factor: 1e-3,
             ambient: true,
             skips: Skips::ALL,
+            form_factor_tolerance: 0.02,
+            bottom_area: 1.0 / 256.0,
+            bottom_samples: 4,
         }
     }
 }
 
 impl SolveOptions {
     /// The keys that [`SolveOptions::set`] knows.
-    pub const KEYS: [&'static str; 22] = [
+    pub const KEYS: [&'static str; 25] = [
         "error",
         "strategy",
         "bounds",
@@ -267,6 +292,9 @@ impl SolveOptions {
         "cull_form_factor",
         "ambient",
         "skips",
+        "form_factor_tolerance",
+        "bottom_area",
+        "bottom_samples",
     ];
 
     /// Rejects values outside their range; never clamps.
@@ -282,7 +310,7 @@ impl SolveOptions {
             check(option, value.unwrap_or(1.0), value.is_none_or(|value| value.is_finite() && value > 0.0), "a number above 0")
         };
         check("error", self.error, self.error > 0.0 && self.error < 1.0, "above 0 and below 1")?;
-        if self.bounds == Bounds::Guaranteed && self.strategy.links_surfaces() {
+        if self.bounds == Bounds::Guaranteed && self.strategy.forgets_pairs() {
             let range = "none or estimate for the strategies of 1994, which do not account for all pairs";
             return Err(OptionsError::OutOfRange { option: "bounds", value: "guaranteed".to_owned(), range });
         }
@@ -304,7 +332,15 @@ impl SolveOptions {
         rays("iterations", self.iterations, 1000, "1 to 1000")?;
         check("link_tolerance", self.link_tolerance, (0.0..=1.0).contains(&self.link_tolerance), "0 to 1")?;
         check("reduce_tolerance", self.reduce_tolerance, (0.0..=1.0).contains(&self.reduce_tolerance), "0 to 1")?;
-        check("cull_form_factor", self.cull_form_factor, (0.0..=1.0).contains(&self.cull_form_factor), "0 to 1")
+        check("cull_form_factor", self.cull_form_factor, (0.0..=1.0).contains(&self.cull_form_factor), "0 to 1")?;
+        check(
+            "form_factor_tolerance",
+            self.form_factor_tolerance,
+            self.form_factor_tolerance > 0.0 && self.form_factor_tolerance <= 1.0,
+            "above 0, at most 1",
+        )?;
+        check("bottom_area", self.bottom_area, (1.0 / 1024.0..=1.0).contains(&self.bottom_area), "1/1024 to 1")?;
+        rays("bottom_samples", self.bottom_samples, 8, "1 to 8")
     }
 
     /// Sets one option from text, as `--set key=value` does; see [`SolveOptions::KEYS`].
@@ -342,9 +378,12 @@ impl SolveOptions {
             "reduce_tolerance" => self.reduce_tolerance = parse(key, value, NUMBER)?,
             "cull_form_factor" => self.cull_form_factor = parse(key, value, NUMBER)?,
             "ambient" => self.ambient = parse(key, value, "true or false")?,
-            _ => {
+            "skips" => {
                 self.skips = parse(key, value, "all, none, or behind, black, dark, within, rays, clusters, joined by +")?;
             }
+            "form_factor_tolerance" => self.form_factor_tolerance = parse(key, value, NUMBER)?,
+            "bottom_area" => self.bottom_area = parse(key, value, NUMBER)?,
+            _ => self.bottom_samples = parse(key, value, COUNT)?,
         }
         self.validate()
     }
