@@ -47,9 +47,23 @@ impl Closure {
         })
     }
 
+    /// What reflected light is multiplied by at a leaf.
+    pub(super) fn factor(&self, leaf: NodeId) -> f64 {
+        self.factors[leaf.index()]
+    }
+
+    /// The exitance with which a leaf of this material would have the same radiosity if emitted light were multiplied, too:
+    /// `E + rho f H + rho (1 - f) H_E`, H_E being the irradiance by emitted light, is `E' + rho f H`.
+    #[cfg(test)]
+    pub(super) fn effective_exitance(&self, leaf: NodeId, material: &crate::scene::Material) -> Vec<f64> {
+        let emitted = &self.emitted[leaf.index() * self.channels..][..self.channels];
+        let arriving = emitted.iter().map(|h| (1.0 - self.factor(leaf)) * h);
+        material.exitance.iter().zip(&material.reflectance).zip(arriving).map(|((e, rho), h)| e + rho * h).collect()
+    }
+
     /// Fills in, or takes away, reflected light at a leaf.
     pub(super) fn close(&self, leaf: NodeId, irradiance: &mut [f64]) {
-        let factor = self.factors[leaf.index()];
+        let factor = self.factor(leaf);
         for (h, emitted) in irradiance.iter_mut().zip(&self.emitted[leaf.index() * self.channels..]) {
             *h = emitted + factor * (*h - emitted);
         }
