@@ -15,6 +15,7 @@
 //! After Lischinski 1994, chapter 5, from which it departs: form factors are bounded by a theorem instead of samples, the upper
 //! system is solved exactly under the condition that form factors add up to at most 1, and is approached from above.
 
+mod attribution;
 mod blockers;
 mod enclosure;
 mod overlap;
