@@ -8,6 +8,9 @@
 //!   nothing but fronts: `enclosure`);
 //! - what that says in all: errors in the usual norms, and on what kind of evidence the light travels (`radiosity_bounds`).
 //!
+//! Beside them, for refinement: which links the gap comes from (`attribution`, `link_gaps`); and, for comparison, ranges that are
+//! narrower and no bounds (`ranges`).
+//!
 //! What is proved is about polygons that are planar and do not overlap in one plane, with visibility as
 //! [`visibility`](crate::visibility) defines it. Vertices of a polygon off its plane, by up to 1e-6 of its size, are not allowed
 //! for.
@@ -18,20 +21,24 @@
 mod attribution;
 mod blockers;
 mod enclosure;
+mod link_gaps;
 mod overlap;
 mod pair;
 mod picture;
 mod point_bounds;
 mod radiosity_bounds;
+mod ranges;
 mod separation;
 mod shadow;
 mod system;
 
 use serde::Serialize;
 
+pub(crate) use link_gaps::{KnownPairs, LinkGap, LinkGaps, link_gaps};
 pub use point_bounds::PointBounds;
 pub(crate) use radiosity_bounds::{BoundsInput, bound_radiosities};
 pub use radiosity_bounds::{BoundsReport, ChannelError, EvidenceShare, RadiosityBounds};
+pub(crate) use ranges::estimate_ranges;
 
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::Scene;
