@@ -23,7 +23,7 @@ pub fn options() -> SolveOptions {
         error: 0.9,
         point_rays: Some(1),
         leaf_rays: 0,
-        rays_per_link: 256,
+        rays_per_link: 64,
         rays_per_light_link: 256,
         form_factor_accuracy: 1e-3,
         sweep_tolerance: 1e-6,
@@ -79,4 +79,10 @@ fn relative(errors: impl Iterator<Item = f64>, reference: &[f64]) -> Errors {
     let mean = reference.iter().sum::<f64>() / reference.len() as f64;
     let (sum, most) = errors.fold((0.0, 0.0), |(sum, most), error: f64| (sum + error, error.max(most)));
     Errors { l1: sum / reference.len() as f64 / mean, l_infinity: most / mean }
+}
+
+/// CPU seconds of the process, all threads added.
+pub fn cpu_seconds() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }

@@ -51,7 +51,10 @@ impl Reference {
             for i in 0..across {
                 for j in 0..along {
                     let at = |s: f64, t: f64| {
-                        add(face.corner, add(times(face.u, (i as f64 + s) / across as f64), times(face.v, (j as f64 + t) / along as f64)))
+                        add(
+                            face.corner,
+                            add(times(face.u, (i as f64 + s) / across as f64), times(face.v, (j as f64 + t) / along as f64)),
+                        )
                     };
                     let corners = vec![at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
                     let polygon = Polygon::new(&corners).expect("a rectangle");
@@ -64,11 +67,7 @@ impl Reference {
 
         // All bounces, over rows of exact form factors.
         let row = |element: &Element| {
-            if reference.faces[element.face].reflectance > 0.0 {
-                reference.row(element.face, element.middle)
-            } else {
-                Vec::new()
-            }
+            if reference.faces[element.face].reflectance > 0.0 { reference.row(element.face, element.middle) } else { Vec::new() }
         };
         let rows: Vec<Vec<f64>> = reference.elements.par_iter().map(row).collect();
         for _ in 0..40 {
@@ -109,8 +108,7 @@ impl Reference {
 
 /// The form factor of the part of an element that a sheet hides from x: within the cone over the sheet, and beyond it.
 fn hidden(x: [f64; 3], normal: [f64; 3], element: &Element, sheet: &Face) -> f64 {
-    let corners =
-        [sheet.corner, add(sheet.corner, sheet.u), add(add(sheet.corner, sheet.u), sheet.v), add(sheet.corner, sheet.v)];
+    let corners = [sheet.corner, add(sheet.corner, sheet.u), add(add(sheet.corner, sheet.u), sheet.v), add(sheet.corner, sheet.v)];
     let sheet_normal = unit(cross(sheet.u, sheet.v));
     let side = dot(sheet_normal, sub(x, sheet.corner)).signum();
     let mut part = element.corners.clone();

@@ -126,6 +126,10 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
             stopped_by_name(report)
         ),
     );
+    if let Some(links) = &report.link_error {
+        let part = 100.0 * links.estimated_error / links.reflected;
+        voice.figure("links", format_args!("radiosities of elements are some {part:.2}% wrong on average, weighted by importance"));
+    }
     if let Some(bounds) = &report.bounds {
         let proved = match bounds.certainty {
             Certainty::Guaranteed => "proved",

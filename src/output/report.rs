@@ -10,7 +10,9 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::bounds::BoundsReport;
-use crate::solve::{Counts, Energy, EnergyBalance, IterationReport, LinkErrorReport, SolveOptions, SolveReport, StageTimes, StoppedBy};
+use crate::solve::{
+    Counts, Energy, EnergyBalance, IterationReport, LinkErrorReport, SolveOptions, SolveReport, StageTimes, StoppedBy,
+};
 
 /// The version of the schema.
 pub const REPORT_SCHEMA: u32 = 1;

@@ -26,6 +26,9 @@ const REFERENCE_AREA: f64 = 1e-3;
 /// Times that links are split for one tolerance: each halves the sides of what is split.
 const MOST_SPLITS: u32 = 40;
 
+/// Splits of fewer links than this part of all are left to the next tolerance: a round costs the same for one of them.
+const WORTH_A_ROUND: f64 = 0.01;
+
 /// How wrong radiosities may be by the links of error-driven refinement, in W, channels added, weighted by importance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LinkErrorReport {
@@ -70,7 +73,7 @@ impl Solver<'_> {
             for _ in 0..MOST_SPLITS {
                 let gaps = self.link_gaps();
                 let splits = self.splits(&gaps, &oracle);
-                if ended != RefineEnd::Content || splits.is_empty() {
+                if ended != RefineEnd::Content || (splits.len() as f64) < WORTH_A_ROUND * gaps.links.len() as f64 {
                     break;
                 }
                 ended = self.split_and_sweep(&splits, plan, run, deadline);

@@ -317,12 +317,8 @@ fn what_entries_add_counts_through_ancestors_and_inner_sources() {
     // Two walls, each in two halves that gather as one from the halves of the other as one, and a lamp that both see.
     let reflectance = [[0.5], [0.7]];
     let exitance = [[0.0], [0.3], [2.0]];
-    let leaf = |node, wall: usize, lit: usize| Leaf {
-        node,
-        exitance: &exitance[lit],
-        reflectance: &reflectance[wall],
-        enclosed: false,
-    };
+    let leaf =
+        |node, wall: usize, lit: usize| Leaf { node, exitance: &exitance[lit], reflectance: &reflectance[wall], enclosed: false };
     let entry = |source, lower, upper| Entry { source, lower, upper };
     let system = System {
         channels: 1,
