@@ -160,7 +160,8 @@ impl Evaluator {
     }
 
     /// How much a unit of exitance anywhere adds to what `interest` asks for, by the links of the solution: `<R, B> = <Z, E>`, see
-    /// [`Importance`].
+    /// [`Importance`]. Where the solver scales reflected light, because form factors do not add up to what they must, emitted light is
+    /// left alone, and the product lacks what that brings.
     ///
     /// # Errors
     /// [`PipelineError::Interest`] if the scene has nothing of that.
