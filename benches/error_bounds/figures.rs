@@ -7,8 +7,10 @@ use super::{Measured, PROBES, Size};
 
 pub fn draw(measured: &Measured, folder: &Path) -> std::io::Result<()> {
     let letter = measured.configuration.letter();
-    std::fs::write(folder.join(format!("error_bounds_{letter}_profile.svg")), profile(measured))?;
-    std::fs::write(folder.join(format!("error_bounds_{letter}_sizes.svg")), sizes(measured))?;
+    if !measured.sizes.is_empty() {
+        std::fs::write(folder.join(format!("error_bounds_{letter}_profile.svg")), profile(measured))?;
+        std::fs::write(folder.join(format!("error_bounds_{letter}_sizes.svg")), sizes(measured))?;
+    }
     std::fs::write(folder.join(format!("error_bounds_{letter}_links.svg")), links(measured))
 }
 

@@ -6,8 +6,10 @@ pub fn print(measured: &Measured) {
     let configuration = measured.configuration;
     println!("\n### {}. {}\n", configuration.letter(), configuration.name());
     println!("The reference is off by about {:.0e} of the mean.\n", measured.reference_error);
-    sizes(measured);
-    profiles(measured);
+    if !measured.sizes.is_empty() {
+        sizes(measured);
+        profiles(measured);
+    }
     ladders(measured);
 }
 
@@ -107,14 +109,15 @@ fn ladders(measured: &Measured) {
         let cpu_s = ladder.rungs.last().map_or(0.0, |rung| rung.cpu_s);
         println!("| {} | {} | {cpu_s:.1} |", ladder.name, rungs.join("; "));
     }
-    let [brightness, others @ ..] = &measured.ladders[..] else { return };
-    if let Some(best) = brightness.rungs.iter().min_by(|a, b| a.l1.total_cmp(&b.l1)) {
+    let is_brightness = |ladder: &&Ladder| ladder.name.starts_with("brightness");
+    let brightness = measured.ladders.iter().filter(is_brightness).flat_map(|ladder| &ladder.rungs);
+    if let Some(best) = brightness.min_by(|a, b| a.l1.total_cmp(&b.l1)) {
         println!(
             "\nLinks for the least error that brightness-weighted refinement reached, {} with {}:\n",
             percent(best.l1),
             best.links
         );
-        for ladder in others {
+        for ladder in measured.ladders.iter().filter(|ladder| !is_brightness(ladder)) {
             match links_for(ladder, best.l1) {
                 Some(links) => println!("- {}: {links:.0}, {:.3} of these", ladder.name, links / best.links as f64),
                 None => println!("- {}: not reached", ladder.name),
