@@ -128,7 +128,10 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
     );
     if let Some(links) = &report.link_error {
         let part = 100.0 * links.estimated_error / links.reflected;
-        voice.figure("links", format_args!("radiosities of elements are some {part:.2}% wrong on average, weighted by importance"));
+        voice.figure(
+            "links",
+            format_args!("leave {part:.2}% of what elements reflect open, weighted by importance: an estimated error"),
+        );
     }
     if let Some(bounds) = &report.bounds {
         let proved = match bounds.certainty {
