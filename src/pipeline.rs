@@ -8,7 +8,10 @@ use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, PointBounds
 use crate::progress::Observer;
 use crate::reconstruct::{self, Camera, CameraError, Image, SurfacePoint, Values};
 use crate::scene::Scene;
-use crate::solve::{self, Bounds, OptionsError, RunOptions, Solution, SolveOptions, SolveReport};
+use crate::solve::{
+    self, Bounds, InitialImportance, Interest, InterestError, OptionsError, RunOptions, Solution, SolveOptions, SolveReport,
+};
+use crate::sweep::Importance;
 use crate::transmittance::Rays;
 use crate::visibility::{self, Visibility, VisibilityError};
 
@@ -24,6 +27,9 @@ pub enum PipelineError {
     /// The camera cannot take a picture.
     #[error(transparent)]
     Camera(#[from] CameraError),
+    /// The scene has nothing of what the answer is wanted for.
+    #[error(transparent)]
+    Interest(#[from] InterestError),
     /// The threads could not be started.
     #[error("cannot start {threads} threads: {message}")]
     Threads {
@@ -62,7 +68,7 @@ pub fn solve(
     let visibility = pool.install(|| visibility::build(run.backend, &mesh))?;
     let build = start.elapsed().as_secs_f64();
 
-    let (evaluator, mut report) = solve_in(pool, visibility, scene, options, run, observer);
+    let (evaluator, mut report) = solve_in(pool, visibility, scene, options, run, observer)?;
     report.time_s.build += build;
     report.counts.triangles = mesh.triangles.len() as u64;
     Ok((evaluator, report))
@@ -83,7 +89,7 @@ pub fn solve_asking(
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
     options.validate()?;
     run.validate()?;
-    Ok(solve_in(thread_pool(run)?, visibility, scene, options, run, observer))
+    solve_in(thread_pool(run)?, visibility, scene, options, run, observer)
 }
 
 fn solve_in(
@@ -93,18 +99,19 @@ fn solve_in(
     options: &SolveOptions,
     run: &RunOptions,
     observer: &dyn Observer,
-) -> (Evaluator, SolveReport) {
+) -> Result<(Evaluator, SolveReport), PipelineError> {
+    let importance = InitialImportance::of(&options.importance, &scene, &*visibility)?;
     let rays = Rays::new(&*visibility, &scene);
     let rays = if options.skips.rays { rays } else { rays.asking_always() };
-    let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, &rays, observer));
+    let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, importance, &rays, observer));
     let mut evaluator = Evaluator { solution, bounds: None, visibility, pool };
     if options.bounds == Bounds::Guaranteed {
         let start = Instant::now();
         let (bounds, bounds_report) = evaluator.bound(FormFactorRule::QuasiConcave);
         (evaluator.bounds, report.bounds) = (Some(bounds), Some(bounds_report));
-        report.time_s.bounds = start.elapsed().as_secs_f64();
+        report.time_s.bounds += start.elapsed().as_secs_f64();
     }
-    (evaluator, report)
+    Ok((evaluator, report))
 }
 
 fn thread_pool(run: &RunOptions) -> Result<rayon::ThreadPool, PipelineError> {
@@ -144,6 +151,24 @@ impl Evaluator {
     pub fn bound(&self, rule: FormFactorRule) -> (RadiosityBounds, BoundsReport) {
         let Solution { scene, hierarchy, links, .. } = &self.solution;
         self.pool.install(|| bounds::bound_radiosities(&BoundsInput { scene, hierarchy, links, rule }))
+    }
+
+    /// The range of the radiosities of every node over its centre and vertices, by light that travels once from the radiosities as they
+    /// are found: an estimate of how wrong they are, narrower than bounds, and none (Lischinski 1994, section 5.2.1).
+    pub fn estimate_ranges(&self) -> RadiosityBounds {
+        let Solution { scene, hierarchy, links, radiosity, .. } = &self.solution;
+        self.pool.install(|| bounds::estimate_ranges(scene, hierarchy, links, radiosity.values()))
+    }
+
+    /// How much a unit of exitance anywhere adds to what `interest` asks for, by the links of the solution: `<R, B> = <Z, E>`, see
+    /// [`Importance`]. Where the solver scales reflected light, because form factors do not add up to what they must, emitted light is
+    /// left alone, and the product lacks what that brings.
+    ///
+    /// # Errors
+    /// [`PipelineError::Interest`] if the scene has nothing of that.
+    pub fn importance(&self, interest: &Interest) -> Result<Importance, PipelineError> {
+        let initial = InitialImportance::of(interest, &self.solution.scene, &*self.visibility)?;
+        Ok(self.solution.importance(&initial))
     }
 
     /// Lower and upper radiosities at points, in their order, if it was solved with [`Bounds::Guaranteed`].

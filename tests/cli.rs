@@ -133,6 +133,8 @@ fn wrong_usage_ends_with_2_and_says_what_is_wrong() {
         ("solve room.obj --sides back", &["sides is 'back'", "front or both"]),
         ("solve room.obj --strategy bottom-up98 --set bottom_samples=9", &["bottom_samples is 9", "1 to 8"]),
         ("solve room.obj --bounds guaranteed --strategy lazy94", &["bounds is guaranteed", "none or estimate"]),
+        ("solve room.obj --importance view", &["importance is view", "unless strategy is error-driven"]),
+        ("solve room.obj --strategy error-driven --importance everything", &["importance is everything", "material NAME"]),
         ("solve room.obj --image w.exr --quantity width", &["width", "--bounds guaranteed"]),
         ("solve room.obj --bounds tight", &["bounds is tight"]),
         ("solve room.obj --time 0", &["time is '0'", "seconds"]),

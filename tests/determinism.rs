@@ -53,6 +53,7 @@ fn one_two_three_and_seven_threads_give_the_same_bytes() {
         SolveOptions { error: 0.1, sweep: Sweep::InPlace, ..SolveOptions::default() },
         SolveOptions { error: 0.1, strategy: Strategy::Hanrahan91, ..SolveOptions::default() },
         SolveOptions { strategy: Strategy::Uniform, element_area: Some(0.02), ..SolveOptions::default() },
+        SolveOptions { error: 0.1, strategy: Strategy::ErrorDriven, tolerance: Some(2.0), ..SolveOptions::default() },
         SolveOptions { max_links: Some(3000), ..SolveOptions::default() },
         SolveOptions { error: 0.05, gather: Gather::Hemisphere, ..SolveOptions::default() },
     ];

@@ -13,6 +13,8 @@
 
 mod figures;
 mod peers;
+#[path = "../support/plot.rs"]
+mod plot;
 mod problem;
 mod run;
 mod section;

@@ -38,6 +38,22 @@ pub(super) enum Sight {
     },
 }
 
+/// What single points see of a source.
+pub(super) enum Views {
+    /// All of them all of it.
+    Whole,
+    /// Each these parts, up to the rounding of clips.
+    Parts(Vec<Vec<ClippedFacet>>),
+    /// There is too much in the way to tell.
+    Unknown,
+}
+
+/// A point that is nearer to the plane of a blocker than this part of the blocker's radius sees it edge-on.
+const EDGE_ON: f64 = 1e-9;
+
+/// What casts the shadow of a point must be lower by this part of the point's height.
+const LEAST_DROP: f64 = 2e-6;
+
 /// The surfaces of a scene, as what may be in the way.
 pub(super) struct Blockers<'a> {
     scene: &'a Scene,
@@ -92,6 +108,44 @@ impl<'a> Blockers<'a> {
             certain.clear();
         }
         Sight::Partial { certain, possible, shadowed }
+    }
+
+    /// What `points` of `receiver` see of `source`, two surfaces or elements (Nishita, Nakamae 1983).
+    pub fn views(&self, receiver: NodeId, source: NodeId, points: &[DVec3]) -> Views {
+        let plane = |node| self.scene.surface(SurfaceId(self.hierarchy.node(node).surface)).plane;
+        let planes = [plane(receiver), plane(source)];
+        let (receiver, source) = (self.hierarchy.facet(receiver), self.hierarchy.facet(source));
+        let (receiver_part, source_part) = (in_front(&receiver, &source), in_front(&source, &receiver));
+        let (Some(receiver_part), Some(source_part)) = (receiver_part, source_part) else { return Views::Whole };
+        let blockers = self.in_the_way(&Pair { receiver: &receiver_part.facet(), source: &source_part.facet() }, planes);
+        match blockers.len() {
+            0 => Views::Whole,
+            MAX_BLOCKERS.. => Views::Unknown,
+            _ => Views::Parts(points.iter().map(|&x| self.view(x, &source, &blockers)).collect()),
+        }
+    }
+
+    /// What is left of `source` without the shadows that `blockers` cast from x.
+    fn view(&self, x: DVec3, source: &Facet<'_>, blockers: &[ClippedFacet]) -> Vec<ClippedFacet> {
+        let mut seen = vec![ClippedFacet::copy_of(source)];
+        let height = source.height(x) * (1.0 - LEAST_DROP);
+        for blocker in blockers {
+            // Only what is lower than x lies before the source.
+            let lower = match clip_to_front(&blocker.facet(), source.vertices[0] + height * source.normal, -source.normal) {
+                Clip::Whole => ClippedFacet::copy_of(&blocker.facet()),
+                Clip::Part(part) => part,
+                Clip::Nothing => continue,
+            };
+            if lower.facet().height(x).abs() <= EDGE_ON * blocker.facet().radius {
+                continue;
+            }
+            if let Some(shadow) = shadow(&[x], source, &lower.facet(), 0.0) {
+                let mut lit = Vec::new();
+                seen.into_iter().for_each(|piece| shadow.penumbra.cut_out(piece, &mut lit));
+                seen = lit;
+            }
+        }
+        seen
     }
 
     /// The parts of surfaces that meet the hull of the pair, as far as it takes to know.

@@ -9,6 +9,9 @@
 //! - apart from these, what pairs without a link hold back at most, whatever else is known (`held_back`);
 //! - what that says in all: errors in the usual norms, and on what kind of evidence the light travels (`radiosity_bounds`).
 //!
+//! Beside them, for refinement: which links the gap comes from (`attribution`, `link_gaps`); and, for comparison, ranges that are
+//! narrower and no bounds (`ranges`).
+//!
 //! What is proved is about polygons that are planar and do not overlap in one plane, with visibility as
 //! [`visibility`](crate::visibility) defines it. Vertices of a polygon off its plane, by up to 1e-6 of its size, are not allowed
 //! for.
@@ -16,14 +19,17 @@
 //! After Lischinski 1994, chapter 5, from which it departs: form factors are bounded by a theorem instead of samples, the upper
 //! system is solved exactly under the condition that form factors add up to at most 1, and is approached from above.
 
+mod attribution;
 mod blockers;
 mod enclosure;
 mod held_back;
+mod link_gaps;
 mod overlap;
 mod pair;
 mod picture;
 mod point_bounds;
 mod radiosity_bounds;
+mod ranges;
 mod separation;
 mod shadow;
 mod system;
@@ -31,9 +37,11 @@ mod system;
 use serde::Serialize;
 
 pub(crate) use held_back::{HeldBackInput, bound_held_back};
+pub(crate) use link_gaps::{KnownPairs, LinkGap, LinkGaps, link_gaps};
 pub use point_bounds::PointBounds;
 pub(crate) use radiosity_bounds::{BoundsInput, bound_radiosities};
 pub use radiosity_bounds::{BoundsReport, ChannelError, EvidenceShare, RadiosityBounds};
+pub(crate) use ranges::estimate_ranges;
 
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::Scene;

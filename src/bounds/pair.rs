@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::blockers::{Blockers, Sight};
+use super::blockers::{Blockers, Sight, Views};
 use super::{Certainty, Evidence, FormFactorBounds, FormFactorRule};
-use crate::form_factor::{bound_unoccluded, estimate_unoccluded_range};
-use crate::geometry::{Aabb, Cone, Facet};
+use crate::form_factor::{bound_unoccluded, centre_and_vertices, point_to_polygon};
+use crate::geometry::{Aabb, ClippedFacet, Cone};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
 
@@ -36,24 +36,65 @@ impl<'a> PairBounds<'a> {
             return FormFactorBounds::guaranteed(0.0, 0.0, Evidence::Sight);
         }
 
+        match self.rule {
+            FormFactorRule::QuasiConcave => self.proved(receiver, source),
+            FormFactorRule::CentreAndVertices => self.estimated(receiver, source),
+        }
+    }
+
+    /// By theorem and proof.
+    fn proved(&self, receiver: NodeId, source: NodeId) -> FormFactorBounds {
         // Unoccluded it is between these; so if nothing can arrive, nothing can be in the way.
         let (receiver_facet, source_facet) = (self.hierarchy.facet(receiver), self.hierarchy.facet(source));
-        let [least, most] = self.unoccluded(&receiver_facet, &source_facet);
+        let [least, most] = bound_unoccluded(&receiver_facet, &source_facet);
         if most == 0.0 {
-            return FormFactorBounds { lower: 0.0, upper: 0.0, certainty: self.certainty(), evidence: Evidence::Sight };
+            return FormFactorBounds::guaranteed(0.0, 0.0, Evidence::Sight);
         }
-        let (lower, upper, evidence) = match self.blockers.sight(receiver, source) {
-            Sight::Whole => (least, most, Evidence::Sight),
+        match self.blockers.sight(receiver, source) {
+            Sight::Whole => FormFactorBounds::guaranteed(least, most, Evidence::Sight),
             Sight::Partial { certain, possible, shadowed } => {
-                let sum = |pieces: &[crate::geometry::ClippedFacet], end: usize| {
-                    pieces.iter().map(|piece| self.unoccluded(&receiver_facet, &piece.facet())[end]).sum::<f64>()
+                let sum = |pieces: &[ClippedFacet], end: usize| {
+                    pieces.iter().map(|piece| bound_unoccluded(&receiver_facet, &piece.facet())[end]).sum::<f64>()
                 };
                 let lower = sum(&certain, 0).min(most);
                 let upper = sum(&possible, 1).min(most).max(lower);
-                (lower, upper, if shadowed || upper == 0.0 { Evidence::Shadows } else { Evidence::Unproved })
+                let evidence = if shadowed || upper == 0.0 { Evidence::Shadows } else { Evidence::Unproved };
+                FormFactorBounds::guaranteed(lower, upper, evidence)
             }
-        };
-        FormFactorBounds { lower, upper, certainty: self.certainty(), evidence }
+        }
+    }
+
+    /// By what the centre and the vertices of the receiver see.
+    fn estimated(&self, receiver: NodeId, source: NodeId) -> FormFactorBounds {
+        let (factors, evidence) = self.point_factors(receiver, source);
+        let [mut lower, upper] =
+            factors.iter().fold([f64::INFINITY, 0.0], |[least, most], &factor| [factor.min(least), factor.max(most)]);
+        if evidence == Evidence::Unproved {
+            lower = 0.0;
+        }
+        FormFactorBounds { lower, upper, certainty: Certainty::Estimate, evidence }
+    }
+
+    /// The form factors from the centre and from near the vertices of `receiver`, both surfaces or elements, with what is in the way as
+    /// each point sees it. Where too much is in the way to tell, as if nothing were.
+    pub fn point_factors(&self, receiver: NodeId, source: NodeId) -> (Vec<f64>, Evidence) {
+        let (facet, source_facet) = (self.hierarchy.facet(receiver), self.hierarchy.facet(source));
+        let points: Vec<DVec3> = centre_and_vertices(&facet).collect();
+        let factor = |&x: &DVec3| point_to_polygon(x, facet.normal, &source_facet);
+        let unoccluded: Vec<f64> = points.iter().map(factor).collect();
+        if unoccluded.iter().all(|&factor| factor == 0.0) {
+            return (unoccluded, Evidence::Sight);
+        }
+        match self.blockers.views(receiver, source, &points) {
+            Views::Whole => (unoccluded, Evidence::Sight),
+            Views::Unknown => (unoccluded, Evidence::Unproved),
+            Views::Parts(views) => {
+                let of_view = |(&x, view): (&DVec3, &Vec<ClippedFacet>)| {
+                    view.iter().map(|part| point_to_polygon(x, facet.normal, &part.facet())).sum::<f64>()
+                };
+                (points.iter().zip(&views).map(of_view).collect(), Evidence::Shadows)
+            }
+        }
     }
 
     /// What a pair transfers at most, whatever is in the way: cheap, for pairs without a link.
@@ -66,20 +107,6 @@ impl<'a> PairBounds<'a> {
             self.upper_of_boxes(receiver, source)
         } else {
             bound_unoccluded(&self.hierarchy.facet(receiver), &self.hierarchy.facet(source))[1]
-        }
-    }
-
-    fn unoccluded(&self, receiver: &Facet<'_>, source: &Facet<'_>) -> [f64; 2] {
-        match self.rule {
-            FormFactorRule::QuasiConcave => bound_unoccluded(receiver, source),
-            FormFactorRule::CentreAndVertices => estimate_unoccluded_range(receiver, source),
-        }
-    }
-
-    fn certainty(&self) -> Certainty {
-        match self.rule {
-            FormFactorRule::QuasiConcave => Certainty::Guaranteed,
-            FormFactorRule::CentreAndVertices => Certainty::Estimate,
         }
     }
 

@@ -13,10 +13,10 @@ use crate::links::{LinkSet, Pair};
 use crate::scene::{Scene, SurfaceId};
 
 /// Sweeps end when they change bounds by less than this part of the widest gap.
-const SWEEP_TOLERANCE: f64 = 1e-3;
+pub(super) const SWEEP_TOLERANCE: f64 = 1e-3;
 
 /// Enough for a reflectance of 0.99 to come within the tolerance.
-const MOST_SWEEPS: u32 = 1000;
+pub(super) const MOST_SWEEPS: u32 = 1000;
 
 /// Links are bounded leaf by leaf while that makes no more pairs than this, or than there are links.
 const MOST_LINKED: usize = 2_000_000;
@@ -35,9 +35,9 @@ pub(crate) struct BoundsInput<'a> {
 /// Lower and upper radiosities of every node: they hold at every point of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadiosityBounds {
-    channels: usize,
-    lower: Vec<f64>,
-    upper: Vec<f64>,
+    pub(super) channels: usize,
+    pub(super) lower: Vec<f64>,
+    pub(super) upper: Vec<f64>,
 }
 
 impl RadiosityBounds {
@@ -124,7 +124,7 @@ pub(crate) fn bound_radiosities(input: &BoundsInput<'_>) -> (RadiosityBounds, Bo
 }
 
 /// A receiver, a source, and what their form factor is at least and at most.
-type BoundedPair = (NodeId, NodeId, FormFactorBounds);
+pub(super) type BoundedPair = (NodeId, NodeId, FormFactorBounds);
 
 /// What each leaf gathers over its links and those above it, each bounded for the leaf itself: a smaller receiver than the link's
 /// leaves less open. Where that makes too many pairs, links are bounded as they are.
@@ -154,7 +154,7 @@ fn linked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<Bo
 ///
 /// Clusters are taken apart: most of their surfaces cannot see each other at all. Where that makes too many pairs, the rest stay
 /// whole.
-fn unlinked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<BoundedPair> {
+pub(super) fn unlinked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<BoundedPair> {
     let BoundsInput { scene, hierarchy, links, .. } = *input;
     let most = LEAST_UNLINKED.max(links.len());
     let mut waiting: Vec<Pair> = links.dormant().iter().chain(links.unseen()).copied().collect();
@@ -186,7 +186,7 @@ fn unlinked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<
     found
 }
 
-fn system<'a>(input: &BoundsInput<'a>, pairs: &[BoundedPair]) -> System<'a> {
+pub(super) fn system<'a>(input: &BoundsInput<'a>, pairs: &[BoundedPair]) -> System<'a> {
     let BoundsInput { scene, hierarchy, .. } = *input;
     let enclosure = Enclosure::find(scene);
     let leaves: Vec<NodeId> = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)).collect();

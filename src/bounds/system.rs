@@ -99,11 +99,14 @@ impl System<'_> {
         let mut found = vec![[0.0; 2]; channels * self.leaves.len()];
         found.par_chunks_mut(channels).zip(&self.leaves).for_each_init(Vec::new, |entries, (found, leaf)| {
             entries.clear();
-            self.for_each_entry(leaf.node, |entry| entries.push(*entry));
+            self.for_each_entry(leaf.node, |index| entries.push(index));
             for (channel, found) in found.iter_mut().enumerate() {
                 let rho = leaf.reflectance[channel];
-                let reflected =
-                    if rho > 0.0 { self.pour(entries, leaf.enclosed, channel, iterate).map(|h| rho * h) } else { [0.0; 2] };
+                let reflected = if rho > 0.0 {
+                    self.pour(entries, leaf.enclosed, channel, iterate, |_, _, _| {}).map(|h| rho * h)
+                } else {
+                    [0.0; 2]
+                };
                 *found = reflected.map(|reflected| leaf.exitance[channel] + reflected);
             }
         });
@@ -120,12 +123,11 @@ impl System<'_> {
         change
     }
 
-    /// Visits what a node and all its ancestors may gather.
-    pub fn for_each_entry(&self, node: u32, mut visit: impl FnMut(&Entry)) {
+    /// Visits the entries, by index, of a node and all its ancestors.
+    pub fn for_each_entry(&self, node: u32, mut visit: impl FnMut(u32)) {
         let mut node = node;
         loop {
-            let own = self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize;
-            self.entries[own].iter().for_each(&mut visit);
+            (self.starts[node as usize]..self.starts[node as usize + 1]).for_each(&mut visit);
             let parent = self.parents[node as usize];
             if parent == node {
                 return;
@@ -134,45 +136,55 @@ impl System<'_> {
         }
     }
 
-    /// The least and the most irradiance over these entries.
-    fn pour(&self, entries: &mut [Entry], enclosed: bool, channel: usize, iterate: &Iterate) -> [f64; 2] {
-        let of = |values: &[f64], entry: &Entry| values[entry.source as usize * self.channels + channel];
+    /// The least and the most irradiance over these entries, given by index. Visits the form factor that each gets, side (0 for the
+    /// least, 1 for the most) by side.
+    pub fn pour(
+        &self,
+        entries: &mut [u32],
+        enclosed: bool,
+        channel: usize,
+        iterate: &Iterate,
+        mut visit: impl FnMut(usize, u32, f64),
+    ) -> [f64; 2] {
+        let of = |values: &[f64], index: u32| values[self.entry(index).source as usize * self.channels + channel];
         let widened = rounding(entries.len());
-        let left = (1.0 - entries.iter().map(|entry| entry.lower).sum::<f64>()).max(0.0) + widened;
-        let poured = |entries: &[Entry], values: &[f64], left: f64| {
+        let left = (1.0 - entries.iter().map(|&index| self.entry(index).lower).sum::<f64>()).max(0.0) + widened;
+        let mut poured = |side: usize, entries: &[u32], values: &[f64], left: f64| {
             let (mut sum, mut left) = (0.0, left);
-            for entry in entries {
+            for &index in entries {
+                let entry = self.entry(index);
                 let more = (entry.upper - entry.lower).min(left);
                 left -= more;
-                sum += (entry.lower + more) * of(values, entry);
+                sum += (entry.lower + more) * of(values, index);
+                visit(side, index, entry.lower + more);
             }
             sum
         };
+        let in_order = |a: &u32, b: &u32| {
+            let (a, b) = (self.entry(*a), self.entry(*b));
+            a.source.cmp(&b.source).then(a.lower.total_cmp(&b.lower))
+        };
 
         // The most: what is left goes to the brightest. If it is enough for all, their order does not matter.
-        if entries.iter().map(|entry| entry.upper - entry.lower).sum::<f64>() > left {
-            entries.sort_unstable_by(|a, b| {
-                of(&iterate.upper, b)
-                    .total_cmp(&of(&iterate.upper, a))
-                    .then(a.source.cmp(&b.source))
-                    .then(a.lower.total_cmp(&b.lower))
-            });
+        if entries.iter().map(|&index| self.entry(index).upper - self.entry(index).lower).sum::<f64>() > left {
+            let brightest_first = |a: &u32, b: &u32| of(&iterate.upper, *b).total_cmp(&of(&iterate.upper, *a));
+            entries.sort_unstable_by(|a, b| brightest_first(a, b).then(in_order(a, b)));
         }
-        let most = poured(entries, &iterate.upper, left) * (1.0 + widened);
+        let most = poured(1, entries, &iterate.upper, left) * (1.0 + widened);
 
         // The least: what is left is lost, or goes to the dimmest.
         let least = if enclosed {
-            entries.sort_unstable_by(|a, b| {
-                of(&iterate.lower, a)
-                    .total_cmp(&of(&iterate.lower, b))
-                    .then(a.source.cmp(&b.source))
-                    .then(a.lower.total_cmp(&b.lower))
-            });
-            poured(entries, &iterate.lower, (left - 2.0 * widened).max(0.0))
+            let dimmest_first = |a: &u32, b: &u32| of(&iterate.lower, *a).total_cmp(&of(&iterate.lower, *b));
+            entries.sort_unstable_by(|a, b| dimmest_first(a, b).then(in_order(a, b)));
+            poured(0, entries, &iterate.lower, (left - 2.0 * widened).max(0.0))
         } else {
-            poured(entries, &iterate.lower, 0.0)
+            poured(0, entries, &iterate.lower, 0.0)
         };
         [least * (1.0 - widened), most]
+    }
+
+    fn entry(&self, index: u32) -> &Entry {
+        &self.entries[index as usize]
     }
 
     /// Inner nodes take the extremes of their leaves.

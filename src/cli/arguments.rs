@@ -56,10 +56,14 @@ pub struct SolveArguments {
     /// Relative error asked for, in the root mean square over all surfaces [default: 0.02]
     #[arg(long, value_name = "E")]
     pub error: Option<f64>,
-    /// How pairs are refined: default, hanrahan91, uniform, original94, culling94, lazy94,
-    /// lazy94+reduction, bottom-up98 or top-down98
+    /// How pairs are refined: default, hanrahan91, uniform, original94, culling94, lazy94, lazy94+reduction, bottom-up98, top-down98 or
+    /// error-driven
     #[arg(long, value_name = "NAME")]
     pub strategy: Option<String>,
+    /// What the answer is wanted for, with --strategy error-driven: total, view (what the camera of the picture sees) or
+    /// 'material NAME' [default: total]
+    #[arg(long, value_name = "WHAT")]
+    pub importance: Option<String>,
     /// Which sides of a face emit and receive: front or both [default: front]
     #[arg(long, value_name = "SIDES")]
     pub sides: Option<String>,

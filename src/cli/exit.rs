@@ -75,7 +75,7 @@ impl Failure {
 impl From<PipelineError> for Failure {
     fn from(error: PipelineError) -> Self {
         match error {
-            PipelineError::Options(_) | PipelineError::Camera(_) => Self::usage(error),
+            PipelineError::Options(_) | PipelineError::Camera(_) | PipelineError::Interest(_) => Self::usage(error),
             PipelineError::Visibility(VisibilityError::UnknownBackend(_) | VisibilityError::NotBuilt { .. }) => Self::usage(error),
             PipelineError::Visibility(VisibilityError::Native { .. } | VisibilityError::BadMesh(_))
             | PipelineError::Threads { .. } => Self::failed(error),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use patchlight::output::{Destination, ExportFormat, Exposure, ImageFormat, Quantity};
 use patchlight::reconstruct::{Camera, CameraRequest};
 use patchlight::scene::Sides;
-use patchlight::solve::{Bounds, RunOptions, SolveOptions};
+use patchlight::solve::{Bounds, Interest, RunOptions, SolveOptions};
 
 use super::arguments::{ExportArguments, PictureArguments, RenderArguments, RunArguments, SampleArguments, SolveArguments};
 use super::exit::Failure;
@@ -95,6 +95,10 @@ impl SolveRequest {
                 settings.set(key, value)?;
             }
         }
+        if let Some(text) = &typed.importance {
+            let camera = typed.picture.camera.as_deref().filter(|_| text.trim() == "view");
+            settings.set("importance", &camera.map_or_else(|| text.clone(), |camera| format!("view {camera}")))?;
+        }
         for (key, value) in [("memory", typed.memory), ("time", typed.time)] {
             if let Some(value) = value {
                 settings.set(key, &value.to_string())?;
@@ -114,7 +118,8 @@ impl SolveRequest {
         let mut outputs = Outputs::beside(&[&[typed.scene.as_path()], points.as_slice()].concat());
         let solution = typed.output.as_deref().map(|path| outputs.file(path)).transpose()?;
         let picture = &typed.picture;
-        let picture_flags = [&picture.camera, &picture.size, &picture.exposure, &picture.quantity];
+        let camera_for_picture = picture.camera.as_ref().filter(|_| !matches!(settings.options.importance, Interest::View(_)));
+        let picture_flags = [camera_for_picture, picture.size.as_ref(), picture.exposure.as_ref(), picture.quantity.as_ref()];
         if typed.image.is_empty() && picture_flags.iter().any(|flag| flag.is_some()) {
             return Err(Failure::usage("--camera, --size, --exposure and --quantity need --image FILE"));
         }

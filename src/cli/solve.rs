@@ -126,6 +126,13 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
             stopped_by_name(report)
         ),
     );
+    if let Some(links) = &report.link_error {
+        let part = 100.0 * links.estimated_error / links.reflected;
+        voice.figure(
+            "links",
+            format_args!("leave {part:.2}% of what elements reflect open, weighted by importance: an estimated error"),
+        );
+    }
     if let Some(bounds) = &report.bounds {
         let proved = match bounds.certainty {
             Certainty::Guaranteed => "proved",

@@ -70,9 +70,15 @@ pub(crate) fn bound_unoccluded(receiver: &Facet<'_>, source: &Facet<'_>) -> [f64
 /// The range of the form factor over the receiver's centroid and vertices (Lischinski 1994, section 5.2): no bound, because the
 /// largest may lie elsewhere.
 pub(crate) fn estimate_unoccluded_range(receiver: &Facet<'_>, source: &Facet<'_>) -> [f64; 2] {
-    let looks = receiver.vertices.iter().chain([&receiver.centroid]);
-    let factors = looks.map(|&x| point_to_polygon(x, receiver.normal, source));
+    let factors = centre_and_vertices(receiver).map(|x| point_to_polygon(x, receiver.normal, source));
     factors.fold([f64::INFINITY, 0.0], |[least, most], factor| [least.min(factor), most.max(factor)])
+}
+
+/// The centroid and the vertices of a receiver, these a little towards the middle: at a vertex that touches a source the form factor
+/// has no value, but a limit.
+pub(crate) fn centre_and_vertices<'a>(receiver: &Facet<'a>) -> impl Iterator<Item = DVec3> + use<'a> {
+    let (vertices, centroid) = (receiver.vertices, receiver.centroid);
+    std::iter::once(centroid).chain(vertices.iter().map(move |&vertex| vertex + STEP_INWARD * (centroid - vertex)))
 }
 
 /// The least over the vertices.

@@ -12,7 +12,8 @@ mod quadrature;
 
 use crate::geometry::Polygon;
 
-pub(crate) use bounds::{bound_unoccluded, estimate_unoccluded_range};
+use bounds::estimate_unoccluded_range;
+pub(crate) use bounds::{bound_unoccluded, centre_and_vertices};
 pub(crate) use exact::exact_exchange;
 pub(crate) use lambert::{kernel, point_to_polygon};
 pub(crate) use quadrature::{estimate_exchange, sided_exchange};

@@ -48,7 +48,7 @@ impl Link {
 }
 
 /// A receiver and a source.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Pair {
     /// The node that gathers.
     pub receiver: NodeId,

@@ -3,6 +3,7 @@
 //! A wave's pairs are decided in parallel; those that may be linked have their visibility asked in one batch per chunk, and are decided
 //! once more with it; splits make the next wave. Order and random numbers come from ids, so threads cannot change a bit.
 
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -101,12 +102,20 @@ impl Refinement {
         LinkSet::new(hierarchy.len(), &self.linked, self.dormant.clone())
     }
 
-    /// Decides every pair anew, and refines those with which the oracle is not content.
-    pub fn refine(&mut self, hierarchy: &mut Hierarchy, context: &RefineContext<'_>, limits: &RefineLimits<'_>) -> RefineEnd {
+    /// Splits the links that `splits` names, decides every other pair anew, and refines those with which the oracle is not content.
+    pub fn refine(
+        &mut self,
+        hierarchy: &mut Hierarchy,
+        splits: &HashMap<Pair, Decision>,
+        context: &RefineContext<'_>,
+        limits: &RefineLimits<'_>,
+    ) -> RefineEnd {
         // Links with which the oracle is not content any more are split; dormant pairs are asked again.
         let decide = |(receiver, link): &(NodeId, Link)| {
             let pair = Pair { receiver: *receiver, source: link.source };
-            context.oracle.decide(&context.candidate(hierarchy, pair, link.form_factor, Some(f64::from(link.seen))))
+            splits.get(&pair).copied().unwrap_or_else(|| {
+                context.oracle.decide(&context.candidate(hierarchy, pair, link.form_factor, Some(f64::from(link.seen))))
+            })
         };
         let decisions: Vec<Decision> = self.linked.par_iter().map(decide).collect();
         let mut wave = std::mem::take(&mut self.dormant);

@@ -10,7 +10,9 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::bounds::BoundsReport;
-use crate::solve::{Counts, Energy, EnergyBalance, IterationReport, SkippedWork, SolveOptions, SolveReport, StageTimes, StoppedBy};
+use crate::solve::{
+    Counts, Energy, EnergyBalance, IterationReport, LinkErrorReport, SkippedWork, SolveOptions, SolveReport, StageTimes, StoppedBy,
+};
 
 /// The version of the schema.
 pub const REPORT_SCHEMA: u32 = 1;
@@ -42,6 +44,8 @@ pub struct RunReport {
     pub error: ErrorFigures,
     /// What is proved about the answer, where that was asked for.
     pub bounds: Option<BoundsReport>,
+    /// How wrong radiosities may be by the links, for error-driven refinement.
+    pub link_error: Option<LinkErrorReport>,
     /// Where the power goes, in W, all channels added.
     pub energy: Energy,
     /// What there was after each iteration, for strategies that have a fixed number of them.
@@ -154,6 +158,7 @@ impl RunReport {
                 skipped: error.skipped,
             },
             bounds: report.bounds.clone(),
+            link_error: report.link_error,
             energy: report.energy,
             bounces: report.bounces.clone(),
             energy_balance: report.energy_balance,

@@ -42,7 +42,7 @@ impl Solver<'_> {
         // Sampled form factors may add up to more than 1, and sweeps must converge all the same.
         self.exposure.grow(self.scene, &self.hierarchy, self.rays, self.options.seed);
         self.radiosity.grow(&self.hierarchy);
-        self.closure = Closure::of_divergent(self.scene, &self.hierarchy, &self.links, &self.exposure);
+        self.closure = Closure::needed(self.scene, &self.hierarchy, &self.links, &self.exposure, false);
         self.report.time_s.refine += start.elapsed().as_secs_f64();
         self.sweep(deadline);
         found.end

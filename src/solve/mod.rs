@@ -1,31 +1,38 @@
 //! The main algorithm on one screen: refine, gather, push-pull, good enough?
 
 mod bounces;
+mod error_driven;
 mod error_estimate;
+mod interest;
 mod linked_once;
 mod options;
 mod plan;
 mod report;
 mod solution;
 
+use std::collections::HashMap;
 use std::sync::atomic::AtomicU64;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
 pub use crate::links::Skips;
+pub use error_driven::LinkErrorReport;
+pub(crate) use interest::InitialImportance;
+pub use interest::{Interest, InterestError};
 pub use options::{Bounds, Gather, OptionsError, RunOptions, SolveOptions, Strategy, Sweep};
 pub use report::{Counts, Energy, EnergyBalance, ErrorReport, IterationReport, SkippedWork, SolveReport, StageTimes, StoppedBy};
 pub use solution::Solution;
 
-use report::Powers;
-
+use error_driven::ErrorSearch;
 use error_estimate::{ErrorEstimate, ErrorSamples, Looking};
 use plan::{Plan, Verdict};
+use report::Powers;
 
 use crate::bounds::{HeldBackInput, bound_held_back};
 use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
+use crate::links::oracle::{Decision, RefinementOracle};
 use crate::links::{LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::progress::{Observer, Progress, Stage};
 use crate::reconstruct::{
@@ -38,16 +45,17 @@ use crate::transmittance::Rays;
 /// No solve sweeps more often in a row: at reflectance 0.999 the change has fallen by e^-20 by then.
 const MAX_SWEEPS: u32 = 20_000;
 
-/// Solves `scene` in the current rayon pool.
+/// Solves `scene` in the current rayon pool; `importance` is looked at by error-driven refinement alone.
 pub(crate) fn solve(
     scene: Scene,
     options: &SolveOptions,
     run: &RunOptions,
+    importance: InitialImportance,
     rays: &Rays<'_>,
     observer: &dyn Observer,
 ) -> (Solution, SolveReport) {
     let start = Instant::now();
-    let mut solver = Solver::new(&scene, options, rays, observer);
+    let mut solver = Solver::new(&scene, options, importance, rays, observer);
     let deadline = run.time_s.and_then(|seconds| start.checked_add(Duration::from_secs_f64(seconds)));
     let mut plan = Plan::new(&scene, options);
 
@@ -58,7 +66,10 @@ pub(crate) fn solve(
         } else if options.strategy.links_surfaces() {
             solver.bounce(&plan, run, deadline)
         } else {
-            let ended = solver.refine_in_steps(&plan, run, deadline);
+            let ended = match options.strategy {
+                Strategy::ErrorDriven => solver.refine_by_error(&plan, run, deadline),
+                _ => solver.refine_in_steps(&plan, run, deadline),
+            };
             solver.regather_leaves(&plan);
             ended
         };
@@ -115,11 +126,18 @@ struct Solver<'a> {
     /// Of the values as they stand; `None` before the first estimate, and where the last one was cut short.
     error: Option<ErrorEstimate>,
     error_samples: ErrorSamples,
+    error_search: ErrorSearch,
     report: SolveReport,
 }
 
 impl<'a> Solver<'a> {
-    fn new(scene: &'a Scene, options: &'a SolveOptions, rays: &'a Rays<'a>, observer: &'a dyn Observer) -> Self {
+    fn new(
+        scene: &'a Scene,
+        options: &'a SolveOptions,
+        importance: InitialImportance,
+        rays: &'a Rays<'a>,
+        observer: &'a dyn Observer,
+    ) -> Self {
         let start = Instant::now();
         let hierarchy = Hierarchy::new(scene);
         let mut exposure = Exposure::default();
@@ -144,6 +162,7 @@ impl<'a> Solver<'a> {
             resolved: None,
             error: None,
             error_samples: ErrorSamples::default(),
+            error_search: ErrorSearch::new(importance),
             report,
         }
     }
@@ -160,7 +179,7 @@ impl<'a> Solver<'a> {
         for tolerance in plan.tolerances() {
             // Pairs that slept because their source was dark wake once light has come there.
             loop {
-                let ended = self.refine(plan, tolerance, run, deadline);
+                let ended = self.refine_with(&*plan.oracle(tolerance), &HashMap::new(), plan, run, deadline);
                 self.sweep(deadline);
                 if ended != RefineEnd::Content {
                     return ended;
@@ -233,16 +252,22 @@ impl<'a> Solver<'a> {
         plan.clusters() || (may && !self.options.skips.clusters)
     }
 
-    /// Refines until the oracle is content at `tolerance`.
-    fn refine(&mut self, plan: &Plan, tolerance: f64, run: &RunOptions, deadline: Option<Instant>) -> RefineEnd {
+    /// Splits the links that `splits` names, and refines until the oracle is content.
+    fn refine_with(
+        &mut self,
+        oracle: &dyn RefinementOracle,
+        splits: &HashMap<Pair, Decision>,
+        plan: &Plan,
+        run: &RunOptions,
+        deadline: Option<Instant>,
+    ) -> RefineEnd {
         let start = Instant::now();
         self.report.counts.rounds += 1;
         self.progress(Stage::Refine);
-        let oracle = plan.oracle(tolerance);
         let context = RefineContext {
             scene: self.scene,
             rays: self.rays,
-            oracle: &*oracle,
+            oracle,
             radiosity: self.radiosity.values(),
             clusters: self.links_clusters(plan),
             cluster_reflectance: &self.cluster_reflectance,
@@ -255,16 +280,13 @@ impl<'a> Solver<'a> {
         };
         let stop = self.refinement_stop(deadline);
         let limits = self.refine_limits(plan, run, &stop);
-        let end = self.refinement.refine(&mut self.hierarchy, &context, &limits);
+        let end = self.refinement.refine(&mut self.hierarchy, splits, &context, &limits);
         self.report.time_s.form_factor += context.form_factor_nanoseconds.into_inner() as f64 * 1e-9;
         self.links = self.refinement.link_set(&self.hierarchy);
         self.exposure.grow(self.scene, &self.hierarchy, self.rays, self.options.seed);
         self.radiosity.grow(&self.hierarchy);
-        self.closure = if self.links_clusters(plan) {
-            Some(Closure::of_estimates(self.scene, &self.hierarchy, &self.links, &self.exposure))
-        } else {
-            Closure::of_divergent(self.scene, &self.hierarchy, &self.links, &self.exposure)
-        };
+        let clusters = self.links_clusters(plan);
+        self.closure = Closure::needed(self.scene, &self.hierarchy, &self.links, &self.exposure, clusters);
         self.report.time_s.refine += start.elapsed().as_secs_f64();
         end
     }

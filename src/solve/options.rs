@@ -5,6 +5,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::Interest;
 use crate::links::Skips;
 use crate::visibility::Backend;
 
@@ -34,12 +35,24 @@ pub enum Strategy {
     BottomUp98,
     /// The same top-down, from samples on each node that is looked at: what that paper compares with.
     TopDown98,
+    /// Links are split that add most to the error, by their form-factor bounds and by importance (Lischinski 1994, section 5.3).
+    ErrorDriven,
 }
 
 impl Strategy {
     /// All names, as typed on the command line.
-    pub const NAMES: [&'static str; 9] =
-        ["default", "hanrahan91", "uniform", "original94", "culling94", "lazy94", "lazy94+reduction", "bottom-up98", "top-down98"];
+    pub const NAMES: [&'static str; 10] = [
+        "default",
+        "hanrahan91",
+        "uniform",
+        "original94",
+        "culling94",
+        "lazy94",
+        "lazy94+reduction",
+        "bottom-up98",
+        "top-down98",
+        "error-driven",
+    ];
 
     /// Whether links start from pairs of surfaces, and are what the options make them, whatever error they lead to.
     pub fn links_surfaces(self) -> bool {
@@ -71,6 +84,7 @@ impl FromStr for Strategy {
             "lazy94+reduction" => Ok(Self::Lazy94Reduction),
             "bottom-up98" => Ok(Self::BottomUp98),
             "top-down98" => Ok(Self::TopDown98),
+            "error-driven" => Ok(Self::ErrorDriven),
             _ => Err(OptionsError::UnknownStrategy(name.to_owned())),
         }
     }
@@ -186,6 +200,8 @@ pub struct SolveOptions {
     pub strategy: Strategy,
     /// What is to be known about how wrong the answer can be.
     pub bounds: Bounds,
+    /// What the answer is wanted for: where errors count. For [`Strategy::ErrorDriven`] alone.
+    pub importance: Interest,
     /// Seed of every random choice.
     pub seed: u64,
     /// Stop refining at this many links.
@@ -241,6 +257,7 @@ impl Default for SolveOptions {
             error: 0.02,
             strategy: Strategy::Default,
             bounds: Bounds::Estimate,
+            importance: Interest::Total,
             seed: 0,
             max_links: None,
             tolerance: None,
@@ -269,10 +286,11 @@ impl Default for SolveOptions {
 
 impl SolveOptions {
     /// The keys that [`SolveOptions::set`] knows.
-    pub const KEYS: [&'static str; 25] = [
+    pub const KEYS: [&'static str; 26] = [
         "error",
         "strategy",
         "bounds",
+        "importance",
         "seed",
         "max_links",
         "tolerance",
@@ -313,6 +331,10 @@ impl SolveOptions {
         if self.bounds == Bounds::Guaranteed && self.strategy.forgets_pairs() {
             let range = "none or estimate for the strategies of 1994, which do not account for all pairs";
             return Err(OptionsError::OutOfRange { option: "bounds", value: "guaranteed".to_owned(), range });
+        }
+        if self.importance != Interest::Total && self.strategy != Strategy::ErrorDriven {
+            let range = "total, unless strategy is error-driven";
+            return Err(OptionsError::OutOfRange { option: "importance", value: self.importance.to_string(), range });
         }
         check("max_links", 0.0, self.max_links != Some(0), "at least 1")?;
         positive("tolerance", self.tolerance)?;
@@ -360,6 +382,7 @@ impl SolveOptions {
             "error" => self.error = parse(key, value, NUMBER)?,
             "strategy" => self.strategy = value.trim().parse()?,
             "bounds" => self.bounds = value.trim().parse()?,
+            "importance" => self.importance = value.parse()?,
             "seed" => self.seed = parse(key, value, COUNT)?,
             "max_links" => self.max_links = Some(parse(key, value, COUNT)?),
             "tolerance" => self.tolerance = Some(parse(key, value, NUMBER)?),

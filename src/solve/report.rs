@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::error_driven::LinkErrorReport;
 use crate::bounds::BoundsReport;
 use crate::hierarchy::Hierarchy;
 use crate::links::LinkSet;
@@ -175,6 +176,8 @@ pub struct SolveReport {
     pub error: ErrorReport,
     /// What is proved about the answer, if that was asked for.
     pub bounds: Option<BoundsReport>,
+    /// How wrong radiosities may be by the links, for error-driven refinement.
+    pub link_error: Option<LinkErrorReport>,
     /// Where the power goes.
     pub energy: Energy,
     /// What there was after each iteration, for strategies that have a fixed number of them.

@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Gather, SolveOptions};
+use super::{Gather, InitialImportance, SolveOptions};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::reconstruct::{Effort, HemisphereGather, Lattice, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Way};
 use crate::scene::Scene;
-use crate::sweep::{Exposure, Radiosity};
+use crate::sweep::{Adjoint, Closure, Exposure, Importance, Radiosity};
 use crate::transmittance::Rays;
 
 /// The answer: scene, hierarchy, links, radiosities and the options they were found with.
@@ -61,6 +61,15 @@ impl Solution {
     /// How values at points are gathered: over links or over the hemisphere.
     pub fn gather(&self) -> Gather {
         if self.resolved.is_some() { Gather::Hemisphere } else { Gather::Links }
+    }
+
+    /// Importance over the links, as the solver swept radiosities over them.
+    pub(crate) fn importance(&self, initial: &InitialImportance) -> Importance {
+        let Self { scene, hierarchy, links, exposure, radiosity, .. } = self;
+        let clusters = links.iter().any(|(receiver, link)| hierarchy.is_cluster(receiver) || hierarchy.is_cluster(link.source));
+        let closure = Closure::needed(scene, hierarchy, links, exposure, clusters);
+        let initial = initial.of_leaves(hierarchy, exposure, scene.channels());
+        Adjoint { scene, hierarchy, links, exposure, closure: closure.as_ref(), radiosity }.importance(&initial)
     }
 
     /// The light paths that the values at points may take.

@@ -27,15 +27,24 @@ pub(crate) struct Closure {
 }
 
 impl Closure {
+    /// What sweeps over `links` need: for every leaf if clusters are linked, else for those that diverge.
+    pub fn needed(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure, clusters: bool) -> Option<Self> {
+        if clusters {
+            Some(Self::of_estimates(scene, hierarchy, links, exposure))
+        } else {
+            Self::of_divergent(scene, hierarchy, links, exposure)
+        }
+    }
+
     /// Closes every leaf, because its form factors are estimates.
-    pub fn of_estimates(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure) -> Self {
+    pub(super) fn of_estimates(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure) -> Self {
         let most = if exposure.is_closed() { MOST } else { 1.0 };
         let close = |_, sum: f64| if sum > 0.0 { (1.0 / sum).min(most) } else { 1.0 };
         Self::by(close, scene, hierarchy, links, exposure)
     }
 
     /// Closes the leaves that would reflect as much as all that their sources send, or more; `None` if there are none.
-    pub fn of_divergent(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure) -> Option<Self> {
+    fn of_divergent(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure) -> Option<Self> {
         let close = |leaf: NodeId, sum: f64| {
             let reflectance = &scene.material_of(SurfaceId(hierarchy.node(leaf).surface)).reflectance;
             if reflectance.iter().any(|rho| rho * sum >= 1.0) { 1.0 / sum } else { 1.0 }
@@ -55,9 +64,23 @@ impl Closure {
         Self { channels, factors: hierarchy.ids().map(factor).collect(), emitted }
     }
 
+    /// What reflected light is multiplied by at a leaf.
+    pub(super) fn factor(&self, leaf: NodeId) -> f64 {
+        self.factors[leaf.index()]
+    }
+
+    /// The exitance with which a leaf of this material would have the same radiosity if emitted light were multiplied, too:
+    /// `E + rho f H + rho (1 - f) H_E`, H_E being the irradiance by emitted light, is `E' + rho f H`.
+    #[cfg(test)]
+    pub(super) fn effective_exitance(&self, leaf: NodeId, material: &crate::scene::Material) -> Vec<f64> {
+        let emitted = &self.emitted[leaf.index() * self.channels..][..self.channels];
+        let arriving = emitted.iter().map(|h| (1.0 - self.factor(leaf)) * h);
+        material.exitance.iter().zip(&material.reflectance).zip(arriving).map(|((e, rho), h)| e + rho * h).collect()
+    }
+
     /// Fills in, or takes away, reflected light at a leaf.
     pub(crate) fn close(&self, leaf: NodeId, irradiance: &mut [f64]) {
-        let factor = self.factors[leaf.index()];
+        let factor = self.factor(leaf);
         for (h, emitted) in irradiance.iter_mut().zip(&self.emitted[leaf.index() * self.channels..]) {
             *h = emitted + factor * (*h - emitted);
         }

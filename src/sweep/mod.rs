@@ -1,8 +1,9 @@
-//! What is computed over links: gather and push-pull, by Jacobi sweeps or in place.
+//! What is computed over links: gather and push-pull, by Jacobi sweeps or in place; importance, against the direction of light.
 
 mod closure;
 mod exposure;
 mod gather;
+mod importance;
 mod in_place;
 mod missing;
 mod push_pull;
@@ -12,6 +13,8 @@ pub(crate) use closure::Closure;
 pub use exposure::Exposure;
 pub(crate) use exposure::{ByPlane, sampled_exposed_point};
 pub(crate) use gather::{Irradiance, gather};
+pub(crate) use importance::Adjoint;
+pub use importance::Importance;
 pub(crate) use in_place::sweep_in_place;
 pub(crate) use missing::{estimate_ambient, incorrect_energy, reflect_ambient, row_sums};
 pub(crate) use push_pull::{push, push_pull};

@@ -20,8 +20,12 @@ pub struct Room {
 impl Room {
     /// Adds a material; the number to name it by.
     pub fn material(&mut self, reflectance: &[f64], exitance: &[f64]) -> u32 {
-        let name = format!("m{}", self.materials.len());
-        self.materials.push(Material { name, reflectance: reflectance.to_vec(), exitance: exitance.to_vec() });
+        self.named_material(&format!("m{}", self.materials.len()), reflectance, exitance)
+    }
+
+    /// The same under a name of one's own.
+    pub fn named_material(&mut self, name: &str, reflectance: &[f64], exitance: &[f64]) -> u32 {
+        self.materials.push(Material { name: name.to_owned(), reflectance: reflectance.to_vec(), exitance: exitance.to_vec() });
         self.materials.len() as u32 - 1
     }
 

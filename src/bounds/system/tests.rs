@@ -3,6 +3,7 @@
 #![allow(clippy::print_stdout, reason = "a test tells what it measured")]
 
 use super::*;
+use crate::bounds::attribution::attribute;
 
 /// Walls of length 1 in the order of THEORY's cases: s runs counter-clockwise, each wall starts where the one before ends.
 const EXITANCE: [[f64; 1]; 4] = [[1.0], [0.0], [0.0], [0.0]];
@@ -230,8 +231,8 @@ fn starting_the_upper_system_from_below_would_not_do() {
         let mut next = Iterate { lower: before.lower.clone(), upper: vec![f64::INFINITY; before.upper.len()] };
         for leaf in &system.leaves {
             let mut entries = Vec::new();
-            system.for_each_entry(leaf.node, |entry| entries.push(*entry));
-            let [_, most] = system.pour(&mut entries, true, 0, &before);
+            system.for_each_entry(leaf.node, |index| entries.push(index));
+            let [_, most] = system.pour(&mut entries, true, 0, &before, |_, _, _| {});
             next.upper[leaf.node as usize] = leaf.exitance[0] + leaf.reflectance[0] * most;
         }
         from_below.upper = next.upper;
@@ -280,4 +281,53 @@ fn ancestors_and_inner_sources_count() {
     near(iterate.upper[3], 0.5 * 0.5 * 2.0);
     near(iterate.lower[0], iterate.lower[2]);
     near(iterate.upper[1], 2.0);
+}
+
+/// What entries add to `<R, U - L>`, and that number itself.
+fn attributed(system: &System<'_>, iterate: &Iterate, initial: &[f64]) -> (f64, f64) {
+    let found: f64 = attribute(system, iterate, initial).iter().sum();
+    let gap = |leaf: &Leaf<'_>| {
+        let at = leaf.node as usize;
+        initial[at] * (iterate.upper[at] - iterate.lower[at])
+    };
+    (found, system.leaves.iter().map(gap).sum())
+}
+
+#[test]
+fn what_entries_add_is_the_gap() {
+    // The duct, where rows add up to 1, and as if it were open; all of it, and one wall alone.
+    for enclosed in [true, false] {
+        let mut system = duct(8);
+        system.leaves.iter_mut().for_each(|leaf| leaf.enclosed = enclosed);
+        let (iterate, _) = system.solve(1e-15, 10_000);
+        for of_wall in [None, Some(2)] {
+            let initial: Vec<f64> = (0..32).map(|node| f64::from(u8::from(of_wall.is_none_or(|wall| node / 8 == wall)))).collect();
+            let (found, gap) = attributed(&system, &iterate, &initial);
+            assert!(gap > 0.05 && (found / gap - 1.0).abs() < 1e-10, "enclosed {enclosed}, {of_wall:?}: {found}, not {gap}");
+        }
+        if !enclosed {
+            let parts = attribute(&system, &iterate, &[1.0; 32]);
+            assert!(parts.iter().all(|&part| part >= 0.0), "pouring gives each entry at least its least");
+        }
+    }
+}
+
+#[test]
+fn what_entries_add_counts_through_ancestors_and_inner_sources() {
+    // Two walls, each in two halves that gather as one from the halves of the other as one, and a lamp that both see.
+    let reflectance = [[0.5], [0.7]];
+    let exitance = [[0.0], [0.3], [2.0]];
+    let leaf =
+        |node, wall: usize, lit: usize| Leaf { node, exitance: &exitance[lit], reflectance: &reflectance[wall], enclosed: false };
+    let entry = |source, lower, upper| Entry { source, lower, upper };
+    let system = System {
+        channels: 1,
+        parents: vec![0, 1, 0, 0, 1, 1, 6],
+        starts: vec![0, 2, 4, 4, 5, 5, 5, 5],
+        entries: vec![entry(1, 0.2, 0.4), entry(6, 0.0, 0.1), entry(0, 0.1, 0.5), entry(6, 0.1, 0.9), entry(4, 0.05, 0.1)],
+        leaves: vec![leaf(2, 0, 0), leaf(3, 0, 1), leaf(4, 1, 0), leaf(5, 1, 1), Leaf { reflectance: &[0.0], ..leaf(6, 0, 2) }],
+    };
+    let (iterate, _) = system.solve(1e-15, 10_000);
+    let (found, gap) = attributed(&system, &iterate, &[9.0, 9.0, 1.0, 2.0, 3.0, 0.0, 1.0]);
+    assert!(gap > 1.0 && (found / gap - 1.0).abs() < 1e-12, "{found}, not {gap}");
 }

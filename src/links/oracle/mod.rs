@@ -4,10 +4,12 @@
 
 mod area_weighted;
 mod brightness_weighted;
+mod error_driven;
 mod uniform;
 
 pub use area_weighted::AreaWeighted;
 pub use brightness_weighted::BrightnessWeighted;
+pub use error_driven::{ErrorDriven, LinkError};
 pub use uniform::Uniform;
 
 /// A pair of nodes about which an oracle decides.

@@ -1,0 +1,75 @@
+//! Which links leave how much open: what error-driven refinement goes by.
+//!
+//! Here links are bounded as they stand, not leaf by leaf as for [`bound_radiosities`](super::bound_radiosities): a link whose
+//! form factor varies over its receiver makes all leaves of it wrong, however small these are.
+
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
+use super::attribution::attribute;
+use super::pair::PairBounds;
+use super::radiosity_bounds::{BoundedPair, MOST_SWEEPS, SWEEP_TOLERANCE, system, unlinked_pairs};
+use super::{BoundsInput, Evidence, FormFactorBounds};
+use crate::hierarchy::NodeId;
+
+/// Form factors of links that were bounded before: they stay what they are while the hierarchy grows.
+#[derive(Default)]
+pub(crate) struct KnownPairs(HashMap<(NodeId, NodeId), FormFactorBounds>);
+
+/// What a link leaves open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LinkGap {
+    pub receiver: NodeId,
+    pub source: NodeId,
+    /// Its part of [`LinkGaps::gap`].
+    pub share: f64,
+    /// `(F_max - F_min) U_source` and `F_max (U_source - L_source)` in W/m^2, channels added: how wrong the receiver's irradiance may be
+    /// because the form factor varies over the receiver, and because the radiosity varies over the source.
+    pub by_form_factor: f64,
+    pub by_source: f64,
+}
+
+/// What all links leave open.
+pub(crate) struct LinkGaps {
+    /// In the order of receivers and sources.
+    pub links: Vec<LinkGap>,
+    /// `<R, upper - lower>`, channels added: all shares, and those of pairs without a link.
+    pub gap: f64,
+    /// The part of it of pairs without a link.
+    pub unlinked: f64,
+}
+
+/// Bounds all links, and asks what each adds to `<R, upper - lower>`; `initial` is R by node and channel.
+pub(crate) fn link_gaps(input: &BoundsInput<'_>, known: &mut KnownPairs, initial: &[f64]) -> LinkGaps {
+    // Form factors: of new links only.
+    let pair_bounds = PairBounds::new(input.scene, input.hierarchy, input.rule);
+    let bound = |(receiver, source): (NodeId, NodeId)| {
+        let found = known.0.get(&(receiver, source)).copied();
+        (receiver, source, found.unwrap_or_else(|| pair_bounds.bounds(receiver, source)))
+    };
+    let linked: Vec<(NodeId, NodeId)> = input.links.iter().map(|(receiver, link)| (receiver, link.source)).collect();
+    let mut pairs: Vec<BoundedPair> = linked.into_par_iter().with_min_len(64).map(bound).collect();
+    known.0 = pairs.iter().map(|&(receiver, source, form_factor)| ((receiver, source), form_factor)).collect();
+    pairs.extend(unlinked_pairs(input, &pair_bounds));
+    pairs.sort_by_key(|(receiver, source, _)| (*receiver, *source));
+
+    // Both systems, and what each pair adds to the gap between them.
+    let system = system(input, &pairs);
+    let (iterate, _) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS);
+    let shares = attribute(&system, &iterate, initial);
+    let of_source =
+        |values: &[f64], source: NodeId| -> f64 { values[source.index() * system.channels..][..system.channels].iter().sum() };
+    let mut gaps = LinkGaps { links: Vec::with_capacity(pairs.len()), gap: 0.0, unlinked: 0.0 };
+    for (&(receiver, source, FormFactorBounds { lower, upper, evidence, .. }), share) in pairs.iter().zip(shares) {
+        gaps.gap += share;
+        if evidence == Evidence::Unlinked {
+            gaps.unlinked += share;
+            continue;
+        }
+        let (dimmest, brightest) = (of_source(&iterate.lower, source), of_source(&iterate.upper, source));
+        let (by_form_factor, by_source) = ((upper - lower) * brightest, upper * (brightest - dimmest));
+        gaps.links.push(LinkGap { receiver, source, share, by_form_factor, by_source });
+    }
+    gaps
+}

@@ -1,0 +1,243 @@
+//! Importance, and refinement that goes by it: identities that hold exactly, known cases, and less error for fewer links.
+#![allow(clippy::print_stdout, reason = "a test tells what it measured")]
+
+#[path = "support/rooms.rs"]
+mod rooms;
+#[path = "support/triangles.rs"]
+mod triangles;
+#[path = "support/two_squares.rs"]
+mod two_squares;
+
+use patchlight::bounds::{Certainty, FormFactorRule, RadiosityBounds};
+use patchlight::hierarchy::NodeId;
+use patchlight::pipeline::{self, Evaluator, PipelineError};
+use patchlight::progress::Silent;
+use patchlight::scene::{Scene, SurfaceId};
+use patchlight::solve::{Bounds, Interest, InterestError, RunOptions, Solution, SolveOptions, SolveReport, Strategy};
+use rooms::{Room, cube, solve, straight};
+use two_squares::TwoSquares;
+
+/// Radiosities by links alone, swept to the end.
+fn by_links(strategy: Strategy) -> SolveOptions {
+    SolveOptions {
+        strategy,
+        leaf_rays: 0,
+        point_rays: Some(1),
+        form_factor_accuracy: 1e-4,
+        sweep_tolerance: 1e-12,
+        error: 0.9,
+        ..SolveOptions::default()
+    }
+}
+
+fn leaves(solution: &Solution) -> impl Iterator<Item = NodeId> {
+    let hierarchy = solution.hierarchy();
+    hierarchy.ids().filter(|&node| hierarchy.is_leaf(node))
+}
+
+fn exitance(solution: &Solution, leaf: NodeId) -> &[f64] {
+    &solution.scene().material_of(solution.hierarchy().surface_of(leaf).unwrap()).exitance
+}
+
+/// A closed room with a lamp for a wall, in three channels. Nothing is in the way, so no noise takes reflected light below zero, where sweeps
+/// would cut it off.
+fn room() -> Scene {
+    let mut room = Room::default();
+    let lamp = room.named_material("lamp", &[0.2; 3], &[9.0, 6.0, 3.0]);
+    let walls = [0.7, 0.3, 0.5].map(|rho| room.material(&[rho, 0.5, 0.8 - rho], &[0.0; 3]));
+    let floor = room.named_material("floor", &[0.4; 3], &[0.0; 3]);
+    room.cuboid([0.0; 3], straight(2.0, 3.0, 2.0), true, |_, face| match face {
+        0 => floor,
+        1 => lamp,
+        _ => walls[face % 3],
+    });
+    room.scene()
+}
+
+#[test]
+fn what_all_surfaces_send_is_what_the_lamp_is_worth() {
+    for strategy in [Strategy::Uniform, Strategy::Hanrahan91, Strategy::ErrorDriven] {
+        // Elements not so small that their form factors add up to more than 1 and are scaled down.
+        let options = SolveOptions { element_area: Some(0.5), tolerance: Some(1.0), min_element: 1e-3, ..by_links(strategy) };
+        let (evaluator, _) = solve(room(), &options);
+        let solution = evaluator.solution();
+        let importance = evaluator.importance(&Interest::Total).unwrap();
+        let (mut by_radiosity, mut by_importance) = (0.0, 0.0);
+        for leaf in leaves(solution) {
+            by_radiosity += solution.hierarchy().area(leaf) * solution.radiosity().of(leaf).iter().sum::<f64>();
+            by_importance += exitance(solution, leaf).iter().zip(importance.of(leaf)).map(|(e, z)| e * z).sum::<f64>();
+        }
+        assert!((by_importance / by_radiosity - 1.0).abs() < 1e-9, "{strategy:?}: {by_importance} W, not {by_radiosity} W");
+    }
+}
+
+#[test]
+fn in_a_furnace_all_area_is_worth_the_same() {
+    // Of a unit of exitance anywhere 1 + rho + rho^2 + ... arrives, wherever that is: form factors add up to 1 and are symmetric.
+    let (evaluator, _) = solve(
+        cube(&[0.75], &[1.0]),
+        &SolveOptions { element_area: Some(0.25), form_factor_accuracy: 0.0, ..by_links(Strategy::Uniform) },
+    );
+    let importance = evaluator.importance(&Interest::Total).unwrap();
+    for leaf in leaves(evaluator.solution()) {
+        let expected = evaluator.solution().hierarchy().area(leaf) / (1.0 - 0.75);
+        assert!((importance.of(leaf)[0] / expected - 1.0).abs() < 1e-9, "{leaf:?}: {}, not {expected}", importance.of(leaf)[0]);
+    }
+}
+
+#[test]
+fn importance_of_a_square_is_light_that_it_would_send() {
+    // By reciprocity the importance Z / A of a place for a sensor of density r is r + H, where the sensor sends r rho instead: rho Z / A
+    // is the radiosity. Twice as much as the lower of the two squares sends: r = 2 times its 0.5 is its exitance of 1.
+    let mut room = Room::default();
+    let (lower, upper) = (room.named_material("lower", &[0.5], &[1.0]), room.named_material("upper", &[0.7], &[0.0]));
+    room.quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], lower);
+    room.quad([0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], upper);
+    let (evaluator, _) = solve(room.scene(), &SolveOptions { element_area: Some(1.0 / 64.0), ..by_links(Strategy::Uniform) });
+    let solution = evaluator.solution();
+
+    // R adds up to the area of both squares, so on the lower one r = 2.
+    let exact = TwoSquares::new(false);
+    let importance = evaluator.importance(&Interest::Material("lower".to_owned())).unwrap();
+    let [own, other] = [0, 1].map(|surface| importance.of(solution.hierarchy().node_of(SurfaceId(surface)))[0]);
+    let by_light = [exact.mean(0) / 0.5, exact.mean(1) / 0.7];
+    println!("importance {own:.6}, {other:.6}; by light {:.6}, {:.6}", by_light[0], by_light[1]);
+    assert!((own / by_light[0] - 1.0).abs() < 1e-3 && (other / by_light[1] - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn what_has_none_of_what_is_wanted_is_an_error() {
+    let options = |importance| SolveOptions { importance, ..by_links(Strategy::ErrorDriven) };
+    let run = |importance| pipeline::solve(room(), &options(importance), &RunOptions::default(), &Silent).map(drop);
+    let Err(PipelineError::Interest(error)) = run(Interest::Material("gold".to_owned())) else { panic!("there is no gold") };
+    assert_eq!(error, InterestError::NoSuchMaterial("gold".to_owned()));
+    let Err(PipelineError::Interest(error)) = run("view eye=9,9,9 target=20,20,20".parse().unwrap()) else {
+        panic!("it looks away")
+    };
+    assert_eq!(error, InterestError::NothingSeen);
+    assert!(SolveOptions { importance: "view".parse().unwrap(), ..SolveOptions::default() }.validate().is_err());
+    for text in ["", "all", "material", "view eye=1", "total area"] {
+        assert!(text.parse::<Interest>().is_err(), "{text}");
+    }
+}
+
+/// Two squares with a blocker between them, refined by error.
+fn refined(bounds: Bounds, importance: &str, tolerance: f64) -> (Evaluator, SolveReport) {
+    let options = SolveOptions {
+        bounds,
+        importance: importance.parse().unwrap(),
+        tolerance: Some(tolerance),
+        rays_per_link: 64,
+        rays_per_light_link: 64,
+        min_element: 1e-4,
+        ..by_links(Strategy::ErrorDriven)
+    };
+    solve(rooms::two_squares(true), &options)
+}
+
+/// The root mean square error of the elements over both squares at a grid of points.
+fn error_of_elements(solution: &Solution, exact: &TwoSquares) -> f64 {
+    const SIDE: usize = 24;
+    let mut sum = 0.0;
+    for square in 0..2 {
+        for k in 0..SIDE * SIDE {
+            let x = [k % SIDE, k / SIDE].map(|k| (k as f64 + 0.5) / SIDE as f64);
+            let leaf = leaf_under(solution, square, x);
+            sum += (solution.radiosity().of(leaf)[0] - exact.at(square as usize, x)).powi(2);
+        }
+    }
+    (sum / (2 * SIDE * SIDE) as f64).sqrt()
+}
+
+fn leaf_under(solution: &Solution, square: u32, x: [f64; 2]) -> NodeId {
+    let hierarchy = solution.hierarchy();
+    let mut node = hierarchy.node_of(SurfaceId(square));
+    while !hierarchy.is_leaf(node) {
+        let is_under = |child: &NodeId| {
+            let corners = hierarchy.polygon(*child);
+            (0..2).all(|axis| {
+                let places = || corners.iter().map(|corner| corner[axis]);
+                places().fold(f64::INFINITY, f64::min) <= x[axis] && x[axis] <= places().fold(f64::NEG_INFINITY, f64::max)
+            })
+        };
+        node = hierarchy.children(node).find(is_under).unwrap();
+    }
+    node
+}
+
+/// `sum of A (upper - lower)` over the two squares and the blocker.
+fn l1_gap(solution: &Solution, bounds: &RadiosityBounds) -> f64 {
+    leaves(solution).map(|leaf| solution.hierarchy().area(leaf) * (bounds.upper(leaf)[0] - bounds.lower(leaf)[0])).sum()
+}
+
+#[test]
+fn refinement_by_error_takes_fewer_links_than_by_brightness() {
+    let exact = TwoSquares::new(true);
+    let (by_error, report) = refined(Bounds::Estimate, "total", 1.0);
+    let brightness = SolveOptions {
+        tolerance: Some(0.04),
+        rays_per_link: 64,
+        rays_per_light_link: 64,
+        min_element: 1e-4,
+        ..by_links(Strategy::Hanrahan91)
+    };
+    let (by_brightness, of_brightness) = solve(rooms::two_squares(true), &brightness);
+    let errors = [&by_error, &by_brightness].map(|evaluator| error_of_elements(evaluator.solution(), &exact));
+    println!("{} links: {:.4}; by brightness {}: {:.4}", report.counts.links, errors[0], of_brightness.counts.links, errors[1]);
+    assert!(2 * report.counts.links < of_brightness.counts.links && errors[0] < errors[1]);
+}
+
+#[test]
+fn the_gap_of_links_is_an_upper_bound_of_that_of_leaves_and_falls() {
+    let mut gaps = Vec::new();
+    for tolerance in [20.0, 5.0, 1.0] {
+        let (evaluator, report) = refined(Bounds::Guaranteed, "total", tolerance);
+        let found = report.link_error.unwrap();
+        assert_eq!(found.certainty, Certainty::Guaranteed);
+        assert_eq!(found.unlinked_share, 0.0);
+
+        // Bounds that take each link leaf by leaf are narrower. Total R is the area.
+        let (bounds, _) = evaluator.bound(FormFactorRule::QuasiConcave);
+        let of_leaves = l1_gap(evaluator.solution(), &bounds);
+        println!("{} links: gap {:.4}, leaf by leaf {of_leaves:.4}", report.counts.links, found.gap);
+        assert!(of_leaves <= found.gap * 1.01, "{of_leaves} W, not below {} W", found.gap);
+        gaps.push(found.gap);
+    }
+    assert!(gaps.is_sorted_by(|a, b| a > b) && gaps[2] < 0.6 * gaps[0], "{gaps:?}");
+}
+
+#[test]
+fn estimated_ranges_are_narrower_than_bounds_and_near_the_error() {
+    let exact = TwoSquares::new(true);
+    let (evaluator, _) = refined(Bounds::Guaranteed, "total", 1.0);
+    let solution = evaluator.solution();
+    let (ranges, bounds) = (evaluator.estimate_ranges(), evaluator.bounds().unwrap());
+    assert!(l1_gap(solution, &ranges) < 0.8 * l1_gap(solution, bounds));
+
+    // A quarter of the range is what elements are off by on average; no less than a third, no more than three times.
+    const SIDE: usize = 24;
+    let (mut off, mut claimed) = (0.0, 0.0);
+    for k in 0..2 * SIDE * SIDE {
+        let (square, k) = (k / (SIDE * SIDE), k % (SIDE * SIDE));
+        let x = [k % SIDE, k / SIDE].map(|k| (k as f64 + 0.5) / SIDE as f64);
+        let leaf = leaf_under(solution, square as u32, x);
+        off += (solution.radiosity().of(leaf)[0] - exact.at(square, x)).abs();
+        claimed += 0.25 * (ranges.upper(leaf)[0] - ranges.lower(leaf)[0]);
+    }
+    println!("off by {off:.3}, estimated {claimed:.3}");
+    assert!(claimed > off / 3.0 && claimed < 3.0 * off);
+}
+
+#[test]
+fn what_is_not_looked_at_is_refined_less() {
+    // The camera looks up at the upper square past the blocker; the lower one counts by the light that it sends there.
+    let (total, _) = refined(Bounds::Estimate, "total", 2.0);
+    let (view, _) = refined(Bounds::Estimate, "view eye=0.5,-1,0.2 target=0.5,0.5,1 up=0,0,1 fov=60", 2.0);
+    let elements = |evaluator: &Evaluator, square: u32| {
+        let hierarchy = evaluator.solution().hierarchy();
+        leaves(evaluator.solution()).filter(|&leaf| hierarchy.surface_of(leaf) == Some(SurfaceId(square))).count()
+    };
+    let [lower, upper] = [0, 1].map(|square| (elements(&total, square), elements(&view, square)));
+    println!("elements for all and for the view: lower {lower:?}, upper {upper:?}");
+    assert!(lower.1 < lower.0 && upper.1 > upper.0);
+}
