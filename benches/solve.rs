@@ -60,7 +60,7 @@ fn gather_push_pull(criterion: &mut Criterion) {
             element_area: Some(area / 300.0),
             rays_per_link: 1,
             rays_per_light_link: 1,
-            leaf_rays: 0,
+            leaf_rays: Some(0),
             point_rays: Some(1),
             error: 0.9,
             sweep,

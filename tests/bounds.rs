@@ -36,7 +36,7 @@ fn uniform(h: f64) -> SolveOptions {
         rays_per_link: 1,
         rays_per_light_link: 1,
         point_rays: Some(1),
-        leaf_rays: 0,
+        leaf_rays: Some(0),
         error: 0.5,
         ..SolveOptions::default()
     }

@@ -24,7 +24,7 @@ fn uniform(h: f64) -> SolveOptions {
         strategy: Strategy::Uniform,
         element_area: Some(h * h),
         form_factor_accuracy: 0.0,
-        leaf_rays: 0,
+        leaf_rays: Some(0),
         sweep_tolerance: 1e-12,
         error: 0.5,
         ..SolveOptions::default()

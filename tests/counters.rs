@@ -82,7 +82,7 @@ fn runs() -> Vec<(&'static str, &'static str, SolveOptions)> {
                 iterations: 4,
                 rays_per_link: 16,
                 rays_per_light_link: 16,
-                leaf_rays: 0,
+                leaf_rays: Some(0),
                 ..error(0.5)
             },
         ),

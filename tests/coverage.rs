@@ -107,7 +107,7 @@ fn quick(strategy: Strategy, tolerance: f64) -> SolveOptions {
         tolerance: Some(tolerance),
         min_element: 1e-3,
         point_rays: Some(1),
-        leaf_rays: 0,
+        leaf_rays: Some(0),
         error: 0.5,
         ..SolveOptions::default()
     }

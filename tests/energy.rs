@@ -40,7 +40,8 @@ fn to(error: f64) -> SolveOptions {
 fn furnaces_lose_nothing() {
     for rho in [0.5, 0.9, 0.99] {
         for sweep in [Sweep::Jacobi, Sweep::InPlace] {
-            let exact = SolveOptions { strategy: Strategy::Uniform, form_factor_accuracy: 0.0, leaf_rays: 0, sweep, ..to(0.1) };
+            let exact =
+                SolveOptions { strategy: Strategy::Uniform, form_factor_accuracy: 0.0, leaf_rays: Some(0), sweep, ..to(0.1) };
             let exact = SolveOptions { sweep_tolerance: 1e-12, ..exact };
             let (_, report) = solve(cube(&[rho], &[1.0]), &exact);
             let energy = report.energy;

@@ -26,7 +26,7 @@ fn exact(sweep: Sweep, element_area: f64) -> SolveOptions {
         strategy: Strategy::Uniform,
         element_area: Some(element_area),
         form_factor_accuracy: 0.0,
-        leaf_rays: 0,
+        leaf_rays: Some(0),
         sweep,
         sweep_tolerance: 1e-13,
         point_rays: Some(64),
@@ -73,7 +73,7 @@ fn the_links_of_a_surface_take_up_all_its_light() {
                 min_element: 1e-4,
                 element_area: Some(0.1 * f64::sqrt(tolerance)),
                 form_factor_accuracy: 0.0,
-                leaf_rays: 0,
+                leaf_rays: Some(0),
                 ..SolveOptions::default()
             };
             let (evaluator, report) = solve(cube(&[0.9, 0.5], &[1.0, 3.0]), &options);

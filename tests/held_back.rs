@@ -45,7 +45,7 @@ fn by_links(strategy: Strategy, tolerance: f64) -> SolveOptions {
         tolerance: Some(tolerance),
         gather: Gather::Links,
         min_element: 1e-4,
-        leaf_rays: 0,
+        leaf_rays: Some(0),
         point_rays: Some(1),
         sweep_tolerance: 1e-6,
         iterations: 20,

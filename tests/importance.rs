@@ -21,7 +21,7 @@ use two_squares::TwoSquares;
 fn by_links(strategy: Strategy) -> SolveOptions {
     SolveOptions {
         strategy,
-        leaf_rays: 0,
+        leaf_rays: Some(0),
         point_rays: Some(1),
         form_factor_accuracy: 1e-4,
         sweep_tolerance: 1e-12,

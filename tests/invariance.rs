@@ -26,7 +26,7 @@ fn exact(side: f64) -> SolveOptions {
         strategy: Strategy::Uniform,
         element_area: Some(1.001 * side * side / 16.0),
         form_factor_accuracy: 0.0,
-        leaf_rays: 0,
+        leaf_rays: Some(0),
         sweep_tolerance: 1e-13,
         error: 0.5,
         ..SolveOptions::default()
@@ -121,7 +121,7 @@ fn furnished(unit: f64) -> Scene {
 /// exposure, sweeps.
 #[test]
 fn a_unit_that_is_a_power_of_two_changes_no_bit_of_the_leaves() {
-    let options = SolveOptions { tolerance: Some(0.15), leaf_rays: 0, ..SolveOptions::default() };
+    let options = SolveOptions { tolerance: Some(0.15), leaf_rays: Some(0), ..SolveOptions::default() };
     let leaves = |unit: f64| -> (u64, Vec<f32>) {
         let (evaluator, report) = solve(furnished(unit), &options);
         let mut radiosities = Vec::new();

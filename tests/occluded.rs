@@ -86,7 +86,7 @@ fn polygon_pair(geometry: &Value, expected: f64) -> (f64, f64, f64) {
         element_area: Some(1.0 / 64.0),
         form_factor_accuracy: 0.0,
         rays_per_light_link: rays,
-        leaf_rays: 0,
+        leaf_rays: Some(0),
         error: 0.5,
         ..SolveOptions::default()
     };

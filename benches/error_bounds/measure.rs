@@ -22,7 +22,7 @@ pub fn options() -> SolveOptions {
     SolveOptions {
         error: 0.9,
         point_rays: Some(1),
-        leaf_rays: 0,
+        leaf_rays: Some(0),
         rays_per_link: 64,
         rays_per_light_link: 256,
         form_factor_accuracy: 1e-3,

@@ -87,7 +87,7 @@ fn options(bytes: &mut Bytes) -> SolveOptions {
         gather: bytes.pick(&[Gather::Auto, Gather::Links, Gather::Hemisphere]),
         sweep: bytes.pick(&[Sweep::Jacobi, Sweep::InPlace]),
         form_factor_accuracy: bytes.pick(&[0.02, 0.0, 1.0]),
-        leaf_rays: bytes.pick(&[16, 0]),
+        leaf_rays: bytes.pick(&[None, Some(0)]),
         point_rays: bytes.pick(&[Some(8), Some(1)]),
         seed: u64::from(bytes.next()),
         max_links: Some(MOST_LINKS),

@@ -50,7 +50,7 @@ impl Cone {
 
     /// The largest cosine, 0 if negative, between a direction of this cone and one of another.
     pub fn bound_cosine(&self, other: &Self) -> f64 {
-        let least = self.axis.angle_between(other.axis) - self.angle - other.angle - WIDENED;
+        let least = self.axis.angle_between(other.axis) - (self.angle + other.angle) - WIDENED;
         if least >= FRAC_PI_2 { 0.0 } else { least.max(0.0).cos() }
     }
 

@@ -337,11 +337,11 @@ impl<'a> Solver<'a> {
 
     /// Takes the radiosity of every leaf anew, by the gather at its centre, or where it is exposed.
     fn regather_leaves(&mut self, plan: &Plan) {
-        if self.options.leaf_rays == 0 || plan.gather() == Gather::Hemisphere || self.observer.cancelled() {
+        if plan.leaf_rays() == 0 || plan.gather() == Gather::Hemisphere || self.observer.cancelled() {
             return;
         }
         let start = Instant::now();
-        let effort = Effort { rays: self.options.leaf_rays, least_chance: 1.0, seed: self.options.seed };
+        let effort = Effort { rays: plan.leaf_rays(), least_chance: 1.0, seed: self.options.seed };
         let reconstruction = self.reconstruction(None, effort);
         let channels = self.scene.channels();
         let leaves: Vec<NodeId> = self.hierarchy.ids().filter(|&node| self.hierarchy.is_leaf(node)).collect();

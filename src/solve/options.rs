@@ -218,8 +218,8 @@ pub struct SolveOptions {
     /// Visibility rays for a link from a lamp, 1 to 1024.
     pub rays_per_light_link: u32,
     /// Rays with which the radiosity of each leaf is taken anew at its centre after the sweeps, at most 2^20; 0 leaves the leaves
-    /// alone.
-    pub leaf_rays: u32,
+    /// alone. By default as many as the requested error needs.
+    pub leaf_rays: Option<u32>,
     /// Relative accuracy of the links' form factors, 0 to 1; 0 takes them exactly.
     pub form_factor_accuracy: f64,
     /// The largest element of [`Strategy::Uniform`] in m^2; above 0.
@@ -265,7 +265,7 @@ impl Default for SolveOptions {
             gather: Gather::Auto,
             rays_per_link: 4,
             rays_per_light_link: 9,
-            leaf_rays: 16,
+            leaf_rays: None,
             form_factor_accuracy: 0.02,
             element_area: None,
             min_element: 1e-8,
@@ -342,7 +342,8 @@ impl SolveOptions {
         rays("point_rays", self.point_rays.unwrap_or(1), 1 << 20, "1 to 1048576")?;
         rays("rays_per_link", self.rays_per_link, 1024, "1 to 1024")?;
         rays("rays_per_light_link", self.rays_per_light_link, 1024, "1 to 1024")?;
-        check("leaf_rays", f64::from(self.leaf_rays), self.leaf_rays <= 1 << 20, "0 to 1048576")?;
+        let leaf_rays = self.leaf_rays.unwrap_or(0);
+        check("leaf_rays", f64::from(leaf_rays), leaf_rays <= 1 << 20, "0 to 1048576")?;
         check("form_factor_accuracy", self.form_factor_accuracy, (0.0..=1.0).contains(&self.form_factor_accuracy), "0 to 1")?;
         check("min_element", self.min_element, (0.0..=1.0).contains(&self.min_element), "0 to 1")?;
         check(
@@ -390,7 +391,7 @@ impl SolveOptions {
             "gather" => self.gather = value.trim().parse()?,
             "rays_per_link" => self.rays_per_link = parse(key, value, COUNT)?,
             "rays_per_light_link" => self.rays_per_light_link = parse(key, value, COUNT)?,
-            "leaf_rays" => self.leaf_rays = parse(key, value, COUNT)?,
+            "leaf_rays" => self.leaf_rays = Some(parse(key, value, COUNT)?),
             "form_factor_accuracy" => self.form_factor_accuracy = parse(key, value, NUMBER)?,
             "element_area" => self.element_area = Some(parse(key, value, NUMBER)?),
             "min_element" => self.min_element = parse(key, value, NUMBER)?,

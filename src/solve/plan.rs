@@ -55,11 +55,14 @@ const MAX_LOOKS: u32 = 16;
 /// The part of the requested error that is aimed at: the claim lies above what is measured.
 const AIM: f64 = 0.7;
 
-/// A look closer is worth it if it takes at most so many times as many points.
+/// A look closer is worth it if it takes at most so many times as many points as the first.
 const FEW_TIMES: f64 = 4.0;
 
 /// More rays to a look are worth it if its noise makes up this part of the scatter.
 const NOISY: f64 = 0.75;
+
+/// Below this error looks must not share the size of cells: on a Cornell box it makes some 0.3%.
+const CELLS_SHOW_BELOW: f64 = 0.0075;
 
 /// Points at which the error is sampled at first, and at most.
 const ERROR_POINTS: std::ops::RangeInclusive<usize> = 512..=32_768;
@@ -69,9 +72,14 @@ const MAX_LOOK_RAYS: u32 = 4096;
 
 /// How tolerance and rays follow from the error: a power law through what the Cornell box needs for [`AIM`] times 2% and 1%.
 const TOLERANCE_AT_2_PERCENT: f64 = 0.15;
-const TOLERANCE_POWER: f64 = 1.8;
+const TOLERANCE_POWER: f64 = 2.2;
+const COARSE_TOLERANCE_POWER: f64 = 1.8;
 const RAYS_AT_2_PERCENT: f64 = 160.0;
-const RAYS_POWER: f64 = 1.8;
+const RAYS_POWER: f64 = 1.6;
+
+/// Rays with which leaves are gathered anew. Their noise sums over a point's links, so few do until the error is small.
+const LEAF_RAYS_AT_2_PERCENT: f64 = 16.0;
+const LEAF_RAYS_POWER: f64 = 1.5;
 
 /// From so many surfaces on clusters are worth their trouble.
 const CLUSTERED_SURFACES: usize = 64;
@@ -130,6 +138,7 @@ impl Plan {
             Gather::Hemisphere => (HEMISPHERE_RAYS_AT_2_PERCENT, MANY_HEMISPHERE_RAYS_POWER),
             _ => (RAYS_AT_2_PERCENT, RAYS_POWER),
         };
+        let tolerance_power = if options.error > 0.02 { COARSE_TOLERANCE_POWER } else { TOLERANCE_POWER };
         let (positions_at_2_percent, positions_power, least_positions) = match gather {
             Gather::Hemisphere => (POSITIONS_AT_2_PERCENT, POSITIONS_POWER, LEAST_POSITIONS),
             _ => (LOOKS_POSITIONS_AT_2_PERCENT, LOOKS_POSITIONS_POWER, LEAST_LOOKS_POSITIONS),
@@ -142,7 +151,7 @@ impl Plan {
             surfaces: scene.surfaces().len(),
             total_area,
             expected_radiosity: exitance * reflectance / (1.0 - reflectance),
-            tolerance: options.tolerance.unwrap_or(TOLERANCE_AT_2_PERCENT * (options.error / 0.02).powf(TOLERANCE_POWER)),
+            tolerance: options.tolerance.unwrap_or(TOLERANCE_AT_2_PERCENT * (options.error / 0.02).powf(tolerance_power)),
             point_rays: options
                 .point_rays
                 .unwrap_or((rays_at_2_percent * (0.02 / options.error).powf(rays_power)).clamp(16.0, 8192.0) as u32),
@@ -203,6 +212,12 @@ impl Plan {
         self.point_rays
     }
 
+    /// Visibility rays with which the radiosity of a leaf is taken anew; 0 leaves it alone.
+    pub fn leaf_rays(&self) -> u32 {
+        let wanted = LEAF_RAYS_AT_2_PERCENT * (0.02 / self.options.error).powf(LEAF_RAYS_POWER);
+        self.options.leaf_rays.unwrap_or(wanted.clamp(LEAF_RAYS_AT_2_PERCENT, f64::from(MAX_POINT_RAYS)) as u32)
+    }
+
     /// How values at points are gathered; never [`Gather::Auto`].
     pub fn gather(&self) -> Gather {
         self.gather
@@ -223,10 +238,15 @@ impl Plan {
         self.look_rays
     }
 
+    /// Points for which a claim is waited for rather than made easier by better values: more, the more was done for these.
+    fn worthwhile_points(&self) -> f64 {
+        FEW_TIMES * (*ERROR_POINTS.start() as f64) * 2_f64.powi(self.refinements as i32)
+    }
+
     /// Bounces that the paths of looks take at least: one where values take the radiosities of cells too, so that the size of these is
-    /// not shared.
+    /// not shared, and where so little is asked for that it would show.
     pub fn look_bounces(&self) -> u32 {
-        u32::from(self.gather == Gather::Hemisphere)
+        u32::from(self.gather == Gather::Hemisphere || self.options.error < CELLS_SHOW_BELOW)
     }
 
     /// Looks at the error that was reached, and sees to what is worst: noise of the estimate, noise at the points, or the links.
@@ -242,7 +262,7 @@ impl Plan {
         // As far below what is measured as the claim lies above it, the error may still be.
         let may_be_sq = 2.0 * error.measured.powi(2) - error.claimed.powi(2);
         let is_promising = error.measured < AIM * requested
-            || error.estimate_more_points(requested) < FEW_TIMES
+            || error.estimate_more_points(requested) * (self.error_points as f64) < self.worthwhile_points()
             || may_be_sq < (0.5 * requested).powi(2);
         if is_promising && self.error_points < *ERROR_POINTS.end() {
             // Twice the rays cost what twice the points do, and take away more than half of the noise alone.

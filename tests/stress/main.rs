@@ -120,7 +120,7 @@ fn a_furnace_that_reflects_nearly_all() {
         strategy: Strategy::Uniform,
         element_area: Some(0.25),
         form_factor_accuracy: 0.0,
-        leaf_rays: 0,
+        leaf_rays: Some(0),
         sweep: Sweep::InPlace,
         sweep_tolerance: 1e-13,
         point_rays: Some(64),
