@@ -106,7 +106,14 @@ fn strategies_agree_on_the_power_that_is_absorbed() {
     let absorbed = |options: SolveOptions| solve(cornell(), &options, &RunOptions::default(), &Silent).unwrap().1.energy.absorbed;
     let default = absorbed(SolveOptions { error: 0.02, ..SolveOptions::default() });
     for strategy in [Strategy::Uniform, Strategy::Hanrahan91] {
-        let found = absorbed(SolveOptions { error: 0.05, strategy, element_area: Some(0.02), ..SolveOptions::default() });
+        // Neither looks at what is partly visible: with few rays a link, the power alone scatters by some percent.
+        let found = absorbed(SolveOptions {
+            error: 0.05,
+            strategy,
+            element_area: Some(0.02),
+            rays_per_link: 32,
+            ..SolveOptions::default()
+        });
         println!("{strategy:?}: {found} W absorbed; default: {default} W");
         assert!((found / default - 1.0).abs() < 0.03, "{strategy:?}: {found} W absorbed, the default strategy finds {default} W");
     }

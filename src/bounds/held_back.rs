@@ -22,8 +22,9 @@ use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::Pair;
 use crate::scene::{Scene, SurfaceId};
 
-/// So many pairs are taken apart or looked at closely: some 0.1 s of work.
-const MOST_CLOSE_LOOKS: usize = 1 << 15;
+/// So much is done to tell closely: a pair that is taken apart is one, polygons that are bounded are [`OF_POLYGONS`].
+const MOST_WORK: usize = 1 << 15;
+const OF_POLYGONS: usize = 1024;
 
 /// What the light is that may be held back.
 pub(crate) struct HeldBackInput<'a> {
@@ -44,7 +45,8 @@ pub(crate) fn bound_held_back(input: &HeldBackInput<'_>, pairs: &[Pair]) -> f64 
     let all: Vec<Waiting> = pairs.par_iter().with_min_len(256).map(|&pair| cheaply(pair)).collect();
     let mut heap: BinaryHeap<Waiting> = all.into_iter().filter(|waiting| waiting.power > 0.0).collect();
     let mut settled = 0.0;
-    for _ in 0..MOST_CLOSE_LOOKS {
+    let mut work = 0;
+    while work < MOST_WORK {
         let Some(Waiting { pair, .. }) = heap.pop() else { break };
         let hierarchy = input.hierarchy;
         let receiver_first = hierarchy.area(pair.receiver) >= hierarchy.area(pair.source);
@@ -53,10 +55,14 @@ pub(crate) fn bound_held_back(input: &HeldBackInput<'_>, pairs: &[Pair]) -> f64 
                 heap.extend(hierarchy.children(pair.receiver).map(|receiver| cheaply(Pair { receiver, ..pair })));
             }
             (_, true) => heap.extend(hierarchy.children(pair.source).map(|source| cheaply(Pair { source, ..pair }))),
-            (_, false) => settled += nodes.power(input, pair, |r, s| pair_bounds.upper_unlinked(r, s)),
+            (_, false) => {
+                work += OF_POLYGONS;
+                settled += nodes.power(input, pair, |r, s| pair_bounds.upper_unlinked(r, s));
+            }
         }
+        work += 1;
     }
-    let rounding = 1.0 + f64::EPSILON * (pairs.len() + MOST_CLOSE_LOOKS) as f64;
+    let rounding = 1.0 + f64::EPSILON * (pairs.len() + MOST_WORK) as f64;
     (settled + heap.into_iter().map(|waiting| waiting.power).sum::<f64>()) * rounding
 }
 

@@ -248,11 +248,16 @@ struct CapSums {
     kernel: f64,
     /// Of the second derivatives' bounds, in 1/m^2.
     curvature: f64,
+    triangles: u32,
 }
 
 impl Cap<'_> {
     /// Triangles of the source that are near are quartered so often.
     const MAX_QUARTERINGS: u32 = 20;
+
+    /// No more triangles than this are looked at: a sliver beside a small part would take millions. Whole they are bounded, too, only
+    /// less tightly.
+    const MAX_TRIANGLES: u32 = 1 << 12;
 
     /// A bound over `part`, at whose centroid the form factor is `middle`.
     fn over(&self, part: &Facet<'_>, middle: &PointFactor) -> f64 {
@@ -279,7 +284,9 @@ impl Cap<'_> {
         let centroid = (a + b + c) / 3.0;
         let radius = triangle.iter().map(|v| v.distance(centroid)).fold(0.0, f64::max);
         let distance = part.centroid.distance(centroid) * (1.0 - 4.0 * f64::EPSILON) - radius - part.radius;
-        if quarterings < Self::MAX_QUARTERINGS && distance < 4.0 * radius && radius > part.radius {
+        sums.triangles += 1;
+        let may_quarter = quarterings < Self::MAX_QUARTERINGS && sums.triangles < Self::MAX_TRIANGLES;
+        if may_quarter && distance < 4.0 * radius && radius > part.radius {
             let (ab, bc, ca) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));
             for quarter in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
                 self.add(quarter, part, highest, quarterings + 1, sums);
