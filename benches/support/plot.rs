@@ -127,5 +127,5 @@ impl Plot {
 
 /// A number of a tick, without the digits that rounding leaves.
 fn name(tick: f64, unit: &str) -> String {
-    format!("{}{unit}", (tick * 1e9).round() * 1e-9)
+    format!("{}{unit}", (tick * 1e9).round() / 1e9)
 }
