@@ -1,9 +1,9 @@
 //! The gather at a point: `B(x) = E + rho * sum over links of F(x -> s) V(x, s) B_s`.
 //!
 //! The links are those of all nodes above the point. The form factor to each source is taken at the point, exactly; visibility is asked
-//! again, with a budget of rays shared over the sources by what they carry. A ray brings the radiosity of the leaf where it ends, so a
-//! source that is not equally bright is no error. A source that carries much or is near is split, into its children or, where it has
-//! none, its polygon.
+//! again, with a budget of rays shared over the sources by what they carry, and by how little the links know of what gets through. A ray
+//! brings the radiosity of the leaf where it ends, so a source that is not equally bright is no error. A source that carries much or is
+//! near is split, into its children or, where it has none, its polygon.
 //!
 //! Cost: one form factor a link and piece, and about `budget` segments. The result is an estimate; its noise falls with the number of
 //! rays, its bias is that of the leaves' radiosities.
@@ -22,10 +22,10 @@ use crate::sweep::Radiosity;
 use crate::transmittance::Rays;
 use crate::visibility::Segment;
 
-/// A piece gets so many rays at most; what carries more is split.
+/// A piece gets so many rays at most; what is worth more is split.
 const MAX_RAYS: f64 = 8.0;
 
-/// A near piece is split down to so many rays: few enough to bind the place where a ray is cast to what it carries.
+/// A near piece is split down to so many rays: few enough to bind the place where a ray is cast to what it is worth.
 const NEAR_RAYS: f64 = 2.0;
 
 /// A piece is near if its radius exceeds this part of its distance: over it the kernel varies by more than a few tenths.
@@ -33,6 +33,9 @@ const NEAR: f64 = 0.75;
 
 /// A cluster counts as if it showed at least this part of its area.
 const LEAST_SHOWN: f64 = 0.05;
+
+/// What rays to a piece of which a link's rays have seen all, or nothing, are worth beside one that is half seen.
+const CERTAIN: f64 = 0.3;
 
 /// A polygon is split so many times at most, below the elements that it has.
 const MAX_SPLITS: u32 = 8;
@@ -68,8 +71,8 @@ struct Piece {
     /// The part of the node's polygon, where it was split below the elements.
     part: Option<Part>,
     form_factor: f64,
-    /// `F max_c rho_c B_c`.
-    carried: f64,
+    /// What rays to it are worth: `F max_c rho_c B_c`, for polygons times how little is known of what gets through.
+    worth: f64,
     near: bool,
     /// The part that gets through by what the link has seen, 0 to 1.
     expected: f64,
@@ -84,6 +87,11 @@ struct Receiver<'a> {
     normal: DVec3,
     plane: u32,
     reflectance: &'a [f64],
+}
+
+/// How little is known of what gets through, if so much is expected: as far as an answer yes or no may scatter, 0 to 1.
+fn doubt(expected: f64) -> f64 {
+    CERTAIN + (1.0 - CERTAIN) * 2.0 * (expected * (1.0 - expected)).sqrt()
 }
 
 impl LinkGather<'_> {
@@ -104,7 +112,7 @@ impl LinkGather<'_> {
     fn irradiance(&self, receiver: &Receiver<'_>, leaf: NodeId, effort: Effort, scratch: &mut LinkScratch, irradiance: &mut [f64]) {
         irradiance.fill(0.0);
         self.collect_sources(receiver, leaf, scratch);
-        let total: f64 = scratch.pieces.iter().map(|piece| piece.carried).sum();
+        let total: f64 = scratch.pieces.iter().map(|piece| piece.worth).sum();
         if total <= 0.0 {
             return;
         }
@@ -179,24 +187,24 @@ impl LinkGather<'_> {
         let shown = self.hierarchy.shown_area(node, -direction).max(LEAST_SHOWN * cluster.area);
         let form_factor = cosine.clamp(0.0, 1.0) * shown / (PI * distance_sq.max(cluster.radius * cluster.radius));
         let brightest = receiver.reflectance.iter().zip(self.radiosity.of(node)).map(|(rho, b)| rho * b).fold(0.0, f64::max);
-        let carried = form_factor.min(1.0) * brightest;
-        (carried > 0.0).then_some(Piece { node, part: None, form_factor, carried, near, expected, rays: 0, chance: 1.0 })
+        let worth = form_factor.min(1.0) * brightest;
+        (worth > 0.0).then_some(Piece { node, part: None, form_factor, worth, near, expected, rays: 0, chance: 1.0 })
     }
 
     /// A source, or a part of one, as seen from the point; `None` if nothing of it can arrive.
     fn piece(&self, receiver: &Receiver<'_>, node: NodeId, part: Option<Part>, facet: &Facet<'_>, expected: f64) -> Option<Piece> {
         let form_factor = point_to_polygon(receiver.point, receiver.normal, facet);
         let brightest = receiver.reflectance.iter().zip(self.radiosity.of(node)).map(|(rho, b)| rho * b).fold(0.0, f64::max);
-        let carried = form_factor * brightest;
+        let worth = form_factor * brightest * doubt(expected);
         let near = facet.radius * facet.radius > NEAR * NEAR * receiver.point.distance_squared(facet.centroid);
-        (carried > 0.0).then_some(Piece { node, part, form_factor, carried, near, expected, rays: 0, chance: 1.0 })
+        (worth > 0.0).then_some(Piece { node, part, form_factor, worth, near, expected, rays: 0, chance: 1.0 })
     }
 
-    /// Splits what carries more than its share, until no piece does.
+    /// Splits what is worth more than its share, until no piece is.
     fn split_strong_sources(&self, receiver: &Receiver<'_>, share: f64, scratch: &mut LinkScratch) {
         let is_strong = |piece: &Piece| {
             let splits = piece.part.map_or(0, |part| u32::from(part.splits));
-            piece.carried > share * if piece.near { NEAR_RAYS } else { MAX_RAYS } && splits < MAX_SPLITS
+            piece.worth > share * if piece.near { NEAR_RAYS } else { MAX_RAYS } && splits < MAX_SPLITS
         };
         let LinkScratch { pieces, strong, .. } = scratch;
         strong.clear();
@@ -231,7 +239,7 @@ impl LinkGather<'_> {
         }
     }
 
-    /// Lays the rays to every piece: as many as it carries shares; where it carries less than one, a single ray by chance.
+    /// Lays the rays to every piece: as many as it is worth shares; where it is worth less than one, a single ray by chance.
     fn aim(&self, receiver: &Receiver<'_>, share: f64, effort: Effort, scratch: &mut LinkScratch) {
         let LinkScratch { pieces, segments, weights, met, .. } = scratch;
         segments.clear();
@@ -241,8 +249,8 @@ impl LinkGather<'_> {
             receiver.point.to_array().iter().fold(effort.seed, |seed, coordinate| sampling::hash(seed, coordinate.to_bits()));
         for (index, piece) in pieces.iter_mut().enumerate() {
             let seed = sampling::hash(at_point, index as u64);
-            piece.rays = (piece.carried / share).ceil().clamp(1.0, MAX_RAYS) as u32;
-            piece.chance = (piece.carried / share).clamp(effort.least_chance, 1.0);
+            piece.rays = (piece.worth / share).ceil().clamp(1.0, MAX_RAYS) as u32;
+            piece.chance = (piece.worth / share).clamp(effort.least_chance, 1.0);
             if sampling::unit(sampling::hash(seed, 1)) >= piece.chance {
                 piece.rays = 0;
                 continue;
