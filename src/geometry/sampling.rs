@@ -42,6 +42,20 @@ pub(crate) fn shifted_sobol_2d(seed: u64) -> impl Fn(u32) -> [f64; 2] {
     }
 }
 
+/// The numbers below `count`, such that eight that follow one another are near each other in [`shifted_sobol_2d`], whatever the seed:
+/// rays that go about the same way are traced together for less.
+pub(crate) fn neighbours_in_order(count: u32) -> Vec<u32> {
+    // Along a curve through the quarters of the square, quarters of these, and so on: shifting bits moves quarters as a whole.
+    let points = &**SOBOL_2D;
+    let along_curve = |index: &u32| {
+        let [u, v] = points[(index & (SOBOL_2D_POINTS - 1)) as usize];
+        (0..SHIFT_BITS).rev().fold(0_u64, |code, bit| code << 2 | u64::from(u >> bit & 1) << 1 | u64::from(v >> bit & 1))
+    };
+    let mut order: Vec<u32> = (0..count).collect();
+    order.sort_by_cached_key(along_curve);
+    order
+}
+
 /// Point `index` of an Owen-scrambled Sobol sequence in four dimensions (Burley 2020); `seed` picks the scrambling.
 ///
 /// Indices repeat after 2^16.

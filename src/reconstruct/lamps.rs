@@ -51,13 +51,14 @@ struct Drawn {
     share: f64,
 }
 
-/// The rays to lamps of some places, and the pieces that the last of them sees.
+/// The rays to lamps of some places, and the pieces that the last of them sees; memory that is reused.
 #[derive(Default)]
-struct Aimed {
+pub(super) struct AimedRays {
     lamps: Vec<DrawnLamp>,
     pieces: Vec<Piece>,
     segments: Vec<Segment>,
     drawn: Vec<Drawn>,
+    occluded: Vec<bool>,
 }
 
 impl<'a> Lamps<'a> {
@@ -79,23 +80,30 @@ impl<'a> Lamps<'a> {
 
     /// Adds the irradiance from all lamps at each place, by `count` rays; without bias for any number of rays. `irradiance` has the
     /// channels of the first place first.
-    pub fn add_sampled_irradiance(&self, places: &[Place], rays: &Rays<'_>, count: u32, irradiance: &mut [f64]) {
+    pub fn add_sampled_irradiance(
+        &self,
+        places: &[Place],
+        rays: &Rays<'_>,
+        count: u32,
+        aimed: &mut AimedRays,
+        irradiance: &mut [f64],
+    ) {
         let Some(tree) = &self.tree else { return };
-        let mut aimed = Aimed::default();
+        aimed.segments.clear();
+        aimed.drawn.clear();
         for (index, place) in places.iter().enumerate() {
             if count as usize >= self.surfaces.len() {
-                self.aim_at_all(place, index, count, &mut aimed);
+                self.aim_at_all(place, index, count, aimed);
             } else {
-                self.aim_at_some(tree, place, index, count, &mut aimed);
+                self.aim_at_some(tree, place, index, count, aimed);
             }
         }
-        let mut occluded = Vec::new();
-        rays.occluded(&aimed.segments, &mut occluded);
+        rays.occluded(&aimed.segments, &mut aimed.occluded);
 
         // What is blocked is taken from the exact form factor: there is no noise where nothing is blocked.
         let channels = self.scene.channels();
-        for (drawn, occluded) in aimed.drawn.into_iter().zip(occluded) {
-            let visible = drawn.form_factor - if occluded { drawn.sampled } else { 0.0 };
+        for (drawn, occluded) in aimed.drawn.iter().zip(&aimed.occluded) {
+            let visible = drawn.form_factor - if *occluded { drawn.sampled } else { 0.0 };
             let exitance = &self.scene.material_of(drawn.lamp).exitance;
             for (h, e) in irradiance[drawn.place * channels..][..channels].iter_mut().zip(exitance) {
                 *h += visible * drawn.share * e;
@@ -104,7 +112,7 @@ impl<'a> Lamps<'a> {
     }
 
     /// Spreads the rays of a place over the pieces of all lamps by what they carry, systematically from a random start.
-    fn aim_at_all(&self, place: &Place, index: usize, count: u32, aimed: &mut Aimed) {
+    fn aim_at_all(&self, place: &Place, index: usize, count: u32, aimed: &mut AimedRays) {
         aimed.pieces.clear();
         let normal = self.scene.surface(place.surface).polygon.facet().normal;
         for &lamp in &self.surfaces {
@@ -116,7 +124,7 @@ impl<'a> Lamps<'a> {
     }
 
     /// Draws a lamp from the tree for each ray of a place, systematically from a random start, and a piece of that lamp.
-    fn aim_at_some(&self, tree: &LampTree, place: &Place, index: usize, count: u32, aimed: &mut Aimed) {
+    fn aim_at_some(&self, tree: &LampTree, place: &Place, index: usize, count: u32, aimed: &mut AimedRays) {
         let normal = self.scene.surface(place.surface).polygon.facet().normal;
         let start = sampling::unit(sampling::hash(place.seed, 5));
         let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
@@ -136,37 +144,42 @@ impl<'a> Lamps<'a> {
 
     /// Aims a ray for each of `places_in_sum`, rising in [0, 1): at the piece in whose share of what all pieces carry it falls. A
     /// ray stands for `weight` of all light.
-    fn aim(&self, place: &Place, index: usize, weight: f64, places_in_sum: impl Iterator<Item = f64>, aimed: &mut Aimed) {
-        let Aimed { pieces, segments, drawn, .. } = aimed;
+    fn aim(&self, place: &Place, index: usize, weight: f64, places_in_sum: impl Iterator<Item = f64>, aimed: &mut AimedRays) {
+        let AimedRays { pieces, segments, drawn, .. } = aimed;
         let receiver = self.scene.surface(place.surface);
         let normal = receiver.polygon.facet().normal;
         let total: f64 = pieces.iter().map(|piece| piece.carried).sum();
         if total <= 0.0 {
             return;
         }
-        let (mut number, mut above, mut of_piece) = (0, pieces[0].carried, 0);
-        for place_in_sum in places_in_sum {
-            while place_in_sum * total >= above && number + 1 < pieces.len() {
-                number += 1;
-                above += pieces[number].carried;
-                of_piece = 0;
+        let mut places_in_sum = places_in_sum.map(|place| place * total).peekable();
+        let mut above = 0.0;
+        for (number, piece) in pieces.iter().enumerate() {
+            above += piece.carried;
+            let is_last = number + 1 == pieces.len();
+            let is_in_share = |place: &f64| *place < above || is_last;
+            if !places_in_sum.peek().is_some_and(is_in_share) {
+                continue;
             }
-            let piece = &pieces[number];
-            let whole = self.scene.surface(piece.lamp).polygon.facet();
+
+            // The rays to this piece.
+            let lamp = self.scene.surface(piece.lamp);
+            let whole = lamp.polygon.facet();
             let facet = piece.part.as_ref().map_or(whole, |part| part.facet(whole.normal));
-            let seed = sampling::hash(place.seed, u64::from(piece.lamp.0) << 32 | number as u64);
-            let [u, v, ..] = sampling::sobol_4d(of_piece, seed);
-            let y = facet.point_at(u, v);
-            let to_plane = self.scene.surface(piece.lamp).plane;
-            segments.push(Segment { from: place.point.to_array(), to: y.to_array(), from_plane: receiver.plane, to_plane });
-            drawn.push(Drawn {
-                place: index,
-                lamp: piece.lamp,
-                form_factor: piece.form_factor,
-                sampled: facet.area * kernel(place.point, normal, y, facet.normal),
-                share: weight * total / piece.carried,
-            });
-            of_piece += 1;
+            let spread = sampling::shifted_sobol_2d(sampling::hash(place.seed, u64::from(piece.lamp.0) << 32 | number as u64));
+            for ray in (0..).take_while(|_| places_in_sum.next_if(is_in_share).is_some()) {
+                let [u, v] = spread(ray);
+                let y = facet.point_at(u, v);
+                let (from, to) = (place.point.to_array(), y.to_array());
+                segments.push(Segment { from, to, from_plane: receiver.plane, to_plane: lamp.plane });
+                drawn.push(Drawn {
+                    place: index,
+                    lamp: piece.lamp,
+                    form_factor: piece.form_factor,
+                    sampled: facet.area * kernel(place.point, normal, y, facet.normal),
+                    share: weight * total / piece.carried,
+                });
+            }
         }
     }
 
@@ -236,12 +249,13 @@ mod tests {
 
         // With more rays than lamps all lamps are looked at; 16 rays choose among them, a thousand times.
         let mut expected = vec![0.0; 20];
-        lamps.add_sampled_irradiance(&places(1), &rays, 50_000, &mut expected);
+        let mut aimed = AimedRays::default();
+        lamps.add_sampled_irradiance(&places(1), &rays, 50_000, &mut aimed, &mut expected);
         let (mut sum, mut sum_sq) = (vec![0.0; 20], vec![0.0; 20]);
         let rounds = 1000;
         for round in 0..rounds {
             let mut found = vec![0.0; 20];
-            lamps.add_sampled_irradiance(&places(100 + round), &rays, 16, &mut found);
+            lamps.add_sampled_irradiance(&places(100 + round), &rays, 16, &mut aimed, &mut found);
             found.iter().zip(sum.iter_mut().zip(sum_sq.iter_mut())).for_each(|(h, (sum, sum_sq))| {
                 *sum += h;
                 *sum_sq += h * h;
@@ -263,7 +277,7 @@ mod tests {
             let scene = lamps_over_a_floor(count);
             let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
             let rays = Rays::new(&*visibility, &scene);
-            Lamps::new(&scene).add_sampled_irradiance(&places(1), &rays, 24, &mut [0.0; 20]);
+            Lamps::new(&scene).add_sampled_irradiance(&places(1), &rays, 24, &mut AimedRays::default(), &mut [0.0; 20]);
             let cast = rays.segments().count();
             assert!(cast + rays.spared() <= 20 * 24, "{count} lamps: {cast} rays");
         }

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::lamps::Lamps;
+use super::lamps::{AimedRays, Lamps};
 use super::lattice::Lattice;
 use crate::geometry::{Frame, sampling};
 use crate::scene::{Scene, SurfaceId};
@@ -26,26 +26,58 @@ pub(crate) struct Place {
 /// A cell looks small from so many times its size.
 const SMALL_FROM: f64 = 1.5;
 
-/// A path ends after so many bounces, wherever it is.
+/// After so many bounces a path ends in the cell where it is, however large that looks.
 const MAX_BOUNCES: u32 = 16;
+
+/// A path of which this part or less is left goes on by chance only.
+const SURELY_GOES_ON: f64 = 1.0;
 
 /// The cell of a path that ends on none.
 pub(super) const NO_CELL: u32 = u32::MAX;
 
-/// Where paths end, path after path: each brings `constant + weight * (what its cell sends)`, by channel.
+/// Where paths end, path after path. One that ends where its first ray arrives brings what its cell sends.
 #[derive(Default)]
 pub(crate) struct Ends {
+    /// By path; [`NO_CELL`] for detours too.
     pub(super) cell: Vec<u32>,
-    /// Whether the first thing that the path met was a back.
+    /// By path, whether the first thing that it met was a back.
     pub(super) back: Vec<bool>,
+    /// The paths that went on, in their order.
+    pub(super) detours: Vec<Detour>,
+    /// By detour and channel: it brings `constant + weight * (what its cell sends)`.
     pub(super) constant: Vec<f64>,
     pub(super) weight: Vec<f64>,
 }
 
-/// A path that goes on from a place.
-struct Walk {
-    path: usize,
-    place: Place,
+/// A path that went on from where its first ray arrived.
+pub(super) struct Detour {
+    pub path: usize,
+    pub cell: u32,
+}
+
+/// Memory that is reused from batch to batch.
+#[derive(Default)]
+pub(crate) struct PathScratch {
+    pub(super) ends: Ends,
+    /// The rays of a place in the order in which they are cast.
+    order: Vec<u32>,
+    looks: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+    /// Where detours are, and their numbers.
+    walks: Vec<Place>,
+    detour_of: Vec<usize>,
+    irradiance: Vec<f64>,
+    aimed: AimedRays,
+}
+
+/// What a ray finds.
+enum Arrival {
+    Nothing,
+    Back,
+    /// A cell that looks small.
+    Cell(u32),
+    /// Something so near that its cell looks large.
+    Near(DVec3, SurfaceId),
 }
 
 /// Casts light paths through a scene.
@@ -63,8 +95,8 @@ impl<'a> LightPaths<'a> {
     }
 
     /// Adds the irradiance from lamps at each place, by `count` rays, place after place.
-    pub(super) fn add_lamps(&self, places: &[Place], count: u32, irradiance: &mut [f64]) {
-        self.lamps.add_sampled_irradiance(places, self.rays, count, irradiance);
+    pub(super) fn add_lamps(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+        self.lamps.add_sampled_irradiance(places, self.rays, count, &mut scratch.aimed, irradiance);
     }
 
     /// What a surface emits that lamp rays do not bring, by channel.
@@ -72,88 +104,117 @@ impl<'a> LightPaths<'a> {
         (!self.lamps.contains(surface)).then(|| &self.scene.material_of(surface).exitance[..])
     }
 
-    /// Follows `count` paths from each place to their ends; each takes `bounces` bounces at least.
-    pub(super) fn follow(&self, places: &[Place], count: u32, bounces: u32, ends: &mut Ends) {
-        let channels = self.scene.channels();
+    /// Follows `count` paths from each place to the ends that `scratch` has then; each takes `bounces` bounces at least.
+    pub(super) fn follow(&self, places: &[Place], count: u32, bounces: u32, scratch: &mut PathScratch) {
+        let PathScratch { ends, order, looks, walks, detour_of, .. } = scratch;
         let paths = places.len() * count as usize;
         ends.cell.clear();
         ends.cell.resize(paths, NO_CELL);
         ends.back.clear();
         ends.back.resize(paths, false);
-        ends.constant.clear();
-        ends.constant.resize(paths * channels, 0.0);
-        ends.weight.clear();
-        ends.weight.resize(paths * channels, 1.0);
+        ends.detours.clear();
+        walks.clear();
+        detour_of.clear();
 
         // The first rays, from the places.
-        let mut walks = Vec::new();
-        let looks: Vec<Ray> = places.iter().flat_map(|place| self.cosine_rays(place, 0..count)).collect();
-        let mut hits = Vec::new();
-        self.rays.first_hits(&looks, &mut hits);
-        let seed = |path: usize| sampling::hash(places[path / count as usize].seed, (path % count as usize) as u64 | 1 << 32);
-        for (path, (look, hit)) in looks.iter().zip(&hits).enumerate() {
-            self.arrive(path, look, *hit, bounces > 0, || seed(path), ends, &mut walks);
+        if order.len() != count as usize {
+            *order = sampling::neighbours_in_order(count);
+        }
+        looks.clear();
+        places.iter().for_each(|place| looks.extend(self.cosine_rays(place, order.iter().copied())));
+        self.rays.first_hits(looks, &mut scratch.hits);
+        for (path, (look, hit)) in looks.iter().zip(&scratch.hits).enumerate() {
+            match self.arrival(look, *hit, bounces > 0) {
+                Arrival::Nothing => {}
+                Arrival::Back => ends.back[path] = true,
+                Arrival::Cell(cell) => ends.cell[path] = cell,
+                Arrival::Near(point, surface) => {
+                    let (place, ray) = (path / count as usize, path % count as usize);
+                    let seed = sampling::hash(places[place].seed, ray as u64 | 1 << 32);
+                    walks.push(Place { point, surface, seed });
+                    detour_of.push(ends.detours.len());
+                    ends.detours.push(Detour { path, cell: NO_CELL });
+                }
+            }
         }
 
         // Bounce by bounce, those that have not ended go on from where they are.
-        let (mut bounce, mut irradiance) = (1, Vec::new());
-        while !walks.is_empty() {
-            let places: Vec<Place> = walks.iter().map(|walk| walk.place).collect();
-            irradiance.clear();
-            irradiance.resize(places.len() * channels, 0.0);
-            self.add_lamps(&places, 1, &mut irradiance);
-            for (walk, irradiance) in walks.iter().zip(irradiance.chunks(channels)) {
-                let material = self.scene.material_of(walk.place.surface);
-                let exitance = self.unlamped_exitance(walk.place.surface);
-                for channel in 0..channels {
-                    let own = exitance.map_or(0.0, |exitance| exitance[channel]);
-                    let (rho, index) = (material.reflectance[channel], walk.path * channels + channel);
-                    ends.constant[index] += ends.weight[index] * (own + rho * irradiance[channel]);
-                    ends.weight[index] *= rho;
-                }
+        let channels = self.scene.channels();
+        ends.constant.clear();
+        ends.constant.resize(ends.detours.len() * channels, 0.0);
+        ends.weight.clear();
+        ends.weight.resize(ends.detours.len() * channels, 1.0);
+        for bounce in 1..=MAX_BOUNCES {
+            if scratch.walks.is_empty() {
+                break;
             }
-
-            let looks: Vec<Ray> = places.iter().flat_map(|place| self.cosine_rays(place, 0..1)).collect();
-            self.rays.first_hits(&looks, &mut hits);
-            let mut further = Vec::new();
-            if bounce < MAX_BOUNCES {
-                for (walk, (look, hit)) in walks.iter().zip(looks.iter().zip(&hits)) {
-                    let seed = || sampling::hash(walk.place.seed, 1 << 33);
-                    self.arrive(walk.path, look, *hit, bounce < bounces, seed, ends, &mut further);
-                }
-            }
-            walks = further;
-            bounce += 1;
+            self.reflect(scratch);
+            keep_by_chance(scratch, channels);
+            self.go_on(scratch, bounce < bounces, bounce == MAX_BOUNCES);
         }
     }
 
-    /// Ends a path where its ray arrives, or lets it go on from there.
-    #[allow(clippy::too_many_arguments, reason = "what a ray knows at its end")]
-    fn arrive(
-        &self,
-        path: usize,
-        ray: &Ray,
-        hit: Option<Hit>,
-        goes_on: bool,
-        seed: impl Fn() -> u64,
-        ends: &mut Ends,
-        further: &mut Vec<Walk>,
-    ) {
-        let Some(hit) = hit else { return };
+    /// Adds the light that detours find where they are, and takes from their weights what is absorbed there.
+    fn reflect(&self, scratch: &mut PathScratch) {
+        let PathScratch { ends, walks, detour_of, irradiance, aimed, .. } = scratch;
+        let channels = self.scene.channels();
+        irradiance.clear();
+        irradiance.resize(walks.len() * channels, 0.0);
+        self.lamps.add_sampled_irradiance(walks, self.rays, 1, aimed, irradiance);
+        for ((walk, &detour), irradiance) in walks.iter().zip(&*detour_of).zip(irradiance.chunks(channels)) {
+            let material = self.scene.material_of(walk.surface);
+            let exitance = self.unlamped_exitance(walk.surface);
+            for channel in 0..channels {
+                let own = exitance.map_or(0.0, |exitance| exitance[channel]);
+                let (rho, index) = (material.reflectance[channel], detour * channels + channel);
+                ends.constant[index] += ends.weight[index] * (own + rho * irradiance[channel]);
+                ends.weight[index] *= rho;
+            }
+        }
+    }
+
+    /// Casts the next ray of each detour. Those that find a small cell end there; with `anywhere` they end in large ones too, and
+    /// with `beyond` in none.
+    fn go_on(&self, scratch: &mut PathScratch, beyond: bool, anywhere: bool) {
+        let PathScratch { ends, looks, hits, walks, detour_of, .. } = scratch;
+        looks.clear();
+        walks.iter().for_each(|walk| looks.extend(self.cosine_rays(walk, 0..1)));
+        self.rays.first_hits(looks, hits);
+
+        let mut left = 0;
+        for (index, (look, hit)) in looks.iter().zip(&*hits).enumerate() {
+            let detour = detour_of[index];
+            match self.arrival(look, *hit, beyond) {
+                Arrival::Nothing | Arrival::Back => {}
+                Arrival::Cell(cell) => ends.detours[detour].cell = cell,
+                Arrival::Near(point, surface) if anywhere => {
+                    ends.detours[detour].cell = self.lattice.cell_at(surface, point).map_or(NO_CELL, |(cell, _)| cell);
+                }
+                Arrival::Near(point, surface) => {
+                    walks[left] = Place { point, surface, seed: sampling::hash(walks[index].seed, 1 << 33) };
+                    detour_of[left] = detour;
+                    left += 1;
+                }
+            }
+        }
+        walks.truncate(left);
+        detour_of.truncate(left);
+    }
+
+    /// What a ray finds; with `beyond` no cell looks small.
+    fn arrival(&self, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
+        let Some(hit) = hit else { return Arrival::Nothing };
         let direction = DVec3::from(ray.direction);
-        let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else {
-            ends.back[path] = true;
-            return;
-        };
+        let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { return Arrival::Back };
         let point = DVec3::from(ray.origin) + hit.distance * direction;
         match self.lattice.cell_at(surface, point) {
-            Some((cell, size)) if !goes_on && hit.distance >= SMALL_FROM * size => ends.cell[path] = cell,
-            _ => further.push(Walk { path, place: Place { point, surface, seed: seed() } }),
+            Some((cell, size)) if !beyond && hit.distance >= SMALL_FROM * size => Arrival::Cell(cell),
+            _ => Arrival::Near(point, surface),
         }
     }
 
     /// Rays from a place by the cosine, spread as Sobol points.
-    fn cosine_rays(&self, place: &Place, indices: std::ops::Range<u32>) -> impl Iterator<Item = Ray> + use<> {
+    fn cosine_rays(&self, place: &Place, indices: impl Iterator<Item = u32>) -> impl Iterator<Item = Ray> {
         let surface = self.scene.surface(place.surface);
         let frame = Frame::around(surface.polygon.facet().normal);
         let (origin, origin_plane, seed) = (place.point.to_array(), surface.plane, place.seed);
@@ -165,4 +226,27 @@ impl<'a> LightPaths<'a> {
             Ray { origin, direction: direction.to_array(), origin_plane }
         })
     }
+}
+
+/// Ends detours of which little is left with a probability that falls with what is left, and gives the others the weight of those that
+/// end too (Russian roulette): else a third of all paths would go to and fro between the books of a shelf until [`MAX_BOUNCES`].
+fn keep_by_chance(scratch: &mut PathScratch, channels: usize) {
+    let PathScratch { ends, walks, detour_of, .. } = scratch;
+    let mut left = 0;
+    for index in 0..walks.len() {
+        let (walk, detour) = (walks[index], detour_of[index]);
+        let weight = &mut ends.weight[detour * channels..][..channels];
+        let chance = weight.iter().copied().fold(0.0, f64::max) / SURELY_GOES_ON;
+        if chance < 1.0 {
+            if sampling::unit(sampling::hash(walk.seed, 1 << 34)) >= chance {
+                continue;
+            }
+            weight.iter_mut().for_each(|weight| *weight /= chance);
+        }
+        walks[left] = walk;
+        detour_of[left] = detour;
+        left += 1;
+    }
+    walks.truncate(left);
+    detour_of.truncate(left);
 }

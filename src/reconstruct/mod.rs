@@ -18,7 +18,7 @@ pub use camera::{Camera, CameraError, CameraRays, CameraRequest};
 pub(crate) use hemisphere::HemisphereGather;
 pub use image::Image;
 pub(crate) use lattice::Lattice;
-pub(crate) use light_paths::{Ends as PathScratch, LightPaths, Place};
+pub(crate) use light_paths::{LightPaths, PathScratch, Place};
 pub(crate) use over_links::LinkGather;
 pub(crate) use reconstruction::{Effort, Reconstruction, Scratch, Way};
 pub(crate) use render::render;

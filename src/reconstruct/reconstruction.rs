@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::hemisphere::HemisphereGather;
-use super::light_paths::{Ends, Place};
+use super::light_paths::{PathScratch, Place};
 use super::over_links::{LinkGather, LinkScratch};
 use crate::geometry::sampling;
 use crate::hierarchy::Hierarchy;
@@ -42,7 +42,7 @@ pub(crate) struct Effort {
 #[derive(Default)]
 pub(crate) struct Scratch {
     links: LinkScratch,
-    ends: Ends,
+    paths: PathScratch,
     places: Vec<Place>,
 }
 
@@ -70,7 +70,7 @@ impl Reconstruction<'_> {
                 let place = |(point, surface)| Place { point, surface, seed: coordinates(effort.seed, point) };
                 scratch.places.clear();
                 scratch.places.extend(points.map(place));
-                gather.sampled_irradiance(&scratch.places, effort.rays, &mut scratch.ends, radiosity);
+                gather.sampled_irradiance(&scratch.places, effort.rays, &mut scratch.paths, radiosity);
                 for (place, radiosity) in scratch.places.iter().zip(radiosity.chunks_mut(channels)) {
                     let material = self.scene.material_of(place.surface);
                     for (channel, value) in radiosity.iter_mut().enumerate() {

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::lattice::Grid;
-use super::light_paths::{Ends, LightPaths, NO_CELL, Place};
+use super::light_paths::{LightPaths, NO_CELL, PathScratch, Place};
 use crate::geometry::sampling;
 use crate::scene::Scene;
 
@@ -57,7 +57,7 @@ pub(crate) struct Resolved {
 }
 
 /// Positions whose paths are followed together.
-const BATCH: usize = 128;
+const BATCH: usize = 256;
 
 /// Points tried in a cell until one lies on the surface.
 const TRIES: u64 = 8;
@@ -171,32 +171,42 @@ impl Equations {
             .zip(end.par_chunks_mut(BATCH * count))
             .zip(weight.par_chunks_mut(BATCH * count * channels))
             .zip(backs.par_chunks_mut(BATCH));
-        batches.for_each_init(Ends::default, |ends, ((((cells, constant), end), weight), backs)| {
+        batches.for_each_init(PathScratch::default, |scratch, ((((cells, constant), end), weight), backs)| {
             let position = |(index, cell): (usize, &Cell)| match cell {
                 Cell::Position(place) => Some((index, *place)),
                 Cell::Empty => None,
             };
             let (indices, places): (Vec<usize>, Vec<Place>) = cells.iter().enumerate().filter_map(position).unzip();
             let mut irradiance = vec![0.0; places.len() * channels];
-            paths.add_lamps(&places, resolution.lamp_rays, &mut irradiance);
-            paths.follow(&places, resolution.paths, 0, ends);
+            paths.add_lamps(&places, resolution.lamp_rays, scratch, &mut irradiance);
+            paths.follow(&places, resolution.paths, 0, scratch);
 
+            // What is sent by the place itself, and by the ends of paths that arrive there at once.
+            let ends = &scratch.ends;
             for (number, (&index, place)) in indices.iter().zip(&places).enumerate() {
                 let own = number * count..(number + 1) * count;
                 end[index * count..][..count].copy_from_slice(&ends.cell[own.clone()]);
-                backs[index] = ends.back[own.clone()].iter().filter(|&&back| back).count() as f32 / count as f32;
+                backs[index] = ends.back[own].iter().filter(|&&back| back).count() as f32 / count as f32;
                 let material = paths.scene.material_of(place.surface);
                 let exitance = paths.unlamped_exitance(place.surface);
                 for channel in 0..channels {
                     let rho = material.reflectance[channel];
-                    let mut found = 0.0;
-                    for path in own.clone() {
-                        found += ends.constant[path * channels + channel] / count as f64;
-                        let share = rho * ends.weight[path * channels + channel] / count as f64;
-                        weight[(index * count + path - own.start) * channels + channel] = share as f32;
-                    }
+                    let weights = weight[index * count * channels..][..count * channels].iter_mut();
+                    weights.skip(channel).step_by(channels).for_each(|weight| *weight = (rho / count as f64) as f32);
                     let emitted = exitance.map_or(0.0, |exitance| exitance[channel]);
-                    constant[index * channels + channel] = emitted + rho * (irradiance[number * channels + channel] + found);
+                    constant[index * channels + channel] = emitted + rho * irradiance[number * channels + channel];
+                }
+            }
+
+            // What detours bring instead.
+            for (number, detour) in ends.detours.iter().enumerate() {
+                let (place, path) = (detour.path / count, detour.path % count);
+                let (index, material) = (indices[place], paths.scene.material_of(places[place].surface));
+                end[index * count + path] = detour.cell;
+                for channel in 0..channels {
+                    let share = material.reflectance[channel] / count as f64;
+                    constant[index * channels + channel] += share * ends.constant[number * channels + channel];
+                    weight[(index * count + path) * channels + channel] = (share * ends.weight[number * channels + channel]) as f32;
                 }
             }
         });

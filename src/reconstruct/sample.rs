@@ -22,18 +22,31 @@ pub(crate) fn values_at(reconstruction: &Reconstruction<'_>, points: &[SurfacePo
     let (done, total) = (AtomicUsize::new(0), points.len());
 
     radiosity.par_chunks_mut(channels * BATCH).zip(points.par_chunks(BATCH)).for_each_init(
-        || (Scratch::default(), vec![0.0; channels]),
-        |(scratch, value), (radiosity, points)| {
+        || (Scratch::default(), Vec::new(), Vec::new(), Vec::new()),
+        |(scratch, indices, places, values), (radiosity, points)| {
             if observer.cancelled() {
                 return;
             }
-            for (radiosity, point) in radiosity.chunks_mut(channels).zip(points) {
+            // The points that lie on a surface.
+            indices.clear();
+            places.clear();
+            for (index, point) in points.iter().enumerate() {
                 let position = DVec3::from(point.position);
                 if let Some(surface) = reconstruction.hierarchy.surface_at(position, DVec3::from(point.normal), tolerance) {
-                    reconstruction.radiosities_at([(position, surface)].into_iter(), reconstruction.effort, scratch, value);
-                    radiosity.iter_mut().zip(value.iter()).for_each(|(radiosity, value)| *radiosity = *value as f32);
+                    indices.push(index);
+                    places.push((position, surface));
                 }
             }
+
+            // Their values, all together.
+            values.clear();
+            values.resize(channels * places.len(), 0.0);
+            reconstruction.radiosities_at(places.iter().copied(), reconstruction.effort, scratch, values);
+            for (&index, value) in indices.iter().zip(values.chunks(channels)) {
+                let radiosity = &mut radiosity[index * channels..][..channels];
+                radiosity.iter_mut().zip(value).for_each(|(radiosity, value)| *radiosity = *value as f32);
+            }
+
             let done = done.fetch_add(points.len(), Ordering::Relaxed) + points.len();
             let fraction = Some(done as f64 / total as f64);
             observer.progress(&Progress { stage: Stage::Sample, round: 0, fraction, links: 0, elements: 0, error: None });
