@@ -7,8 +7,9 @@
 
 #include EMBREE_HEADER
 
-/* Rays per call of Embree. Packets of 8 answered groups of segments 1.3 to 1.8 times as fast as single rays on 1.6k to 2M
- * triangles, and unrelated segments as fast: benches/visibility.rs. */
+/* Segments per call of Embree. Packets of 8 answered groups of segments 1.3 to 1.8 times as fast as single rays on 1.6k to 2M
+ * triangles, and unrelated segments as fast: benches/visibility.rs. First hits of paths over a hemisphere were 5 to 20% slower in
+ * packets, even with neighbours together, so they are asked one by one. */
 #define PACKET 8
 
 struct occlusion_scene {
@@ -24,8 +25,10 @@ struct occlusion_scene {
 /* Embree passes its context through to the filter; ours ends in the segments, which the ray's id indexes. */
 #if RTC_VERSION_MAJOR >= 4
 typedef struct RTCRayQueryContext embree_context;
+#define FILTER_BY_QUERY RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS
 #else
 typedef struct RTCIntersectContext embree_context;
+#define FILTER_BY_QUERY RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
 #endif
 
 typedef struct query {
@@ -88,7 +91,6 @@ static void build(occlusion_scene *scene, const occlusion_mesh *mesh) {
         memcpy(triangles, mesh->triangles, mesh->triangle_count * sizeof *mesh->triangles);
         rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
         rtcSetGeometryOccludedFilterFunction(geometry, filter);
-        rtcSetGeometryIntersectFilterFunction(geometry, filter);
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(scene->scene, geometry, 0);
     }
@@ -116,7 +118,7 @@ occlusion_scene *occlusion_create(const occlusion_mesh *mesh) {
         return scene;
     }
     rtcSetSceneBuildQuality(scene->scene, RTC_BUILD_QUALITY_MEDIUM);
-    rtcSetSceneFlags(scene->scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(scene->scene, RTC_SCENE_FLAG_ROBUST | FILTER_BY_QUERY);
     if (mesh->triangle_count > 0) build(scene, mesh);
     rtcCommitScene(scene->scene);
 
@@ -165,33 +167,42 @@ void occlusion_occluded(const occlusion_scene *scene, const occlusion_segment *s
     }
 }
 
-void occlusion_first(const occlusion_scene *scene, const occlusion_segment *segments, size_t count, uint32_t *triangles) {
-    query q;
-    query_init(&q, scene, segments);
+/* The nearest triangle on a segment that `filter` lets pass, or any if that is NULL. */
+static uint32_t nearest(query *q, unsigned int index, RTCFilterFunctionN filter) {
+    const occlusion_segment *s = &q->segments[index];
+    struct RTCRayHit hit;
+    memset(&hit, 0, sizeof hit);
+    hit.ray.org_x = s->origin[0], hit.ray.org_y = s->origin[1], hit.ray.org_z = s->origin[2];
+    hit.ray.dir_x = s->direction[0], hit.ray.dir_y = s->direction[1], hit.ray.dir_z = s->direction[2];
+    hit.ray.tnear = s->near;
+    hit.ray.tfar = 1.0f;
+    hit.ray.mask = UINT32_MAX;
+    hit.ray.id = index;
+    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    hit.hit.primID = RTC_INVALID_GEOMETRY_ID;
 #if RTC_VERSION_MAJOR >= 4
     struct RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
-    arguments.context = &q.context;
-#endif
-
-    for (size_t i = 0; i < count; i++) {
-        const occlusion_segment *s = &segments[i];
-        struct RTCRayHit hit;
-        memset(&hit, 0, sizeof hit);
-        hit.ray.org_x = s->origin[0], hit.ray.org_y = s->origin[1], hit.ray.org_z = s->origin[2];
-        hit.ray.dir_x = s->direction[0], hit.ray.dir_y = s->direction[1], hit.ray.dir_z = s->direction[2];
-        hit.ray.tnear = s->near;
-        hit.ray.tfar = 1.0f;
-        hit.ray.mask = UINT32_MAX;
-        hit.ray.id = (unsigned int)i;
-        hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        hit.hit.primID = RTC_INVALID_GEOMETRY_ID;
-#if RTC_VERSION_MAJOR >= 4
-        rtcIntersect1(scene->scene, &hit, &arguments);
+    arguments.context = &q->context;
+    arguments.filter = filter;
+    if (filter) arguments.flags |= RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
+    rtcIntersect1(q->scene->scene, &hit, &arguments);
 #else
-        rtcIntersect1(scene->scene, &q.context, &hit);
+    q->context.filter = filter;
+    rtcIntersect1(q->scene->scene, &q->context, &hit);
 #endif
-        triangles[i] = hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? OCCLUSION_NOTHING : hit.hit.primID;
+    return hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? OCCLUSION_NOTHING : hit.hit.primID;
+}
+
+void occlusion_first(const occlusion_scene *scene, const occlusion_segment *segments, size_t count, uint32_t *triangles) {
+    query q;
+    query_init(&q, scene, segments);
+    for (size_t i = 0; i < count; i++) {
+        /* Nearly always the first thing that is met blocks, so it is asked for without the filter; where it does not, with it. */
+        triangles[i] = nearest(&q, (unsigned int)i, NULL);
+        if (triangles[i] != OCCLUSION_NOTHING && !blocks(scene, triangles[i], &segments[i])) {
+            triangles[i] = nearest(&q, (unsigned int)i, filter);
+        }
     }
 }
 

@@ -42,8 +42,8 @@ pub(crate) fn shifted_sobol_2d(seed: u64) -> impl Fn(u32) -> [f64; 2] {
     }
 }
 
-/// The numbers below `count`, such that eight that follow one another are near each other in [`shifted_sobol_2d`], whatever the seed:
-/// rays that go about the same way are traced together for less.
+/// The numbers below `count`, such that those that follow one another are near each other in [`shifted_sobol_2d`], whatever the seed:
+/// a ray costs less after one that went about the same way.
 pub(crate) fn neighbours_in_order(count: u32) -> Vec<u32> {
     // Along a curve through the quarters of the square, quarters of these, and so on: shifting bits moves quarters as a whole.
     let points = &**SOBOL_2D;
@@ -62,4 +62,27 @@ pub(crate) fn neighbours_in_order(count: u32) -> Vec<u32> {
 pub(crate) fn sobol_4d(index: u32, seed: u64) -> [f64; 4] {
     let point: [f32; 4] = sobol_burley::sample_4d(index & 0xffff, 0, seed as u32 ^ (seed >> 32) as u32);
     point.map(f64::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_eight_neighbours_share_a_part_of_the_square_whatever_the_seed() {
+        let count = 256;
+        let order = neighbours_in_order(count);
+        let mut sorted = order.clone();
+        sorted.sort_unstable();
+        assert!(sorted.into_iter().eq(0..count));
+        for seed in 0..20 {
+            let spread = shifted_sobol_2d(hash(seed, 0));
+            for eight in order.chunks(8) {
+                // 256 points by eights are 32 boxes, an eighth by a quarter of the square each.
+                let cells = eight.iter().map(|&index| spread(index)).map(|[u, v]| ((u * 8.0) as u32, (v * 4.0) as u32));
+                let cells: std::collections::HashSet<_> = cells.collect();
+                assert_eq!(cells.len(), 1, "seed {seed}: {cells:?}");
+            }
+        }
+    }
 }

@@ -58,9 +58,12 @@ impl Hierarchy {
             }
             let surface = SurfaceId(self.node(node).surface);
             let facet = self.facet(node);
-            let distance = facet.height(point).abs().max(-self.inner_distance(node, point));
-            let agrees = facet.normal.dot(normal) > NORMAL_AGREEMENT;
-            if agrees && distance <= tolerance && best.is_none_or(|best| (distance, surface) < best) {
+            let height = facet.height(point).abs();
+            if height > tolerance || facet.normal.dot(normal) <= NORMAL_AGREEMENT {
+                continue;
+            }
+            let distance = height.max(-self.inner_distance(node, point));
+            if distance <= tolerance && best.is_none_or(|best| (distance, surface) < best) {
                 best = Some((distance, surface));
             }
         }

@@ -1,8 +1,11 @@
 //! Draws lamps from a tree, by what they may bring to a place: the cost of a draw grows with the logarithm of their number.
 //!
-//! At every node the descent goes left or right with probabilities in proportion to a bound on what each side can bring (box, cone
-//! of normals, power; after Conty Estevez and Kulla 2018). A lamp that can bring light at all is drawn with a probability above 0,
-//! so what is divided by that probability is without bias.
+//! At every node the descent goes to one of up to four children with probabilities in proportion to a bound on what each can bring (box,
+//! cone of normals, power; after Conty Estevez and Kulla 2018). A lamp that can bring light at all is drawn with a probability above
+//! 0, so what is divided by that probability is without bias.
+//!
+//! The bounds of four children are computed side by side, in f32: it is the probabilities that were drawn by that count, not how
+//! exact they are. Lengths are in radii of the tree and powers in parts of its power, so no scene is too large or too dim for that.
 
 use std::f64::consts::PI;
 
@@ -11,38 +14,58 @@ use glam::DVec3;
 use crate::geometry::Aabb;
 use crate::scene::{Scene, SurfaceId};
 
-/// Angles and cosines are widened by this much against rounding.
-const SLACK: f64 = 1e-6;
+/// Cosines are widened by this much against rounding: sines of small angles are known to the root of the rounding of f32.
+const SLACK: f32 = 1e-3;
 
-/// A lamp or several.
+/// Angles are widened by this much against rounding.
+const ANGLE_SLACK: f64 = 1e-6;
+
+/// Children of a node.
+const WIDTH: usize = 4;
+
+/// One number for each child, or child and axis.
+type Lanes = [f32; WIDTH];
+
+/// Up to four groups of lamps; places that are left over have no power.
 struct Node {
-    centre: DVec3,
-    radius: f64,
-    /// All normals are within an angle of `axis`, the spread.
-    axis: DVec3,
-    spread: Spread,
-    /// Area times the exitance of the brightest channel, in W.
-    power: f64,
-    /// The lamp, or the second child; the first child of a node follows it.
-    below: Below,
+    /// The middle of each group's box, and the square of its radius.
+    centre: [Lanes; 3],
+    radius_sq: Lanes,
+    /// All normals are within an angle of `axis`, the spread, in [0, pi].
+    axis: [Lanes; 3],
+    cos_spread: Lanes,
+    sin_spread: Lanes,
+    /// Area times the exitance of the brightest channel.
+    power: Lanes,
+    below: [Below; WIDTH],
 }
 
-/// An angle in [0, pi], in radians, with what is asked of it at every draw.
+/// What a child is.
 #[derive(Clone, Copy)]
-struct Spread {
-    angle: f64,
-    cos: f64,
-    sin: f64,
-}
-
 enum Below {
     Lamp(SurfaceId),
-    Second(usize),
+    Node(u32),
 }
 
-/// A binary tree over lamps.
+impl Node {
+    const EMPTY: Self = Self {
+        centre: [[0.0; WIDTH]; 3],
+        radius_sq: [1.0; WIDTH],
+        axis: [[0.0; WIDTH]; 3],
+        cos_spread: [1.0; WIDTH],
+        sin_spread: [0.0; WIDTH],
+        power: [0.0; WIDTH],
+        below: [Below::Node(0); WIDTH],
+    };
+}
+
+/// A tree over lamps.
 pub(super) struct LampTree {
     nodes: Vec<Node>,
+    /// The frame of the nodes.
+    centre: DVec3,
+    radius: f64,
+    power: f64,
 }
 
 /// A lamp that was drawn.
@@ -53,56 +76,68 @@ pub(super) struct DrawnLamp {
     pub rest: f64,
 }
 
-impl Spread {
-    fn new(angle: f64) -> Self {
-        let (sin, cos) = angle.min(PI).sin_cos();
-        Self { angle, cos, sin }
-    }
+/// A place and its normal, in the frame of a tree.
+struct Receiver {
+    point: [f32; 3],
+    normal: [f32; 3],
+}
+
+/// What is known of a group of lamps.
+struct Group {
+    bounds: Aabb,
+    /// All normals are within `spread` of `axis`, in radians.
+    axis: DVec3,
+    spread: f64,
+    /// In W.
+    power: f64,
 }
 
 impl LampTree {
     pub fn new(scene: &Scene, lamps: &[SurfaceId]) -> Self {
-        let mut tree = Self { nodes: Vec::with_capacity(2 * lamps.len()) };
-        let mut order = lamps.to_vec();
-        tree.add(scene, &mut order);
+        let Group { bounds, power, .. } =
+            lamps.iter().map(|&lamp| Group::of_lamp(scene, lamp)).reduce(Group::union).unwrap_or_default();
+        let mut tree = Self { nodes: Vec::new(), centre: bounds.centre(), radius: 0.5 * bounds.diagonal(), power };
+        tree.add(scene, &mut lamps.to_vec());
         tree
     }
 
-    /// Appends the tree over `lamps`; returns its root and box.
-    fn add(&mut self, scene: &Scene, lamps: &mut [SurfaceId]) -> (usize, Aabb) {
+    /// Appends the tree over `lamps`; returns its root and what is known of it.
+    fn add(&mut self, scene: &Scene, lamps: &mut [SurfaceId]) -> (Below, Group) {
         let index = self.nodes.len();
-        if let [lamp] = *lamps {
-            let (polygon, exitance) = (&scene.surface(lamp).polygon, &scene.material_of(lamp).exitance);
-            let (facet, bounds) = (polygon.facet(), polygon.bounds());
-            let power = facet.area * exitance.iter().copied().fold(0.0, f64::max);
-            let (centre, radius) = (bounds.centre(), 0.5 * bounds.diagonal());
-            self.nodes.push(Node { centre, radius, axis: facet.normal, spread: Spread::new(0.0), power, below: Below::Lamp(lamp) });
-            return (index, bounds);
-        }
-
-        // Halve along the longest axis of the centres.
-        let centre = |lamp: SurfaceId| scene.surface(lamp).polygon.bounds().centre();
-        let extent = Aabb::around(lamps.iter().map(|&lamp| centre(lamp))).extent();
-        let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
-        lamps.sort_unstable_by(|&a, &b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(&b)));
-        let (left, right) = lamps.split_at_mut(lamps.len() / 2);
-
-        // The node comes before its children, but is known only after them.
-        self.nodes.push(Node {
-            centre: DVec3::ZERO,
-            radius: 0.0,
-            axis: DVec3::Z,
-            spread: Spread::new(PI),
-            power: 0.0,
-            below: Below::Second(0),
+        self.nodes.push(Node::EMPTY);
+        let (left, right) = halves(scene, lamps);
+        let quarters = [left, right].into_iter().flat_map(|half| match half.len() {
+            0 | 1 => [half, &mut []],
+            _ => halves(scene, half).into(),
         });
-        let ((first, left), (second, right)) = (self.add(scene, left), self.add(scene, right));
-        let bounds = left.union(right);
-        let (axis, spread) = cone_around(&self.nodes[first], &self.nodes[second]);
-        let power = self.nodes[first].power + self.nodes[second].power;
-        let (centre, radius) = (bounds.centre(), 0.5 * bounds.diagonal());
-        self.nodes[index] = Node { centre, radius, axis, spread, power, below: Below::Second(second) };
-        (index, bounds)
+        let mut whole: Option<Group> = None;
+        for (child, lamps) in quarters.filter(|lamps| !lamps.is_empty()).enumerate() {
+            let (below, group) = match *lamps {
+                [lamp] => (Below::Lamp(lamp), Group::of_lamp(scene, lamp)),
+                _ => self.add(scene, lamps),
+            };
+            self.set_child(index, child, below, &group);
+            whole = Some(match whole {
+                Some(whole) => whole.union(group),
+                None => group,
+            });
+        }
+        (Below::Node(index as u32), whole.unwrap_or_default())
+    }
+
+    fn set_child(&mut self, index: usize, child: usize, below: Below, group: &Group) {
+        let centre = (group.bounds.centre() - self.centre) / self.radius;
+        let radius = 0.5 * group.bounds.diagonal() / self.radius;
+        let (sin, cos) = group.spread.min(PI).sin_cos();
+        let node = &mut self.nodes[index];
+        for axis in 0..3 {
+            node.centre[axis][child] = centre[axis] as f32;
+            node.axis[axis][child] = group.axis[axis] as f32;
+        }
+        node.radius_sq[child] = ((radius * radius) as f32).max(f32::MIN_POSITIVE);
+        (node.cos_spread[child], node.sin_spread[child]) = (cos as f32, sin as f32);
+        node.power[child] = ((group.power / self.power) as f32).max(f32::MIN_POSITIVE);
+        node.below[child] = below;
     }
 
     /// Draws a lamp for a point with a normal by each of `numbers`, rising in [0, 1), and appends them to `drawn`; none where no
@@ -110,94 +145,147 @@ impl LampTree {
     pub fn draw(&self, point: DVec3, normal: DVec3, numbers: impl Iterator<Item = f64>, drawn: &mut Vec<DrawnLamp>) {
         let first = drawn.len();
         drawn.extend(numbers.map(|rest| DrawnLamp { lamp: SurfaceId(0), probability: 1.0, rest }));
-        let kept = self.descend(0, point, normal, &mut drawn[first..]);
+        let receiver =
+            Receiver { point: ((point - self.centre) / self.radius).as_vec3().to_array(), normal: normal.as_vec3().to_array() };
+        let kept = self.descend(0, &receiver, &mut drawn[first..]);
         drawn.truncate(first + kept);
     }
 
     /// Brings those that are drawn at a node down to the lamps; those for which there is none go behind the others. Returns how many
     /// have a lamp.
-    fn descend(&self, index: usize, point: DVec3, normal: DVec3, drawn: &mut [DrawnLamp]) -> usize {
-        let second = match self.nodes[index].below {
-            _ if drawn.is_empty() => return 0,
-            Below::Lamp(lamp) => {
-                drawn.iter_mut().for_each(|drawn| drawn.lamp = lamp);
-                return drawn.len();
+    fn descend(&self, index: u32, receiver: &Receiver, drawn: &mut [DrawnLamp]) -> usize {
+        let node = &self.nodes[index as usize];
+        let bounds = node.bound_sent(receiver).map(f64::from);
+        let sum: f64 = bounds.iter().sum();
+        let Some(last) = bounds.iter().rposition(|&bound| bound > 0.0) else { return 0 };
+        let (mut first, mut kept, mut below) = (0, 0, 0.0);
+        for (child, bound) in bounds.into_iter().enumerate().filter(|(_, bound)| *bound > 0.0) {
+            // Those whose number falls in the share of this child.
+            let share = bound / sum;
+            let is_here = |drawn: &DrawnLamp| drawn.rest < below + share || child == last;
+            let count = drawn[first..].iter().take_while(|drawn| is_here(drawn)).count();
+            let here = &mut drawn[first..first + count];
+            for drawn in here.iter_mut() {
+                drawn.probability *= share;
+                drawn.rest = ((drawn.rest - below) / share).clamp(0.0, 1.0 - f64::EPSILON);
             }
-            Below::Second(second) => second,
-        };
-        let [first_bound, second_bound] = [index + 1, second].map(|child| self.nodes[child].bound_sent(point, normal));
-        let sum = first_bound + second_bound;
-        if sum <= 0.0 {
-            return 0;
+            below += share;
+
+            // Down to their lamps; those without one stay behind.
+            let found = match node.below[child] {
+                _ if count == 0 => continue,
+                Below::Lamp(lamp) => {
+                    here.iter_mut().for_each(|drawn| drawn.lamp = lamp);
+                    count
+                }
+                Below::Node(index) => self.descend(index, receiver, here),
+            };
+            if kept < first {
+                drawn[kept..first + found].rotate_left(first - kept);
+            }
+            kept += found;
+            first += count;
         }
-        let share = first_bound / sum;
-        let to_first = drawn.partition_point(|drawn| drawn.rest < share);
-        let (to_first, to_second) = drawn.split_at_mut(to_first);
-        for drawn in to_first.iter_mut() {
-            drawn.probability *= share;
-            drawn.rest = (drawn.rest / share).clamp(0.0, 1.0 - f64::EPSILON);
-        }
-        for drawn in to_second.iter_mut() {
-            drawn.probability *= 1.0 - share;
-            drawn.rest = ((drawn.rest - share) / (1.0 - share)).clamp(0.0, 1.0 - f64::EPSILON);
-        }
-        let kept_of_first = self.descend(index + 1, point, normal, to_first);
-        let kept_of_second = self.descend(second, point, normal, to_second);
-        if kept_of_first < to_first.len() {
-            let behind_first = to_first.len();
-            drawn[kept_of_first..behind_first + kept_of_second].rotate_left(behind_first - kept_of_first);
-        }
-        kept_of_first + kept_of_second
+        kept
     }
 }
 
 impl Node {
-    /// What the lamps can send to a point, up to a common factor: power, cosines at most, distance squared at least, but not below
-    /// the size of the node.
-    fn bound_sent(&self, point: DVec3, normal: DVec3) -> f64 {
-        let towards = self.centre - point;
-        let distance_sq = towards.length_squared();
-        if distance_sq <= self.radius * self.radius {
-            return self.power / (self.radius * self.radius);
+    /// What each child can send to a place, up to a common factor: power, cosines at most, distance squared at least, but not below
+    /// the size of the child.
+    fn bound_sent(&self, receiver: &Receiver) -> Lanes {
+        // One array a quantity and selections instead of branches, so that the children go through the arithmetic side by side.
+        let (mut distance_sq, mut to_receiver, mut to_axis) = ([0.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]);
+        for axis in 0..3 {
+            for k in 0..WIDTH {
+                let towards = self.centre[axis][k] - receiver.point[axis];
+                distance_sq[k] += towards * towards;
+                to_receiver[k] += towards * receiver.normal[axis];
+                to_axis[k] -= towards * self.axis[axis][k];
+            }
         }
 
-        // The cosines at both ends, to the direction that suits best among those that differ by the node's radius as seen from the
+        // The cosines at both ends, to the direction that suits best among those that differ by the child's radius as seen from the
         // point, and at the lamps by the spread too.
-        let distance = distance_sq.sqrt();
-        let sin_half = self.radius / distance;
-        let half = (sin_half, (1.0 - sin_half * sin_half).sqrt());
-        let angle_to = |axis: DVec3, direction: DVec3| {
-            let cos = (axis.dot(direction) / distance).clamp(-1.0, 1.0);
-            ((1.0 - cos * cos).sqrt(), cos)
-        };
-        let at_receiver = less(angle_to(normal, towards), half);
-        let at_lamps = less(less(angle_to(self.axis, -towards), half), (self.spread.sin, self.spread.cos));
-        self.power * (at_receiver.1 + SLACK).max(0.0) * (at_lamps.1 + SLACK).max(0.0) / distance_sq
+        let mut sent = [0.0; WIDTH];
+        for k in 0..WIDTH {
+            let far_sq = largest(distance_sq[k], self.radius_sq[k]);
+            let sin_sq_half = self.radius_sq[k] / far_sq;
+            let half = (sin_sq_half.sqrt(), (1.0 - sin_sq_half).sqrt());
+            let per_distance = 1.0 / far_sq.sqrt();
+            let at_receiver = less(angle(to_receiver[k] * per_distance), half);
+            let at_lamps = less(less(angle(to_axis[k] * per_distance), half), (self.sin_spread[k], self.cos_spread[k]));
+            let cosines = largest(at_receiver.1 + SLACK, 0.0) * largest(at_lamps.1 + SLACK, 0.0);
+            let is_inside = distance_sq[k] <= self.radius_sq[k];
+            sent[k] = self.power[k] * if is_inside { 1.0 } else { cosines } / far_sq;
+        }
+        sent
     }
+}
+
+/// The larger of two numbers that are not NaN.
+fn largest(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// Sine and cosine of the angle in [0, pi] with a cosine that rounding may have left out of [-1, 1].
+fn angle(cos: f32) -> (f32, f32) {
+    (largest(1.0 - cos * cos, 0.0).sqrt(), cos)
 }
 
 /// The sine and cosine of `a - b`, or of 0 if that is negative, for angles in [0, pi] with known sines and cosines.
-fn less(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    if a.1 >= b.1 { (0.0, 1.0) } else { (a.0 * b.1 - a.1 * b.0, a.1 * b.1 + a.0 * b.0) }
+fn less(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
+    let is_less = a.1 >= b.1;
+    let (sin, cos) = (a.0 * b.1 - a.1 * b.0, a.1 * b.1 + a.0 * b.0);
+    (if is_less { 0.0 } else { sin }, if is_less { 1.0 } else { cos })
 }
 
-/// A cone around the normals of two nodes.
-fn cone_around(a: &Node, b: &Node) -> (DVec3, Spread) {
-    let (wide, narrow) = if a.spread.angle >= b.spread.angle { (a, b) } else { (b, a) };
+/// Two halves along the longest axis of the centres.
+fn halves<'a>(scene: &Scene, lamps: &'a mut [SurfaceId]) -> (&'a mut [SurfaceId], &'a mut [SurfaceId]) {
+    let centre = |lamp: SurfaceId| scene.surface(lamp).polygon.bounds().centre();
+    let extent = Aabb::around(lamps.iter().map(|&lamp| centre(lamp))).extent();
+    let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
+    lamps.sort_unstable_by(|&a, &b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(&b)));
+    lamps.split_at_mut(lamps.len().div_ceil(2))
+}
+
+impl Default for Group {
+    fn default() -> Self {
+        Self { bounds: Aabb::EMPTY, axis: DVec3::Z, spread: PI, power: 0.0 }
+    }
+}
+
+impl Group {
+    fn of_lamp(scene: &Scene, lamp: SurfaceId) -> Self {
+        let polygon = &scene.surface(lamp).polygon;
+        let brightest = scene.material_of(lamp).exitance.iter().copied().fold(0.0, f64::max);
+        let facet = polygon.facet();
+        Self { bounds: polygon.bounds(), axis: facet.normal, spread: 0.0, power: facet.area * brightest }
+    }
+
+    fn union(self, other: Self) -> Self {
+        let (axis, spread) = cone_around(&self, &other);
+        Self { bounds: self.bounds.union(other.bounds), axis, spread, power: self.power + other.power }
+    }
+}
+
+/// A cone around the normals of two groups.
+fn cone_around(a: &Group, b: &Group) -> (DVec3, f64) {
+    let (wide, narrow) = if a.spread >= b.spread { (a, b) } else { (b, a) };
     let between = wide.axis.dot(narrow.axis).clamp(-1.0, 1.0).acos();
-    if between + narrow.spread.angle <= wide.spread.angle {
+    if between + narrow.spread <= wide.spread {
         return (wide.axis, wide.spread);
     }
-    let spread = 0.5 * (between + wide.spread.angle + narrow.spread.angle);
+    let spread = 0.5 * (between + wide.spread + narrow.spread);
     let aside = (narrow.axis - wide.axis.dot(narrow.axis) * wide.axis).try_normalize();
     match aside.filter(|_| spread < PI) {
         Some(aside) => {
-            let turn = spread - wide.spread.angle;
-            (turn.cos() * wide.axis + turn.sin() * aside, Spread::new(spread + SLACK))
+            let turn = spread - wide.spread;
+            (turn.cos() * wide.axis + turn.sin() * aside, spread + ANGLE_SLACK)
         }
         None => {
-            let around = between + narrow.spread.angle;
-            (wide.axis, Spread::new(if around < PI { around.max(wide.spread.angle) } else { PI }))
+            let around = between + narrow.spread;
+            (wide.axis, if around < PI { around.max(wide.spread) } else { PI })
         }
     }
 }

@@ -29,8 +29,9 @@ const SMALL_FROM: f64 = 1.5;
 /// After so many bounces a path ends in the cell where it is, however large that looks.
 const MAX_BOUNCES: u32 = 16;
 
-/// A path of which this part or less is left goes on by chance only.
-const SURELY_GOES_ON: f64 = 1.0;
+/// A path of which less than this part is left goes on by chance only. Empirical: in an office with 300 paths a point, 1 takes 7% fewer
+/// rays than 0.5 and makes the square of the error 11% larger, 0.15 takes 6% more and makes it 2% smaller.
+const SURELY_GOES_ON: f64 = 0.5;
 
 /// The cell of a path that ends on none.
 pub(super) const NO_CELL: u32 = u32::MAX;
@@ -221,8 +222,8 @@ impl<'a> LightPaths<'a> {
         let spread = sampling::shifted_sobol_2d(seed);
         indices.map(move |index| {
             let [u, v] = spread(index);
-            let (radius, angle) = (u.sqrt(), TAU * v);
-            let direction = frame.to_world(DVec3::new(radius * angle.cos(), radius * angle.sin(), (1.0 - u).sqrt()));
+            let (radius, (sin, cos)) = (u.sqrt(), (TAU * v).sin_cos());
+            let direction = frame.to_world(DVec3::new(radius * cos, radius * sin, (1.0 - u).sqrt()));
             Ray { origin, direction: direction.to_array(), origin_plane }
         })
     }

@@ -20,6 +20,9 @@ const CUT: f64 = 1.001 * HALF_SIDE;
 /// filter costs 5 to 25% of the time.
 const NEAR: f64 = 4.0 * HALF_SIDE / (1 << 24) as f64;
 
+/// Directions whose length differs from 1 by less than half of this are taken as they are.
+const NEARLY_UNIT: f64 = 1e-3;
+
 /// How far a ray reaches from where it enters the cube: beyond its diagonal.
 const REACH: f64 = 4.0 * CUT;
 
@@ -108,12 +111,22 @@ impl RayFrame {
     /// `None` where there is nothing to hit.
     pub(super) fn ray(&self, ray: &Ray) -> Option<(Probe, f64)> {
         let (from, direction) = (self.point(ray.origin), DVec3::from(ray.direction));
-        let largest = direction.abs().max_element();
-        if !from.is_finite() || !direction.is_finite() || largest == 0.0 {
+        let length_sq = direction.length_squared();
+        if !from.is_finite() {
             return None;
         }
-        let scaled = direction / largest;
-        let unit = scaled.normalize();
+
+        // Most directions have length 1; of others the square may overflow.
+        let (unit, direction_length) = if (length_sq - 1.0).abs() < NEARLY_UNIT {
+            (direction, 1.0)
+        } else {
+            let largest = direction.abs().max_element();
+            if !direction.is_finite() || largest == 0.0 {
+                return None;
+            }
+            let scaled = direction / largest;
+            (scaled.normalize(), scaled.length() * largest)
+        };
 
         let (enter, length) = if from.abs().cmple(DVec3::splat(CUT)).all() {
             (0.0, REACH)
@@ -122,7 +135,7 @@ impl RayFrame {
             (enter, leave + REACH)
         };
         let probe = Probe::new(from, from + length * unit, enter / length, 1.0, [ray.origin_plane; 2]);
-        Some((probe, length / self.scale / scaled.length() / largest))
+        Some((probe, length / self.scale / direction_length))
     }
 }
 
