@@ -35,7 +35,7 @@ pub(crate) fn render(
     let done = AtomicUsize::new(0);
 
     image.radiance.par_chunks_mut(channels * width as usize).enumerate().for_each_init(
-        || (Scratch::default(), vec![0.0; channels * SUBSAMPLES as usize], Vec::new()),
+        || (Scratch::default(), Vec::new(), Vec::new()),
         |(scratch, radiosity, hits), (row, radiance)| {
             if observer.cancelled() {
                 return;
@@ -49,19 +49,29 @@ pub(crate) fn render(
                 Some((surface, DVec3::from(look.origin) + hit.distance * direction))
             };
             let places: Vec<Option<(SurfaceId, DVec3)>> = looks.iter().zip(hits.iter()).map(place).collect();
-            for (pixel, places) in radiance.chunks_mut(channels).zip(places.chunks(SUBSAMPLES as usize)) {
-                // Where all rays of a pixel meet one surface, one of the points is worth as much as all with a share of the rays
-                // each.
-                let one =
-                    places[0].is_some_and(|(first, _)| places.iter().all(|place| place.is_some_and(|(other, _)| other == first)));
-                let shaded = if one { &places[..1] } else { places };
-                let budget = (reconstruction.effort.rays.min(RAYS_PER_PIXEL)).div_ceil(shaded.len() as u32);
+
+            // Where all rays of a pixel meet one surface, one of the points is worth as much as all with a share of the rays each.
+            let is_one = |places: &[Option<(SurfaceId, DVec3)>]| {
+                places[0].is_some_and(|(first, _)| places.iter().all(|place| place.is_some_and(|(other, _)| other == first)))
+            };
+            for shaded in [1, SUBSAMPLES] {
+                // The points that get the same rays, all together.
+                let pixels = places.chunks(SUBSAMPLES as usize).enumerate().filter(|(_, places)| is_one(places) == (shaded == 1));
+                let points = pixels.flat_map(|(column, places)| {
+                    places[..shaded as usize].iter().flatten().map(move |&(surface, point)| (column, point, surface))
+                });
+                let points: Vec<(usize, DVec3, SurfaceId)> = points.collect();
+                let budget = reconstruction.effort.rays.min(RAYS_PER_PIXEL).div_ceil(shaded);
                 let effort = Effort { rays: budget, least_chance: LEAST_CHANCE, ..reconstruction.effort };
-                let points = shaded.iter().flatten().map(|&(surface, point)| (point, surface));
-                let radiosity = &mut radiosity[..channels * points.clone().count()];
-                reconstruction.radiosities_at(points, effort, scratch, radiosity);
-                for (index, radiosity) in radiosity.iter().enumerate() {
-                    pixel[index % channels] += (radiosity / (PI * shaded.len() as f64)) as f32;
+                radiosity.clear();
+                radiosity.resize(channels * points.len(), 0.0);
+                let asked = points.iter().map(|&(_, point, surface)| (point, surface));
+                reconstruction.radiosities_at(asked, effort, scratch, radiosity);
+
+                for (&(column, ..), radiosity) in points.iter().zip(radiosity.chunks(channels)) {
+                    let pixel = &mut radiance[column * channels..][..channels];
+                    let share = 1.0 / (PI * f64::from(shaded));
+                    pixel.iter_mut().zip(radiosity).for_each(|(pixel, radiosity)| *pixel += (radiosity * share) as f32);
                 }
             }
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
