@@ -300,4 +300,23 @@ mod tests {
             assert!(cast + rays.spared() <= 20 * 24, "{count} lamps: {cast} rays");
         }
     }
+
+    #[test]
+    fn an_emitter_is_met_as_often_as_its_form_factors_say() {
+        let quad = |corners: [[f64; 3]; 4]| Polygon::from_vertices(corners.map(DVec3::from).to_vec()).unwrap();
+        let floor = quad([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
+        let ceiling = quad([[0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 0.0, 1.0]]);
+        let material = |exitance: f64| Material { name: String::new(), reflectance: vec![0.5], exitance: vec![exitance] };
+        let faces = vec![(floor, 0, 0), (ceiling, 1, 1)];
+
+        // One of two facing squares sees the other by 0.19982 (Howell C-11).
+        for (lower, upper, expected) in [(1.0, 0.0, 0.5 * 0.19982), (1.0, 1.0, 0.19982), (0.0, 0.0, 0.0)] {
+            let scene = Scene::new(1, vec![material(lower), material(upper)], faces.clone(), Sides::Front).unwrap();
+            let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+            let rays = Rays::new(&*visibility, &scene);
+            let met = sampled_share_met(&scene, &rays, 2.0);
+            let sigma = (expected * (1.0 - expected) / f64::from(PROBES)).sqrt();
+            assert!((met - expected).abs() <= 3.0 * sigma, "{met} instead of {expected} +- {sigma}");
+        }
+    }
 }
