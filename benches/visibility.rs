@@ -8,15 +8,18 @@
 //! Before anything is timed, all backends must agree on the segments, and on the small scene with the f64 reference.
 #![allow(missing_docs, reason = "criterion's macros make undocumented functions")]
 
+#[path = "support/facing.rs"]
+mod facing;
 #[path = "../tests/support/triangles.rs"]
 mod triangles;
 
 use std::{env, hint::black_box, time::Duration};
 
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime};
+use facing::facing_segments;
 use patchlight::visibility::{Backend, OccluderMesh, Segment, Visibility, build};
 use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
-use triangles::{Random, cross, dot, point_on, push_box, push_sphere, sub, unit};
+use triangles::{Random, push_box, push_sphere};
 
 /// Segments per scene and kind.
 const SEGMENTS: usize = 1 << 15;
@@ -37,32 +40,6 @@ fn scene(spheres: usize, rings: u32) -> OccluderMesh {
         push_sphere(&mut mesh, centre, 0.35, rings);
     }
     mesh
-}
-
-fn normal(mesh: &OccluderMesh, triangle: usize) -> [f64; 3] {
-    let [a, b, c] = mesh.triangles[triangle].map(|vertex| mesh.vertices[vertex as usize]);
-    unit(cross(sub(b, a), sub(c, a)))
-}
-
-/// Groups of segments, each between two triangles that see each other's front, were nothing between them.
-fn segments(mesh: &OccluderMesh, group: usize) -> Vec<Segment> {
-    let mut random = Random(2);
-    let mut segments = Vec::with_capacity(SEGMENTS);
-    while segments.len() < SEGMENTS {
-        let (receiver, source) = (random.below(mesh.triangles.len()), random.below(mesh.triangles.len()));
-        let way = sub(point_on(mesh, source, &mut random), point_on(mesh, receiver, &mut random));
-        // The walls are seen from both sides; the spheres from outside.
-        let faces = |triangle: usize, way: [f64; 3]| triangle < 12 || dot(normal(mesh, triangle), way) > 0.0;
-        if receiver != source && faces(receiver, way) && faces(source, way.map(|x| -x)) {
-            segments.extend((0..group).map(|_| Segment {
-                from: point_on(mesh, receiver, &mut random),
-                to: point_on(mesh, source, &mut random),
-                from_plane: mesh.planes[receiver],
-                to_plane: mesh.planes[source],
-            }));
-        }
-    }
-    segments
 }
 
 fn ask(pool: &ThreadPool, visibility: &dyn Visibility, segments: &[Segment], occluded: &mut [bool]) {
@@ -105,7 +82,8 @@ fn visibility(criterion: &mut Criterion) {
         let built: Vec<Box<dyn Visibility>> = backends.iter().map(|&backend| build(backend, mesh).expect("a backend")).collect();
 
         for (kind, count) in [("grouped", GROUP), ("random", 1)] {
-            let segments = segments(mesh, count);
+            // The walls are seen from both sides; the spheres from outside.
+            let segments = facing_segments(mesh, SEGMENTS, count, |triangle| triangle < 12);
             let mut occluded = vec![false; segments.len()];
             let mut reference = vec![false; segments.len()];
 

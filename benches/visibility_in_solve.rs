@@ -1,18 +1,24 @@
 //! Does visibility lose inside a solve? What a solve asks is recorded and asked again, and the rates are printed side by side.
 //!
-//! `cargo bench --bench visibility_in_solve`. Scenes are the Cornell box and the furnished room of scenes/, and what else the environment
-//! variable `VISIBILITY_BENCH_SCENES` names, OBJ files separated by colons. Everything runs on one thread. For segments and for first hits,
-//! in millions a second:
+//! `cargo bench --bench visibility_in_solve`. Scenes are the Cornell box, the furnished room and the full office of scenes/, and
+//! what else the environment variable `VISIBILITY_BENCH_SCENES` names, OBJ files separated by colons. Everything runs on one
+//! thread. For segments and for first hits, in millions a second:
 //! - `solve`: their number by the time that the solve itself spent on them, among all else that it does;
 //! - `calls`: the same calls made again, one after the other, with nothing between;
-//! - `batches`: the same questions in the same order, in batches of 1024: what the backend can do.
+//! - `batches`: the same questions in the same order, in batches of 1024: what the backend can do;
+//! - `drawn`: segments of the same scene, drawn as the benchmark `visibility` does, 16 between two random triangles that face each
+//!   other, in batches of 1024; as first hits, rays along these segments.
 //!
-//! Solves and repetitions alternate, and medians are printed, because machines are not quiet. Before anything is timed, the batches must
-//! give the answers of the calls.
+//! Solves and repetitions alternate, and medians are printed, because machines are not quiet. Before anything is timed, the
+//! batches must give the answers of the calls.
 #![allow(clippy::print_stdout, reason = "it prints its table")]
 
+#[path = "support/facing.rs"]
+mod facing;
 #[path = "support/recorder.rs"]
 mod recorder;
+#[path = "../tests/support/triangles.rs"]
+mod triangles;
 
 use std::{
     env,
@@ -22,6 +28,7 @@ use std::{
     time::Instant,
 };
 
+use facing::facing_segments;
 use patchlight::pipeline;
 use patchlight::progress::Silent;
 use patchlight::scene::Scene;
@@ -34,6 +41,9 @@ use recorder::{Call, Record, Recorder};
 const BATCH: usize = 1024;
 /// Questions that are kept, about.
 const KEPT: u64 = 1 << 20;
+/// Segments that are drawn, and how many of them between two triangles.
+const DRAWN: usize = 1 << 17;
+const GROUP: usize = 16;
 /// Solves and repetitions.
 const ROUNDS: usize = 5;
 
@@ -43,6 +53,7 @@ struct Rates {
     solve: f64,
     calls: f64,
     batches: f64,
+    drawn: f64,
 }
 
 /// All questions of one kind, and how many there are in each call.
@@ -82,6 +93,14 @@ impl<Q> Questions<Q> {
     }
 }
 
+/// The rate at which drawn questions are answered.
+fn drawn_rate<Q, A: Clone>(drawn: &[Q], none: &A, ask: impl Fn(&[Q], &mut [A])) -> f64 {
+    let mut answers = vec![none.clone(); drawn.len()];
+    let batches =
+        || drawn.chunks(BATCH).zip(black_box(&mut answers).chunks_mut(BATCH)).for_each(|(now, answers)| ask(now, answers));
+    1e-6 * drawn.len() as f64 / seconds(batches)
+}
+
 fn seconds(work: impl FnOnce()) -> f64 {
     let start = Instant::now();
     work();
@@ -118,6 +137,15 @@ fn measure(name: &str, scene: &Scene, error: f64) {
     }
     let (segments, rays): (Questions<Segment>, Questions<Ray>) = (Questions::of(occluded), Questions::of(first_hits));
 
+    // Draw, as the benchmark of the backends does.
+    let has_two_sides = |triangle: usize| scene.surfaces()[mesh.surfaces[triangle] as usize].twin().is_some();
+    let drawn_segments = facing_segments(&mesh, DRAWN, GROUP, has_two_sides);
+    let along = |segment: &Segment| {
+        let direction = triangles::unit(triangles::sub(segment.to, segment.from));
+        Ray { origin: segment.from, direction, origin_plane: segment.from_plane }
+    };
+    let drawn_rays: Vec<Ray> = drawn_segments.iter().map(along).collect();
+
     // Measure, round after round.
     let asked = backend();
     let mut rounds: Vec<[Rates; 2]> = Vec::new();
@@ -126,9 +154,11 @@ fn measure(name: &str, scene: &Scene, error: f64) {
         let (calls, batches) = segments.rates(&false, |segments, occluded| asked.occluded(segments, occluded));
         let rate = |count: u64, seconds: f64| 1e-6 * count as f64 / seconds;
         let solve = rate(counts.rays - counts.first_hit_rays, time_s.visibility - time_s.first_hits);
-        let of_segments = Rates { solve, calls, batches };
+        let drawn = drawn_rate(&drawn_segments, &false, |segments, occluded| asked.occluded(segments, occluded));
+        let of_segments = Rates { solve, calls, batches, drawn };
         let (calls, batches) = rays.rates(&None, |rays, hits| asked.first_hits(rays, hits));
-        let of_first_hits = Rates { solve: rate(counts.first_hit_rays, time_s.first_hits), calls, batches };
+        let drawn = drawn_rate(&drawn_rays, &None, |rays, hits| asked.first_hits(rays, hits));
+        let of_first_hits = Rates { solve: rate(counts.first_hit_rays, time_s.first_hits), calls, batches, drawn };
         rounds.push([of_segments, of_first_hits]);
     }
 
@@ -139,20 +169,25 @@ fn measure(name: &str, scene: &Scene, error: f64) {
     for (kind, what) in ["segments", "first hits"].into_iter().enumerate() {
         let of = |rate: &dyn Fn(&Rates) -> f64| median(rounds.iter().map(|round| rate(&round[kind])).collect());
         println!(
-            "{name:>8} {error:>5} {what:<10} {:>9} a solve, {:>4} a call | solve {:>6.2}  calls {:>6.2}  batches {:>6.2} | solve / batches {:.2}",
+            "{name:>11} {error:>5} {what:<10} {:>9} a solve, {:>4} a call | \
+             solve {:>5.2}  calls {:>5.2}  batches {:>5.2}  drawn {:>5.2} | \
+             solve / batches {:.2}  / drawn {:.2}",
             numbers[kind],
             sizes[kind],
             of(&|r| r.solve),
             of(&|r| r.calls),
             of(&|r| r.batches),
-            of(&|r| r.solve / r.batches)
+            of(&|r| r.drawn),
+            of(&|r| r.solve / r.batches),
+            of(&|r| r.solve / r.drawn)
         );
     }
 }
 
 fn main() {
     let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let mut runs: Vec<(PathBuf, f64)> = vec![(ours.join("cornell.obj"), 0.02), (ours.join("room.obj"), 0.05)];
+    let runs = [("cornell.obj", 0.05), ("cornell.obj", 0.02), ("cornell.obj", 0.01), ("room.obj", 0.05), ("full_office.obj", 0.05)];
+    let mut runs: Vec<(PathBuf, f64)> = runs.into_iter().map(|(file, error)| (ours.join(file), error)).collect();
     runs.extend(env::var_os("VISIBILITY_BENCH_SCENES").iter().flat_map(env::split_paths).map(|file| (file, 0.05)));
     for (file, error) in runs {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();

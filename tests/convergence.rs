@@ -256,13 +256,14 @@ fn concentric_spheres() {
     }
 }
 
-/// What a default run claims covers the truth at points of both squares, near shadows' edges too.
+/// What a default run claims covers the truth at points of both squares, near shadows' edges too. Nor does it take many rays to know
+/// that: looks aim at the lower square. Rays over the hemisphere alone, of which few meet it, take 5 to 14 million for the last two runs.
 #[test]
 fn default_runs_reach_what_was_asked() {
-    for (blocker, requested) in [(false, 0.02), (true, 0.02), (false, 0.01)] {
+    for (blocker, requested, seed) in [(false, 0.02, 0), (true, 0.02, 0), (false, 0.01, 0), (true, 0.01, 0), (true, 0.01, 1)] {
         let exact = TwoSquares::new(blocker);
         let scene = rooms::two_squares(blocker);
-        let (evaluator, report) = solve(scene.clone(), &SolveOptions { error: requested, ..SolveOptions::default() });
+        let (evaluator, report) = solve(scene.clone(), &SolveOptions { error: requested, seed, ..SolveOptions::default() });
         let points: Vec<_> = points_of(&scene, 2000, &mut Random(3)).into_iter().filter(|(_, surface)| *surface < 2).collect();
         let places: Vec<_> = points.iter().map(|(point, _)| *point).collect();
         let values = values(&evaluator, &places);
@@ -272,9 +273,10 @@ fn default_runs_reach_what_was_asked() {
         let mean_sq = values.iter().zip(&points).map(square_error).sum::<f64>() / points.len() as f64;
         let error = (2.0 * mean_sq / exact.reflected_norm_sq()).sqrt();
         println!(
-            "blocker {blocker}, requested {requested}: error {error:.5}, claimed {:.5}, rounds {}, {:?}",
-            report.error.estimate, report.counts.rounds, report.time_s
+            "blocker {blocker}, requested {requested}: error {error:.5}, claimed {:.5}, {} rays, {:?}",
+            report.error.estimate, report.counts.rays, report.time_s
         );
         assert!(report.converged && error <= report.error.estimate, "blocker {blocker}: {error}, {report:?}");
+        assert!(report.counts.rays <= 4_000_000, "blocker {blocker}: {report:?}");
     }
 }

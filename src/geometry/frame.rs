@@ -1,5 +1,7 @@
 //! An orthonormal frame around a direction.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 
 /// Right-handed orthonormal frame `(tangent, bitangent, normal)`.
@@ -26,6 +28,12 @@ impl Frame {
     /// The direction with coordinates `local` in this frame.
     pub fn to_world(self, local: DVec3) -> DVec3 {
         self.tangent * local.x + self.bitangent * local.y + self.normal * local.z
+    }
+
+    /// A direction by the cosine to the normal, for `u` and `v` uniform in [0, 1).
+    pub fn sampled_by_cosine(self, u: f64, v: f64) -> DVec3 {
+        let (radius, angle) = (u.sqrt(), TAU * v);
+        self.to_world(DVec3::new(radius * angle.cos(), radius * angle.sin(), (1.0 - u).sqrt()))
     }
 }
 

@@ -9,11 +9,11 @@ use glam::DVec3;
 use super::lamp_tree::{DrawnLamp, LampTree};
 use super::light_paths::Place;
 use crate::form_factor::{kernel, point_to_polygon};
-use crate::geometry::{Facet, Part, sampling};
+use crate::geometry::{Facet, Frame, Part, sampling};
 use crate::hierarchy::for_each_piece;
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
-use crate::visibility::Segment;
+use crate::visibility::{Hit, Ray, Segment};
 
 /// A piece is small if its radius is below this part of its distance.
 const SMALL: f64 = 0.5;
@@ -21,8 +21,11 @@ const SMALL: f64 = 0.5;
 /// A lamp is cut so many times at most.
 const MAX_SPLITS: u8 = 6;
 
-/// Where more than this part of all area emits, rays over the hemisphere meet emitters well enough, and there are no lamps.
-const MOSTLY_EMITTING: f64 = 0.2;
+/// Where more than this part of all rays over the hemisphere meets emitters, these rays find them well enough, and there are no lamps.
+const OFTEN_MET: f64 = 0.2;
+
+/// Rays that tell how often emitters are met.
+const PROBES: u32 = 256;
 
 /// The emitters that are sampled by rays of their own.
 pub(super) struct Lamps<'a> {
@@ -62,11 +65,15 @@ pub(super) struct AimedRays {
 }
 
 impl<'a> Lamps<'a> {
-    pub fn new(scene: &'a Scene) -> Self {
+    pub fn new(scene: &'a Scene, rays: &Rays<'_>) -> Self {
         let area = |id: SurfaceId| scene.surface(id).polygon.area();
         let all = || (0..scene.surfaces().len() as u32).map(SurfaceId);
         let mut surfaces: Vec<SurfaceId> = all().filter(|&id| scene.material_of(id).emits()).collect();
-        if surfaces.iter().map(|&id| area(id)).sum::<f64>() > MOSTLY_EMITTING * all().map(area).sum::<f64>() {
+
+        // By reciprocity emitters are met at most as often as they make up of all area, and less often where rays leave the scene.
+        let total: f64 = all().map(area).sum();
+        let emitting: f64 = surfaces.iter().map(|&id| area(id)).sum();
+        if emitting > OFTEN_MET * total && sampled_share_met(scene, rays, total) > OFTEN_MET {
             surfaces.clear();
         }
         let tree = (!surfaces.is_empty()).then(|| LampTree::new(scene, &surfaces));
@@ -201,6 +208,31 @@ impl<'a> Lamps<'a> {
     }
 }
 
+/// The part of rays that meets the front of an emitter, of rays from random points of all surfaces by the cosine.
+fn sampled_share_met(scene: &Scene, rays: &Rays<'_>, total_area: f64) -> f64 {
+    // Points at even steps through the surfaces' areas, one ray from each.
+    let mut probes = Vec::new();
+    let mut below = 0.0;
+    for surface in scene.surfaces() {
+        let facet = surface.polygon.facet();
+        let frame = Frame::around(facet.normal);
+        below += facet.area;
+        while f64::from(probes.len() as u32) + 0.5 < below / total_area * f64::from(PROBES) {
+            let [u, v, s, t] = sampling::sobol_4d(probes.len() as u32, 0);
+            let direction = frame.sampled_by_cosine(s, t).to_array();
+            probes.push(Ray { origin: facet.point_at(u, v).to_array(), direction, origin_plane: surface.plane });
+        }
+    }
+
+    let mut hits = Vec::new();
+    rays.first_hits(&probes, &mut hits);
+    let emits = |(ray, hit): &(&Ray, &Option<Hit>)| {
+        let met = hit.and_then(|hit| scene.side_towards(SurfaceId(hit.surface), -DVec3::from(ray.direction)));
+        met.is_some_and(|surface| scene.material_of(surface).emits())
+    };
+    probes.iter().zip(&hits).filter(emits).count() as f64 / probes.len().max(1) as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -245,7 +277,7 @@ mod tests {
         let scene = lamps_over_a_floor(1000);
         let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
         let rays = Rays::new(&*visibility, &scene);
-        let lamps = Lamps::new(&scene);
+        let lamps = Lamps::new(&scene, &rays);
 
         // With more rays than lamps all lamps are looked at; 16 rays choose among them, a thousand times.
         let mut expected = vec![0.0; 20];
@@ -277,9 +309,29 @@ mod tests {
             let scene = lamps_over_a_floor(count);
             let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
             let rays = Rays::new(&*visibility, &scene);
-            Lamps::new(&scene).add_sampled_irradiance(&places(1), &rays, 24, &mut AimedRays::default(), &mut [0.0; 20]);
+            let (lamps, aimed) = (Lamps::new(&scene, &rays), &mut AimedRays::default());
+            lamps.add_sampled_irradiance(&places(1), &rays, 24, aimed, &mut [0.0; 20]);
             let cast = rays.segments().count();
             assert!(cast + rays.spared() <= 20 * 24, "{count} lamps: {cast} rays");
+        }
+    }
+
+    #[test]
+    fn an_emitter_is_met_as_often_as_its_form_factors_say() {
+        let quad = |corners: [[f64; 3]; 4]| Polygon::from_vertices(corners.map(DVec3::from).to_vec()).unwrap();
+        let floor = quad([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
+        let ceiling = quad([[0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 0.0, 1.0]]);
+        let material = |exitance: f64| Material { name: String::new(), reflectance: vec![0.5], exitance: vec![exitance] };
+        let faces = vec![(floor, 0, 0), (ceiling, 1, 1)];
+
+        // One of two facing squares sees the other by 0.19982 (Howell C-11).
+        for (lower, upper, expected) in [(1.0, 0.0, 0.5 * 0.19982), (1.0, 1.0, 0.19982), (0.0, 0.0, 0.0)] {
+            let scene = Scene::new(1, vec![material(lower), material(upper)], faces.clone(), Sides::Front).unwrap();
+            let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+            let rays = Rays::new(&*visibility, &scene);
+            let met = sampled_share_met(&scene, &rays, 2.0);
+            let sigma = (expected * (1.0 - expected) / f64::from(PROBES)).sqrt();
+            assert!((met - expected).abs() <= 3.0 * sigma, "{met} instead of {expected} +- {sigma}");
         }
     }
 }

@@ -92,7 +92,7 @@ pub(crate) struct LightPaths<'a> {
 impl<'a> LightPaths<'a> {
     /// Paths that end in cells of about `side` metres.
     pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, side: f64) -> Self {
-        Self { scene, rays, lamps: Lamps::new(scene), lattice: Lattice::new(scene, side) }
+        Self { scene, rays, lamps: Lamps::new(scene, rays), lattice: Lattice::new(scene, side) }
     }
 
     /// Adds the irradiance from lamps at each place, by `count` rays, place after place.

@@ -30,8 +30,6 @@ pub(crate) struct ErrorEstimate {
     pub measured: f64,
     /// An upper limit, [`CONFIDENCE_SIGMAS`] standard deviations and a factor [`UNSEEN`] above.
     pub claimed: f64,
-    /// The part that is noise of the gather at points: it shrinks with more rays a point.
-    pub gather_noise: f64,
     /// The part of the scatter between points that is noise of looks, and shrinks with more rays to them; the rest is that of the error
     /// itself.
     pub look_scatter: f64,
@@ -59,7 +57,7 @@ const LEFT_BY_SWEEPS: f64 = 2e-5;
 /// The one-sided probability that belongs to [`CONFIDENCE_SIGMAS`], for normal scatter.
 pub(crate) const CONFIDENCE: f64 = 0.977;
 
-/// The noise of the values is looked at in one of so many points.
+/// The noise of the values is looked at in one of so many points, if it matters.
 const AGAIN: usize = 4;
 
 /// A point, and what was found there by two independent looks.
@@ -71,13 +69,6 @@ struct Look {
     irradiances: [Vec<f64>; 2],
     /// Rays of each look so far.
     rays: u32,
-}
-
-/// What a user gets at a point.
-struct Value {
-    radiosity: Vec<f64>,
-    /// At some points another one by other rays, which shows the noise of both.
-    again: Option<Vec<f64>>,
 }
 
 /// What looks are taken with.
@@ -98,8 +89,8 @@ pub(crate) struct Looking<'a> {
 #[derive(Default)]
 pub(crate) struct ErrorSamples {
     looks: Vec<Look>,
-    /// Of the first looks.
-    values: Vec<Value>,
+    /// The radiosities that a user gets at the points of the first looks, by channel.
+    values: Vec<Vec<f64>>,
 }
 
 impl ErrorSamples {
@@ -149,9 +140,10 @@ impl ErrorSamples {
         // Products of the two looks, point by point.
         let scene = reconstruction.scene;
         let count = self.looks.len() as f64;
-        let (mut error_sq, mut noise_sq, mut look_variance, mut norm_sq) = (0.0, 0.0, 0.0, 0.0);
+        let norm_sq = self.norm_sq(scene);
+        let (mut error_sq, mut look_variance) = (0.0, 0.0);
         let mut by_point = Vec::with_capacity(self.looks.len());
-        for (Look { place, stands_for, irradiances, .. }, Value { radiosity, again }) in self.looks.iter().zip(&self.values) {
+        for (Look { place, stands_for, irradiances, .. }, radiosity) in self.looks.iter().zip(&self.values) {
             let material = scene.material_of(place.surface);
             let weight = stands_for / count;
             let (mut product, mut apart) = (0.0, 0.0);
@@ -160,11 +152,7 @@ impl ErrorSamples {
                 let reflected = [0, 1].map(|half: usize| rho * irradiances[half][channel]);
                 let found = radiosity[channel] - exitance;
                 product += weight * (found - reflected[0]) * (found - reflected[1]);
-                norm_sq += weight * reflected[0] * reflected[1];
                 apart += weight * 0.5 * (reflected[0] - reflected[1]).powi(2);
-                if let Some(again) = again {
-                    noise_sq += AGAIN as f64 * weight * 0.5 * (radiosity[channel] - again[channel]).powi(2);
-                }
             }
             error_sq += product;
             // For normal noise the product of the looks has the variance s^4 + 2 s^2 e^2, whose mean this is.
@@ -186,33 +174,59 @@ impl ErrorSamples {
         Some(ErrorEstimate {
             measured: relative(error_sq),
             claimed: UNSEEN * relative(error_sq.max(0.0) + CONFIDENCE_SIGMAS * deviation) + LEFT_BY_SWEEPS,
-            gather_noise: relative(noise_sq),
             look_scatter: if variance > 0.0 { (look_variance / count / variance).clamp(0.0, 1.0) } else { 0.0 },
         })
     }
 
+    /// The part of the error that is noise of the gather at points, and shrinks with more rays to each: values at some of the points
+    /// are taken again by other rays. 0 if `cancelled` says so.
+    pub fn sampled_gather_noise(&self, reconstruction: &Reconstruction<'_>, cancelled: &(dyn Fn() -> bool + Sync)) -> f64 {
+        let effort = Effort { seed: sampling::hash(reconstruction.effort.seed, 1), ..reconstruction.effort };
+        let looks = || self.looks.iter().step_by(AGAIN);
+        let places: Vec<Place> = looks().map(|look| look.place).collect();
+        let Some(again) = values_at(&places, reconstruction, effort, cancelled) else { return 0.0 };
+        let sample = |(look, (value, again)): (&Look, (&Vec<f64>, &Vec<f64>))| {
+            let difference_sq: f64 = value.iter().zip(again).map(|(value, again)| (value - again).powi(2)).sum();
+            look.stands_for / places.len() as f64 * 0.5 * difference_sq
+        };
+        let noise_sq: f64 = looks().zip(self.values.iter().step_by(AGAIN).zip(&again)).map(sample).sum();
+        (noise_sq / self.norm_sq(reconstruction.scene)).sqrt()
+    }
+
+    /// `||B - E||^2`, in W^2/m^2: looks are independent, so their product has no noise in its mean.
+    fn norm_sq(&self, scene: &Scene) -> f64 {
+        let of_look = |look: &Look| {
+            let reflectance = &scene.material_of(look.place.surface).reflectance;
+            let [one, other] = &look.irradiances;
+            let product: f64 =
+                reflectance.iter().zip(one.iter().zip(other)).map(|(rho, (one, other))| rho * one * rho * other).sum();
+            look.stands_for / self.looks.len() as f64 * product
+        };
+        self.looks.iter().map(of_look).sum()
+    }
+
     /// Takes the values that are not known yet.
     fn take_values(&mut self, reconstruction: &Reconstruction<'_>, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<()> {
-        let known = self.values.len();
-        let channels = reconstruction.scene.channels();
-        let own = reconstruction.effort.seed;
-        let taken: Vec<Option<Value>> = self.looks[known..]
-            .par_iter()
-            .enumerate()
-            .map_init(Scratch::default, |scratch, (index, look)| {
-                let mut value = |seed| {
-                    let (mut value, effort) = (vec![0.0; channels], Effort { seed, ..reconstruction.effort });
-                    let points = [(look.place.point, look.place.surface)].into_iter();
-                    reconstruction.radiosities_at(points, effort, scratch, &mut value);
-                    value
-                };
-                let (radiosity, again) = (value(own), (index % AGAIN == 0).then(|| value(sampling::hash(own, 1))));
-                (!cancelled()).then_some(Value { radiosity, again })
-            })
-            .collect();
-        self.values.extend(taken.into_iter().collect::<Option<Vec<Value>>>()?);
+        let places: Vec<Place> = self.looks[self.values.len()..].iter().map(|look| look.place).collect();
+        let taken = values_at(&places, reconstruction, reconstruction.effort, cancelled)?;
+        self.values.extend(taken);
         Some(())
     }
+}
+
+/// The radiosities at `places`, by channel, that `reconstruction` gives with `effort`; `None` if `cancelled` says so.
+fn values_at(
+    places: &[Place],
+    reconstruction: &Reconstruction<'_>,
+    effort: Effort,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Vec<f64>>> {
+    let value = |scratch: &mut Scratch, place: &Place| {
+        let mut value = vec![0.0; reconstruction.scene.channels()];
+        reconstruction.radiosities_at([(place.point, place.surface)].into_iter(), effort, scratch, &mut value);
+        (!cancelled()).then_some(value)
+    };
+    places.par_iter().map_init(Scratch::default, value).collect()
 }
 
 impl Looking<'_> {

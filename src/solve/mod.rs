@@ -79,7 +79,9 @@ pub(crate) fn solve(
             if let Some(limit) = solver.limit(ended, deadline) {
                 break 'rounds limit;
             }
-            match solver.error.as_ref().map_or(Verdict::Exhausted, |error| plan.judge(error)) {
+            let (error, point_rays) = (solver.error, plan.point_rays());
+            let gather_noise = || solver.sampled_gather_noise(point_rays);
+            match error.map_or(Verdict::Exhausted, |error| plan.judge(&error, gather_noise)) {
                 Verdict::GoodEnough => break 'rounds StoppedBy::Error,
                 Verdict::Exhausted => break 'rounds StoppedBy::Exhausted,
                 Verdict::LookCloser => {}
@@ -394,13 +396,28 @@ impl<'a> Solver<'a> {
         };
         let mut samples = std::mem::take(&mut self.error_samples);
         if samples.look(plan.error_points(), plan.look_rays(), &looking, &cancelled) {
-            let effort = Effort { rays: plan.point_rays(), least_chance: 1.0, seed: self.options.seed };
-            let hemisphere = resolved.for_values.as_ref();
-            let hemisphere = hemisphere.map(|own| HemisphereGather { paths: &resolved.paths, resolved: own, bounces: 0 });
-            self.error = samples.estimate(&self.reconstruction(hemisphere, effort), &cancelled);
+            self.error = samples.estimate(&self.reconstruction_for_users(resolved, plan.point_rays()), &cancelled);
         }
         self.error_samples = samples;
         self.report.time_s.error += start.elapsed().as_secs_f64();
+    }
+
+    /// The part of the error estimated last that is noise of values of so many rays.
+    fn sampled_gather_noise(&mut self, point_rays: u32) -> f64 {
+        let Some(resolved) = &self.resolved else { return 0.0 };
+        let start = Instant::now();
+        let reconstruction = self.reconstruction_for_users(resolved, point_rays);
+        let noise = self.error_samples.sampled_gather_noise(&reconstruction, &|| self.observer.cancelled());
+        self.report.time_s.error += start.elapsed().as_secs_f64();
+        noise
+    }
+
+    /// Takes the values that a user would get now.
+    fn reconstruction_for_users<'b>(&'b self, resolved: &'b ResolvedLight<'_>, point_rays: u32) -> Reconstruction<'b> {
+        let effort = Effort { rays: point_rays, least_chance: 1.0, seed: self.options.seed };
+        let hemisphere = resolved.for_values.as_ref();
+        let hemisphere = hemisphere.map(|own| HemisphereGather { paths: &resolved.paths, resolved: own, bounces: 0 });
+        self.reconstruction(hemisphere, effort)
     }
 
     /// Takes values at points over the hemisphere, or else over links.

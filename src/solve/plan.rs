@@ -250,7 +250,8 @@ impl Plan {
     }
 
     /// Looks at the error that was reached, and sees to what is worst: noise of the estimate, noise at the points, or the links.
-    pub fn judge(&mut self, error: &ErrorEstimate) -> Verdict {
+    /// `gather_noise` tells the part of the error that is noise at the points; that costs values, so it is asked only where it decides.
+    pub fn judge(&mut self, error: &ErrorEstimate, gather_noise: impl FnOnce() -> f64) -> Verdict {
         let requested = self.options.error;
         if error.claimed <= requested {
             return Verdict::GoodEnough;
@@ -274,7 +275,8 @@ impl Plan {
             return Verdict::LookCloser;
         }
         let excess = error.measured.max(0.5 * error.claimed) / (AIM * requested);
-        if error.gather_noise > 0.7 * error.measured && self.options.point_rays.is_none() && self.point_rays < MAX_POINT_RAYS {
+        let may_take_more_rays = self.options.point_rays.is_none() && self.point_rays < MAX_POINT_RAYS;
+        if may_take_more_rays && gather_noise() > 0.7 * error.measured {
             let factor = excess.powf(RAYS_POWER).clamp(1.25, 8.0);
             self.point_rays = (f64::from(self.point_rays) * factor).min(f64::from(MAX_POINT_RAYS)) as u32;
             return Verdict::MoreRays;

@@ -8,8 +8,6 @@
 //! surface of the same plane that looks the other way, as the underside of a box does that stands on a floor: rays pass what lies in their
 //! own plane. Such points are found by sampling.
 
-use std::f64::consts::TAU;
-
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -193,9 +191,7 @@ fn sampled_points(
     let seed = sampling::hash(seed, u64::from(node.0) | 1 << 40);
     let look = |sample| {
         let [u, v, s, t] = sampling::sobol_4d(sample, seed);
-        let (radius, angle) = (s.sqrt(), TAU * t);
-        let direction = frame.to_world(DVec3::new(radius * angle.cos(), radius * angle.sin(), (1.0 - s).sqrt()));
-        Ray { origin: facet.point_at(u, v).to_array(), direction: direction.to_array(), origin_plane }
+        Ray { origin: facet.point_at(u, v).to_array(), direction: frame.sampled_by_cosine(s, t).to_array(), origin_plane }
     };
     let looks: Vec<Ray> = (0..samples).map(look).collect();
     let mut hits = Vec::new();
