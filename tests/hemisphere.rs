@@ -14,8 +14,8 @@ use std::path::Path;
 use patchlight::form_factor::point_form_factor;
 use patchlight::output::{Provenance, read_solution_from, write_solution};
 use patchlight::pipeline::Evaluator;
-use patchlight::solve::{Gather, RunOptions, SolveOptions, SolveReport};
-use rooms::{Room, cube, points_of, solve, two_squares, values};
+use patchlight::solve::{Gather, RunOptions, SolveOptions, SolveReport, StoppedBy};
+use rooms::{Room, crowded, cube, points_of, solve, two_squares, values, with_point_rays};
 use triangles::Random;
 use two_squares::TwoSquares;
 
@@ -125,4 +125,39 @@ fn a_stored_solution_gives_the_same_values() {
     let points: Vec<_> = points_of(stored.scene(), 200, &mut Random(2)).into_iter().map(|(point, _)| point).collect();
     let again = Evaluator::new(stored, &RunOptions::default()).unwrap();
     assert_eq!(values(&evaluator, &points), values(&again, &points));
+}
+
+#[test]
+fn noise_that_may_not_shrink_ends_a_run() {
+    // With so few rays to a point no resolution of the rest reaches what is asked, so none is tried.
+    let options = SolveOptions { point_rays: Some(16), ..hemisphere(0.01) };
+    let (_, report) = solve(two_squares(true), &options);
+    println!("{} of {} asked, {} rays", report.error.measured, report.error.requested, report.counts.rays);
+    assert_eq!(report.stopped_by, StoppedBy::Exhausted);
+    assert!(!report.converged && report.error.measured > 0.01);
+    assert!(report.counts.rays < 3_000_000, "{report:?}");
+}
+
+#[test]
+fn points_that_share_their_light_are_as_good_as_those_that_do_not() {
+    let (evaluator, _) = solve(crowded(20, 1), &hemisphere(0.1));
+    let points: Vec<_> =
+        points_of(evaluator.solution().scene(), 40_000, &mut Random(9)).into_iter().map(|(point, _)| point).collect();
+    let few = &points[..500];
+    let (shared, alone) = (values(&evaluator, &points), values(&evaluator, few));
+    let truth = values(&with_point_rays(&evaluator, 4096), few);
+
+    // Few points share nothing, whichever stand beside; many points do.
+    assert_eq!(alone[..100 * 3], values(&evaluator, &few[..100]));
+    let channels = truth.len() / few.len();
+    let differ = (0..truth.len()).filter(|&index| shared[index] != alone[index]).count();
+    assert!(differ > truth.len() / 3, "{differ} of {} values differ", truth.len());
+
+    // By rms over all values.
+    let error = |found: &[f64]| {
+        let sum_sq = found.iter().zip(&truth).map(|(found, truth)| (found - truth).powi(2)).sum::<f64>();
+        (sum_sq / truth.iter().map(|truth| truth * truth).sum::<f64>()).sqrt()
+    };
+    println!("{channels} channels: error {:.4} alone, {:.4} among {} points", error(&alone), error(&shared), points.len());
+    assert!(error(&shared) <= 1.05 * error(&alone), "{} instead of {}", error(&shared), error(&alone));
 }

@@ -28,36 +28,46 @@ impl HemisphereGather<'_> {
     /// The irradiance H at each place by `rays` rays, in W/m^2, place after place. What is found at a place does not depend on the
     /// others.
     pub fn sampled_irradiance(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+        irradiance.fill(0.0);
+        self.add_sampled_indirect(places, rays, scratch, irradiance);
+        self.add_sampled_direct(places, rays, scratch, irradiance);
+    }
+
+    /// Adds what lamps bring to each place, by the rays to lamps that go with `rays` paths.
+    pub fn add_sampled_direct(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+        let lamp_rays = ((f64::from(rays.max(1)) * LAMP_RAYS) as u32).max(LEAST_LAMP_RAYS);
+        let together = (BATCH / lamp_rays as usize).max(1);
+        let batches = places.chunks(together).zip(irradiance.chunks_mut(together * self.paths.scene.channels()));
+        batches.for_each(|(places, irradiance)| self.paths.add_lamps(places, lamp_rays, scratch, irradiance));
+    }
+
+    /// Adds what all others bring to each place, by `rays` paths.
+    pub fn add_sampled_indirect(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
         let count = rays.max(1);
         let together = (BATCH / count as usize).max(1);
         let batches = places.chunks(together).zip(irradiance.chunks_mut(together * self.paths.scene.channels()));
-        batches.for_each(|(places, irradiance)| self.sampled_irradiance_of_batch(places, count, scratch, irradiance));
+        batches.for_each(|(places, irradiance)| self.add_sampled_indirect_of_batch(places, count, scratch, irradiance));
     }
 
-    fn sampled_irradiance_of_batch(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+    fn add_sampled_indirect_of_batch(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
         // What paths find where their first rays arrive, and what detours bring.
         let channels = self.paths.scene.channels();
-        irradiance.fill(0.0);
+        let share = 1.0 / f64::from(count);
         self.paths.follow(places, count, self.bounces, scratch);
         let ends = &scratch.ends;
         for (cells, irradiance) in ends.cell.chunks(count as usize).zip(irradiance.chunks_mut(channels)) {
             for &cell in cells.iter().filter(|&&cell| cell != NO_CELL) {
-                irradiance.iter_mut().zip(self.resolved.of(cell)).for_each(|(h, &sent)| *h += f64::from(sent));
+                irradiance.iter_mut().zip(self.resolved.of(cell)).for_each(|(h, &sent)| *h += share * f64::from(sent));
             }
         }
         for (number, detour) in ends.detours.iter().enumerate() {
             let own = number * channels..(number + 1) * channels;
             let irradiance = &mut irradiance[detour.path / count as usize * channels..][..channels];
-            irradiance.iter_mut().zip(&ends.constant[own.clone()]).for_each(|(h, constant)| *h += constant);
+            irradiance.iter_mut().zip(&ends.constant[own.clone()]).for_each(|(h, constant)| *h += share * constant);
             if detour.cell != NO_CELL {
                 let sent = self.resolved.of(detour.cell).iter().zip(&ends.weight[own]);
-                irradiance.iter_mut().zip(sent).for_each(|(h, (&sent, weight))| *h += weight * f64::from(sent));
+                irradiance.iter_mut().zip(sent).for_each(|(h, (&sent, weight))| *h += share * weight * f64::from(sent));
             }
         }
-        irradiance.iter_mut().for_each(|h| *h /= f64::from(count));
-
-        // What lamps bring.
-        let lamp_rays = ((f64::from(count) * LAMP_RAYS) as u32).max(LEAST_LAMP_RAYS);
-        self.paths.add_lamps(places, lamp_rays, scratch, irradiance);
     }
 }

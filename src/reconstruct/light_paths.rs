@@ -13,7 +13,7 @@ use super::lattice::Lattice;
 use crate::geometry::{Frame, sampling};
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
-use crate::visibility::{Hit, Ray};
+use crate::visibility::{Hit, NO_PLANE, Ray, Segment};
 
 /// A point on a surface, and the seed of the rays from there.
 #[derive(Clone, Copy, Debug)]
@@ -103,6 +103,18 @@ impl<'a> LightPaths<'a> {
     /// What a surface emits that lamp rays do not bring, by channel.
     pub(super) fn unlamped_exitance(&self, surface: SurfaceId) -> Option<&'a [f64]> {
         (!self.lamps.contains(surface)).then(|| &self.scene.material_of(surface).exitance[..])
+    }
+
+    /// The part of what a place sees, by the cosine, that is nearer than `within` metres; by `count` rays.
+    pub(super) fn sampled_near(&self, place: &Place, count: u32, within: f64) -> f64 {
+        let to_end = |ray: Ray| {
+            let to = DVec3::from(ray.origin) + within * DVec3::from(ray.direction);
+            Segment { from: ray.origin, to: to.to_array(), from_plane: ray.origin_plane, to_plane: NO_PLANE }
+        };
+        let segments: Vec<Segment> = self.cosine_rays(place, 0..count).map(to_end).collect();
+        let mut occluded = Vec::new();
+        self.rays.occluded(&segments, &mut occluded);
+        occluded.iter().filter(|&&occluded| occluded).count() as f64 / f64::from(count)
     }
 
     /// Follows `count` paths from each place to the ends that `scratch` has then; each takes `bounces` bounces at least.

@@ -4,15 +4,18 @@ mod camera;
 mod default_view;
 mod hemisphere;
 mod image;
+mod irradiance_record;
 mod lamp_tree;
 mod lamps;
 mod lattice;
 mod light_paths;
 mod over_links;
+mod plane_cells;
 mod reconstruction;
 mod render;
 mod resolved;
 mod sample;
+mod shared_irradiance;
 
 pub use camera::{Camera, CameraError, CameraRays, CameraRequest};
 pub(crate) use hemisphere::HemisphereGather;

@@ -42,7 +42,7 @@ pub(crate) struct Effort {
 #[derive(Default)]
 pub(crate) struct Scratch {
     links: LinkScratch,
-    paths: PathScratch,
+    pub(super) paths: PathScratch,
     places: Vec<Place>,
 }
 
@@ -56,29 +56,35 @@ impl Reconstruction<'_> {
         scratch: &mut Scratch,
         radiosity: &mut [f64],
     ) {
-        let channels = self.scene.channels();
         match &self.way {
             Way::Links(gather) => {
-                for ((point, surface), radiosity) in points.zip(radiosity.chunks_mut(channels)) {
+                for ((point, surface), radiosity) in points.zip(radiosity.chunks_mut(self.scene.channels())) {
                     gather.radiosity_at(point, surface, effort, &mut scratch.links, radiosity);
                 }
             }
             Way::Hemisphere(gather) => {
-                let coordinates = |seed, point: DVec3| {
-                    point.to_array().iter().fold(seed, |seed, coordinate| sampling::hash(seed, coordinate.to_bits()))
-                };
-                let place = |(point, surface)| Place { point, surface, seed: coordinates(effort.seed, point) };
                 scratch.places.clear();
-                scratch.places.extend(points.map(place));
+                scratch.places.extend(points.map(|(point, surface)| place_at(point, surface, effort.seed)));
                 gather.sampled_irradiance(&scratch.places, effort.rays, &mut scratch.paths, radiosity);
-                for (place, radiosity) in scratch.places.iter().zip(radiosity.chunks_mut(channels)) {
-                    let material = self.scene.material_of(place.surface);
-                    for (channel, value) in radiosity.iter_mut().enumerate() {
-                        // Noise may take the irradiance below zero where all is dark.
-                        *value = material.exitance[channel] + material.reflectance[channel] * value.max(0.0);
-                    }
-                }
+                self.reflect(&scratch.places, radiosity);
             }
         }
     }
+
+    /// Makes radiosities of irradiances.
+    pub(super) fn reflect(&self, places: &[Place], irradiance: &mut [f64]) {
+        for (place, irradiance) in places.iter().zip(irradiance.chunks_mut(self.scene.channels())) {
+            let material = self.scene.material_of(place.surface);
+            for (channel, value) in irradiance.iter_mut().enumerate() {
+                // Noise may take the irradiance below zero where all is dark.
+                *value = material.exitance[channel] + material.reflectance[channel] * value.max(0.0);
+            }
+        }
+    }
+}
+
+/// A point, with random numbers that depend on it alone.
+pub(super) fn place_at(point: DVec3, surface: SurfaceId, seed: u64) -> Place {
+    let seed = point.to_array().iter().fold(seed, |seed, coordinate| sampling::hash(seed, coordinate.to_bits()));
+    Place { point, surface, seed }
 }

@@ -1,0 +1,144 @@
+//! Records of indirect irradiance, and the fit through those around a point.
+//!
+//! A record is what a point gathers, kept for its neighbours (Ward, Rubinstein, Clear 1988). Here a plane is fitted through the records
+//! around a point by weighted least squares, in place of their gradients; how far the records lie from it, beyond their own noise,
+//! tells how far the fit may be trusted.
+
+use glam::{DMat3, DVec2, DVec3};
+
+use super::hemisphere::HemisphereGather;
+use super::light_paths::{PathScratch, Place};
+use super::plane_cells::{CellKey, PlaneCells};
+use crate::geometry::sampling;
+use crate::hierarchy::Hierarchy;
+
+/// The indirect irradiance at a point, kept for its neighbours.
+pub(super) struct Record {
+    at: DVec2,
+    /// By channel, in W/m^2: the mean of two independent gathers, and its variance by their difference.
+    mean: Vec<f64>,
+    variance: Vec<f64>,
+    /// The part of what is seen that is near, beside the size of the cells.
+    near: f64,
+}
+
+/// Takes records.
+pub(super) struct Recorder<'a> {
+    pub gather: &'a HemisphereGather<'a>,
+    pub hierarchy: &'a Hierarchy,
+    pub cells: &'a PlaneCells<'a>,
+    /// Paths from a record.
+    pub paths: u32,
+    pub seed: u64,
+    /// The size of a cell, in metres.
+    pub size: f64,
+    /// A point lies on a surface within so many metres.
+    pub tolerance: f64,
+}
+
+/// Points tried in a cell until one lies on a surface.
+const TRIES: u64 = 2;
+
+/// What lies within so many cells is near: a fit reaches as far.
+pub(super) const REACH: f64 = 2.0;
+
+/// Rays by which a record knows what is near, and a point.
+const RECORD_NEAR_RAYS: u32 = 64;
+const POINT_NEAR_RAYS: u32 = 16;
+
+/// What a point sees near by may differ from what the fit says by so many standard deviations of its rays, and a little.
+const NEAR_SIGMAS: f64 = 2.0;
+const NEAR_SLACK: f64 = 0.02;
+
+/// Records that a fit needs, and degrees of freedom that it must leave.
+const LEAST_RECORDS: usize = 6;
+const LEAST_FREEDOM: f64 = 1.0;
+
+/// The records must lie around the point: the least determinant of their moments in units of their reach.
+const LEAST_SPREAD: f64 = 1e-4;
+
+impl Recorder<'_> {
+    /// The record of a cell, at a random point of it; `None` if no surface seems to be there. Depends on the cell alone.
+    pub fn record(&self, cell: CellKey, scratch: &mut PathScratch) -> Option<Record> {
+        let scene = self.gather.paths.scene;
+        let parts = [self.size.to_bits(), cell.side.plane.into(), cell.side.is_front.into(), cell.column as u64, cell.row as u64];
+        let seed = parts.iter().fold(self.seed, |seed, &part| sampling::hash(seed, part));
+        let (at, point, surface) = (0..TRIES).find_map(|attempt| {
+            let draw = sampling::hash(seed, attempt);
+            let within = DVec2::new(sampling::unit(draw), sampling::unit(sampling::hash(draw, 1)));
+            let at = (DVec2::new(cell.column as f64, cell.row as f64) + within) * self.size;
+            let (point, normal) = self.cells.to_space(cell.side, at);
+            let surface = self.hierarchy.surface_at(point, normal, self.tolerance)?;
+            (self.cells.side_of(surface) == cell.side).then_some((at, point, surface))
+        })?;
+
+        let place = |number: u64| Place { point, surface, seed: sampling::hash(seed, 10 + number) };
+        let halves = [0, 1].map(|half| {
+            let mut irradiance = vec![0.0; scene.channels()];
+            self.gather.add_sampled_indirect(&[place(half)], self.paths.div_ceil(2), scratch, &mut irradiance);
+            irradiance
+        });
+        Some(Record {
+            at,
+            mean: halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (a + b)).collect(),
+            variance: halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.25 * (a - b) * (a - b)).collect(),
+            near: self.gather.paths.sampled_near(&place(2), RECORD_NEAR_RAYS, REACH * self.size),
+        })
+    }
+
+    /// The indirect irradiance at a place, fitted through the records around it, in W/m^2 by channel. `false` if the fit cannot be
+    /// trusted so far that the reflected radiosity is right to `allowed_sq`, the square of W/m^2 summed over the channels.
+    pub fn fit(&self, place: &Place, around: &[&Record], allowed_sq: f64, irradiance: &mut [f64]) -> bool {
+        let at = self.cells.to_plane(self.cells.side_of(place.surface), place.point);
+        let weighted = |record: &&'_ Record| {
+            let offset = (record.at - at) / (REACH * self.size);
+            (1.0 - offset.length_squared()).max(0.0).powi(2)
+        };
+
+        // The moments of the records around the place; the first row of their inverse gives the fit's value there.
+        let (mut moments, mut sum, mut sum_sq, mut count) = (DMat3::ZERO, 0.0, 0.0, 0);
+        let basis = |record: &Record| ((record.at - at) / (REACH * self.size)).extend(1.0);
+        for record in around {
+            let (weight, p) = (weighted(record), basis(record));
+            moments += DMat3::from_cols(p * p.x, p * p.y, p * p.z) * weight;
+            sum += weight;
+            sum_sq += weight * weight;
+            count += usize::from(weight > 0.0);
+        }
+        let effective = sum * sum / sum_sq;
+        let freedom = effective - 3.0;
+        if count < LEAST_RECORDS || freedom < LEAST_FREEDOM || moments.determinant() < LEAST_SPREAD * sum.powi(3) {
+            return false;
+        }
+        let inverse = moments.inverse();
+        let share = |record: &&'_ Record| weighted(record) * inverse.z_axis.dot(basis(record));
+        let amplified: f64 = around.iter().map(|record| share(record).powi(2)).sum();
+
+        // How far the records lie from the fit, beyond their noise, is what may be wrong with it; their noise comes through in part.
+        let material = self.gather.paths.scene.material_of(place.surface);
+        let (mut misfit_sq, mut noise_sq) = (0.0, 0.0);
+        for (channel, value) in irradiance.iter_mut().enumerate() {
+            let products: DVec3 = around.iter().map(|record| basis(record) * (weighted(record) * record.mean[channel])).sum();
+            let fitted = inverse * products;
+            let (mut apart_sq, mut variance) = (0.0, 0.0);
+            for record in around {
+                let weight = weighted(record) / sum;
+                apart_sq += weight * (record.mean[channel] - fitted.dot(basis(record))).powi(2);
+                variance += weight * record.variance[channel];
+            }
+            apart_sq *= effective / freedom;
+            let rho_sq = material.reflectance[channel].powi(2);
+            misfit_sq += rho_sq * (apart_sq - variance);
+            noise_sq += rho_sq * amplified * variance.max(apart_sq);
+            *value = fitted.z.max(0.0);
+        }
+        if misfit_sq.max(0.0) + noise_sq > allowed_sq {
+            return false;
+        }
+
+        // Something small close by, which no record knows of.
+        let near = around.iter().map(|record| share(record) * record.near).sum::<f64>().clamp(0.0, 1.0);
+        let found = self.gather.paths.sampled_near(place, POINT_NEAR_RAYS, REACH * self.size);
+        (found - near).abs() <= NEAR_SIGMAS * (near * (1.0 - near) / f64::from(POINT_NEAR_RAYS)).sqrt() + NEAR_SLACK
+    }
+}
