@@ -14,7 +14,7 @@ use std::path::Path;
 use patchlight::form_factor::point_form_factor;
 use patchlight::output::{Provenance, read_solution_from, write_solution};
 use patchlight::pipeline::Evaluator;
-use patchlight::solve::{Gather, RunOptions, SolveOptions, SolveReport};
+use patchlight::solve::{Gather, RunOptions, SolveOptions, SolveReport, StoppedBy};
 use rooms::{Room, cube, points_of, solve, two_squares, values};
 use triangles::Random;
 use two_squares::TwoSquares;
@@ -125,4 +125,15 @@ fn a_stored_solution_gives_the_same_values() {
     let points: Vec<_> = points_of(stored.scene(), 200, &mut Random(2)).into_iter().map(|(point, _)| point).collect();
     let again = Evaluator::new(stored, &RunOptions::default()).unwrap();
     assert_eq!(values(&evaluator, &points), values(&again, &points));
+}
+
+#[test]
+fn noise_that_may_not_shrink_ends_a_run() {
+    // With so few rays to a point no resolution of the rest reaches what is asked, so none is tried.
+    let options = SolveOptions { point_rays: Some(16), ..hemisphere(0.01) };
+    let (_, report) = solve(two_squares(true), &options);
+    println!("{} of {} asked, {} rays", report.error.measured, report.error.requested, report.counts.rays);
+    assert_eq!(report.stopped_by, StoppedBy::Exhausted);
+    assert!(!report.converged && report.error.measured > 0.01);
+    assert!(report.counts.rays < 3_000_000, "{report:?}");
 }
