@@ -250,7 +250,7 @@ impl Plan {
     }
 
     /// Looks at the error that was reached, and sees to what is worst: noise of the estimate, noise at the points, or the links.
-    /// `gather_noise` tells the part of the error that is noise at the points; that costs values, so it is asked only where it decides.
+    /// `gather_noise` tells the part of the error that is noise at the points; that costs values, so it is asked only where it may decide.
     pub fn judge(&mut self, error: &ErrorEstimate, gather_noise: impl FnOnce() -> f64) -> Verdict {
         let requested = self.options.error;
         if error.claimed <= requested {
@@ -276,7 +276,12 @@ impl Plan {
         }
         let excess = error.measured.max(0.5 * error.claimed) / (AIM * requested);
         let may_take_more_rays = self.options.point_rays.is_none() && self.point_rays < MAX_POINT_RAYS;
-        if may_take_more_rays && gather_noise() > 0.7 * error.measured {
+        let gather_noise = gather_noise();
+        if gather_noise >= requested && !may_take_more_rays {
+            // Whatever else is made better, this noise is left.
+            return Verdict::Exhausted;
+        }
+        if gather_noise > 0.7 * error.measured && may_take_more_rays {
             let factor = excess.powf(RAYS_POWER).clamp(1.25, 8.0);
             self.point_rays = (f64::from(self.point_rays) * factor).min(f64::from(MAX_POINT_RAYS)) as u32;
             return Verdict::MoreRays;
