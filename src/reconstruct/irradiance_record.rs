@@ -22,7 +22,14 @@ pub(super) struct Record {
     near: f64,
 }
 
-/// Takes records.
+/// A record within reach of a place: its offset from there, in units of the reach, and 1.
+struct Weighted<'r> {
+    weight: f64,
+    basis: DVec3,
+    record: &'r Record,
+}
+
+/// Takes records, and fits planes through them.
 pub(super) struct Recorder<'a> {
     pub gather: &'a HemisphereGather<'a>,
     pub hierarchy: &'a Hierarchy,
@@ -40,7 +47,7 @@ pub(super) struct Recorder<'a> {
 const TRIES: u64 = 2;
 
 /// What lies within so many cells is near: a fit reaches as far.
-pub(super) const REACH: f64 = 2.0;
+const REACH: f64 = 2.0;
 
 /// Rays by which a record knows what is near, and a point.
 const RECORD_NEAR_RAYS: u32 = 64;
@@ -88,43 +95,42 @@ impl Recorder<'_> {
 
     /// The indirect irradiance at a place, fitted through the records around it, in W/m^2 by channel. `false` if the fit cannot be
     /// trusted so far that the reflected radiosity is right to `allowed_sq`, the square of W/m^2 summed over the channels.
-    pub fn fit(&self, place: &Place, around: &[&Record], allowed_sq: f64, irradiance: &mut [f64]) -> bool {
+    pub fn fit<'r>(&self, place: &Place, around: &[&'r Record], allowed_sq: f64, irradiance: &mut [f64]) -> bool {
+        // The records within reach, by their offsets in units of it.
         let at = self.cells.to_plane(self.cells.side_of(place.surface), place.point);
-        let weighted = |record: &&'_ Record| {
+        let weigh = |&record: &&'r Record| {
             let offset = (record.at - at) / (REACH * self.size);
-            (1.0 - offset.length_squared()).max(0.0).powi(2)
+            let weight = (1.0 - offset.length_squared()).max(0.0).powi(2);
+            (weight > 0.0).then(|| Weighted { weight, basis: offset.extend(1.0), record })
         };
+        let within: Vec<Weighted<'r>> = around.iter().filter_map(weigh).collect();
 
-        // The moments of the records around the place; the first row of their inverse gives the fit's value there.
-        let (mut moments, mut sum, mut sum_sq, mut count) = (DMat3::ZERO, 0.0, 0.0, 0);
-        let basis = |record: &Record| ((record.at - at) / (REACH * self.size)).extend(1.0);
-        for record in around {
-            let (weight, p) = (weighted(record), basis(record));
-            moments += DMat3::from_cols(p * p.x, p * p.y, p * p.z) * weight;
+        // Their moments; the last row of the inverse gives the fit's value at the place.
+        let (mut moments, mut sum, mut sum_sq) = (DMat3::ZERO, 0.0, 0.0);
+        for &Weighted { weight, basis, .. } in &within {
+            moments += DMat3::from_cols(basis * basis.x, basis * basis.y, basis * basis.z) * weight;
             sum += weight;
             sum_sq += weight * weight;
-            count += usize::from(weight > 0.0);
         }
         let effective = sum * sum / sum_sq;
         let freedom = effective - 3.0;
-        if count < LEAST_RECORDS || freedom < LEAST_FREEDOM || moments.determinant() < LEAST_SPREAD * sum.powi(3) {
+        if within.len() < LEAST_RECORDS || freedom < LEAST_FREEDOM || moments.determinant() < LEAST_SPREAD * sum.powi(3) {
             return false;
         }
         let inverse = moments.inverse();
-        let share = |record: &&'_ Record| weighted(record) * inverse.z_axis.dot(basis(record));
-        let amplified: f64 = around.iter().map(|record| share(record).powi(2)).sum();
+        let share = |of: &Weighted<'r>| of.weight * inverse.z_axis.dot(of.basis);
+        let amplified: f64 = within.iter().map(|of| share(of).powi(2)).sum();
 
         // How far the records lie from the fit, beyond their noise, is what may be wrong with it; their noise comes through in part.
         let material = self.gather.paths.scene.material_of(place.surface);
         let (mut misfit_sq, mut noise_sq) = (0.0, 0.0);
         for (channel, value) in irradiance.iter_mut().enumerate() {
-            let products: DVec3 = around.iter().map(|record| basis(record) * (weighted(record) * record.mean[channel])).sum();
+            let products: DVec3 = within.iter().map(|of| of.basis * (of.weight * of.record.mean[channel])).sum();
             let fitted = inverse * products;
             let (mut apart_sq, mut variance) = (0.0, 0.0);
-            for record in around {
-                let weight = weighted(record) / sum;
-                apart_sq += weight * (record.mean[channel] - fitted.dot(basis(record))).powi(2);
-                variance += weight * record.variance[channel];
+            for &Weighted { weight, basis, record } in &within {
+                apart_sq += weight / sum * (record.mean[channel] - fitted.dot(basis)).powi(2);
+                variance += weight / sum * record.variance[channel];
             }
             apart_sq *= effective / freedom;
             let rho_sq = material.reflectance[channel].powi(2);
@@ -137,7 +143,7 @@ impl Recorder<'_> {
         }
 
         // Something small close by, which no record knows of.
-        let near = around.iter().map(|record| share(record) * record.near).sum::<f64>().clamp(0.0, 1.0);
+        let near = within.iter().map(|of| share(of) * of.record.near).sum::<f64>().clamp(0.0, 1.0);
         let found = self.gather.paths.sampled_near(place, POINT_NEAR_RAYS, REACH * self.size);
         (found - near).abs() <= NEAR_SIGMAS * (near * (1.0 - near) / f64::from(POINT_NEAR_RAYS)).sqrt() + NEAR_SLACK
     }
