@@ -187,8 +187,9 @@ impl Evaluator {
         Camera::default_view(self.solution.scene(), self.visibility.as_ref(), width, height)
     }
 
-    /// Radiosities at points, in their order, kept within the bounds where there are any. Cancelled by the observer, it returns
-    /// `None`.
+    /// Radiosities at points, in their order, kept within the bounds where there are any. Where points crowd, as in a bake, they may
+    /// share their indirect light, so that a value depends on which others are asked, by less than its noise in the mean square.
+    /// Cancelled by the observer, it returns `None`.
     pub fn values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Values> {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
         let paths = self.solution.light_paths(&rays);

@@ -32,8 +32,8 @@ impl Frame {
 
     /// A direction by the cosine to the normal, for `u` and `v` uniform in [0, 1).
     pub fn sampled_by_cosine(self, u: f64, v: f64) -> DVec3 {
-        let (radius, angle) = (u.sqrt(), TAU * v);
-        self.to_world(DVec3::new(radius * angle.cos(), radius * angle.sin(), (1.0 - u).sqrt()))
+        let (radius, (sin, cos)) = (u.sqrt(), (TAU * v).sin_cos());
+        self.to_world(DVec3::new(radius * cos, radius * sin, (1.0 - u).sqrt()))
     }
 }
 

@@ -4,8 +4,6 @@
 //! small from where the path comes. Else, near by, the cell's one value is no good: one ray to a lamp and one over the hemisphere
 //! take its place, and the path goes on.
 
-use std::f64::consts::TAU;
-
 use glam::DVec3;
 
 use super::lamps::{AimedRays, Lamps};
@@ -236,9 +234,7 @@ impl<'a> LightPaths<'a> {
         let spread = sampling::shifted_sobol_2d(seed);
         indices.map(move |index| {
             let [u, v] = spread(index);
-            let (radius, (sin, cos)) = (u.sqrt(), (TAU * v).sin_cos());
-            let direction = frame.to_world(DVec3::new(radius * cos, radius * sin, (1.0 - u).sqrt()));
-            Ray { origin, direction: direction.to_array(), origin_plane }
+            Ray { origin, direction: frame.sampled_by_cosine(u, v).to_array(), origin_plane }
         })
     }
 }

@@ -146,8 +146,12 @@ impl Scene {
         for material in &self.materials {
             material.validate(self.channels).map_err(|error| error.to_string())?;
         }
-        let count = self.surfaces.len();
+        let (count, mut planes) = (self.surfaces.len(), 0);
         for (index, surface) in self.surfaces.iter().enumerate() {
+            if surface.plane > planes {
+                return Err(format!("surface {index}: its plane has no number in the order of the surfaces"));
+            }
+            planes = planes.max(surface.plane + 1);
             if surface.material as usize >= self.materials.len() {
                 return Err(format!("surface {index}: its material does not exist"));
             }

@@ -277,4 +277,15 @@ mod tests {
         let again = scene(both.surfaces().iter().map(|s| s.polygon.clone()).collect(), Sides::Both);
         assert_eq!((twins(&again), again.surfaces().len()), (twins(&both), 4));
     }
+
+    #[test]
+    fn planes_out_of_order_are_found_out() {
+        let quads = [0.0, 1.0, 2.0].map(|height| quad(height * DVec3::Z, glam::DQuat::IDENTITY, 1.0));
+        let mut scene = scene(quads.to_vec(), Sides::Front);
+        assert_eq!(scene.validate(), Ok(()));
+        for plane in [3, u32::MAX] {
+            scene.surfaces[2].plane = plane;
+            assert!(scene.validate().unwrap_err().contains("surface 2: its plane"));
+        }
+    }
 }
