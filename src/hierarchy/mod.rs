@@ -9,6 +9,8 @@ mod subdivide;
 
 pub(crate) use subdivide::for_each_piece;
 
+use std::ops::Range;
+
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -101,6 +103,21 @@ impl Hierarchy {
     /// All ids, parents before children.
     pub fn ids(&self) -> impl DoubleEndedIterator<Item = NodeId> + use<> {
         (0..self.nodes.len() as u32).map(NodeId)
+    }
+
+    /// All nodes in runs, downward: parents of nodes of a run lie before it and children behind it, so what only looks at either may be
+    /// done for a run in parallel. Clusters have runs of their own.
+    pub(crate) fn levels(&self) -> Vec<Range<usize>> {
+        let mut levels = Vec::new();
+        let (mut start, clusters) = (0, self.cluster_count());
+        for (index, node) in self.nodes.iter().enumerate().skip(1) {
+            if node.parent.index() >= start || index == clusters {
+                levels.push(start..index);
+                start = index;
+            }
+        }
+        levels.push(start..self.len());
+        levels
     }
 
     /// The node of a surface.

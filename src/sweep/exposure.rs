@@ -12,6 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::PARALLEL;
 use crate::geometry::{Facet, Frame, sampling};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
@@ -29,7 +30,7 @@ pub struct Exposure {
 /// Rays that look whether a surface is covered anywhere: fewer where there are many surfaces, so that all together take no more than
 /// [`ALL_SAMPLES`], but not less than the least.
 const SURFACE_SAMPLES: std::ops::RangeInclusive<u32> = 8..=64;
-const ALL_SAMPLES: u32 = 1 << 21;
+const ALL_SAMPLES: u32 = 1 << 19;
 
 /// Rays for a piece of a surface that is covered in part.
 const PIECE_SAMPLES: u32 = 16;
@@ -66,42 +67,50 @@ impl Exposure {
     /// Looks at nodes that are new. Pieces of a surface on which nothing seems to stand are exposed.
     pub(crate) fn grow(&mut self, scene: &Scene, hierarchy: &Hierarchy, rays: &Rays<'_>, seed: u64) {
         let known = self.by_node.len();
+        if known == hierarchy.len() {
+            return;
+        }
         self.by_node.resize(hierarchy.len(), 1.0);
 
+        // A surface is looked at for itself, a piece if anything stands on its surface.
         let by_plane = ByPlane::new(scene);
         let (least, most) = SURFACE_SAMPLES.into_inner();
         let surface_samples = (ALL_SAMPLES / scene.surfaces().len() as u32).clamp(least, most);
-
-        // Parents come first, so level by level: a level ends before the first node whose parent is not looked at yet.
-        let mut start = known.max(hierarchy.cluster_count());
-        while start < hierarchy.len() {
-            let parent = |node: usize| hierarchy.node(NodeId(node as u32)).parent;
-            let end = (start..hierarchy.len()).find(|&node| parent(node).index() >= start).unwrap_or(hierarchy.len());
-            let level: Vec<(f32, bool)> = (start..end)
-                .into_par_iter()
+        let levels = hierarchy.levels();
+        let first = known.max(hierarchy.cluster_count());
+        for level in levels.iter().map(|level| level.start.max(first)..level.end).filter(|level| !level.is_empty()) {
+            let looked: Vec<(f32, bool)> = (level.clone().into_par_iter())
                 .map(|node| {
-                    let surface = hierarchy.node_of(SurfaceId(hierarchy.node(NodeId(node as u32)).surface));
-                    if surface.index() == node {
+                    let node = NodeId(node as u32);
+                    let surface = hierarchy.node_of(SurfaceId(hierarchy.node(node).surface));
+                    if surface == node {
                         sampled_exposure(hierarchy, &by_plane, rays, surface, surface_samples, seed)
                     } else if self.of(surface) == 1.0 {
                         (1.0, false)
                     } else {
-                        sampled_exposure(hierarchy, &by_plane, rays, NodeId(node as u32), PIECE_SAMPLES, seed)
+                        sampled_exposure(hierarchy, &by_plane, rays, node, PIECE_SAMPLES, seed)
                     }
                 })
                 .collect();
-            for (exposure, (found, open)) in self.by_node[start..end].iter_mut().zip(level) {
+            for (exposure, (found, open)) in self.by_node[level].iter_mut().zip(looked) {
                 *exposure = found;
                 self.open |= open;
             }
-            start = end;
         }
 
         // What was split takes the mean of its pieces.
-        for node in hierarchy.ids().rev().filter(|&node| !hierarchy.is_leaf(node)) {
-            let exposed: f64 = hierarchy.children(node).map(|child| hierarchy.area(child) * self.of(child)).sum();
-            let area: f64 = hierarchy.children(node).map(|child| hierarchy.area(child)).sum();
-            self.by_node[node.index()] = ((exposed / area) as f32).min(1.0);
+        for level in levels.into_iter().rev() {
+            let (own, below) = self.by_node[level.start..].split_at_mut(level.len());
+            own.par_iter_mut().with_min_len(PARALLEL).enumerate().for_each(|(index, exposure)| {
+                let (mut exposed, mut area) = (0.0, 0.0);
+                for child in hierarchy.children(NodeId((level.start + index) as u32)) {
+                    exposed += hierarchy.area(child) * f64::from(below[child.index() - level.end]);
+                    area += hierarchy.area(child);
+                }
+                if area > 0.0 {
+                    *exposure = ((exposed / area) as f32).min(1.0);
+                }
+            });
         }
     }
 }
@@ -152,7 +161,7 @@ pub(crate) struct ByPlane<'a> {
 impl<'a> ByPlane<'a> {
     pub(crate) fn new(scene: &'a Scene) -> Self {
         let mut order: Vec<SurfaceId> = (0..scene.surfaces().len() as u32).map(SurfaceId).collect();
-        order.sort_by_key(|&surface| scene.surface(surface).plane);
+        order.par_sort_by_key(|&surface| scene.surface(surface).plane);
         Self { scene, order }
     }
 

@@ -6,7 +6,7 @@ use super::{Change, Closure, Exposure, Radiosity, Reflection};
 use crate::geometry::Lobes;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
-use crate::scene::Scene;
+use crate::scene::{Scene, SurfaceId};
 
 /// One sweep.
 pub(crate) fn sweep_in_place(
@@ -47,7 +47,7 @@ impl InPlace<'_> {
                 self.descend(child, &irradiance);
             }
         }
-        self.radiosity.pull_node(self.hierarchy, self.exposure, cluster);
+        self.radiosity.pull_level(self.hierarchy, self.exposure, cluster.index()..cluster.index() + 1);
     }
 
     /// The same at a surface or element; a leaf reflects.
@@ -57,11 +57,12 @@ impl InPlace<'_> {
         irradiance.iter_mut().zip(from_above).for_each(|(h, above)| *h += above);
 
         if self.hierarchy.is_leaf(node) {
-            let surface = self.hierarchy.node(node).surface;
-            self.reflection.reflect(node, surface, &mut irradiance, self.radiosity.of_mut(node), &mut self.change);
+            let surface = SurfaceId(self.hierarchy.node(node).surface);
+            let change = self.reflection.reflect(node, surface, &mut irradiance, self.radiosity.of_mut(node));
+            self.change = self.change.and(change);
         } else {
             self.hierarchy.children(node).for_each(|child| self.descend(child, &irradiance));
-            self.radiosity.pull_node(self.hierarchy, self.exposure, node);
+            self.radiosity.pull_level(self.hierarchy, self.exposure, node.index()..node.index() + 1);
         }
     }
 }

@@ -27,6 +27,9 @@ use crate::scene::{Scene, SurfaceId};
 /// The largest ratio of successive changes that is believed: sweeps converge, because no scene reflects more than it receives.
 const MAX_RATIO: f64 = 0.9999;
 
+/// So many nodes are worth a thread of their own.
+const PARALLEL: usize = 256;
+
 /// What a sweep changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Change {
@@ -37,6 +40,11 @@ pub(crate) struct Change {
 }
 
 impl Change {
+    /// What two sweeps of different leaves changed.
+    fn and(self, other: Self) -> Self {
+        Self { largest: self.largest.max(other.largest), brightest: self.brightest.max(other.brightest) }
+    }
+
     /// What all later sweeps will change together, in W/m^2: changes fall like a geometric series whose ratio the last two tell.
     ///
     /// Infinite after the first sweep. `previous` is the largest change of the sweep before.
@@ -57,19 +65,20 @@ struct Reflection<'a> {
 }
 
 impl Reflection<'_> {
-    /// Sets `B = E + rho H` of a leaf in every channel.
-    fn reflect(&self, leaf: NodeId, surface: u32, irradiance: &mut [f64], radiosity: &mut [f64], change: &mut Change) {
+    /// Sets `B = E + rho H` of a leaf in every channel, and tells what that changed.
+    fn reflect(&self, leaf: NodeId, surface: SurfaceId, irradiance: &mut [f64], radiosity: &mut [f64]) -> Change {
         if let Some(closure) = self.closure {
             closure.close(leaf, irradiance);
         }
-        let material = self.scene.material_of(SurfaceId(surface));
+        let material = self.scene.material_of(surface);
+        let mut change = Change::default();
         for (channel, b) in radiosity.iter_mut().enumerate() {
             let reflected = material.reflectance[channel] * irradiance[channel];
             // Links are unbiased samples: in the dark their noise may take the irradiance below zero.
             let new = material.exitance[channel] + reflected.max(0.0);
-            change.largest = change.largest.max((new - *b).abs());
-            change.brightest = change.brightest.max(reflected.abs());
+            change = change.and(Change { largest: (new - *b).abs(), brightest: reflected.abs() });
             *b = new;
         }
+        change
     }
 }

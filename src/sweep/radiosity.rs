@@ -1,9 +1,12 @@
 //! Radiosities by node.
 
+use std::ops::Range;
+
 use glam::DVec3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::Exposure;
+use super::{Exposure, PARALLEL};
 use crate::geometry::Lobes;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
@@ -60,6 +63,11 @@ impl Radiosity {
         &self.values[node.index() * self.channels..][..self.channels]
     }
 
+    /// The same, to change it.
+    pub(super) fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
     pub(crate) fn of_mut(&mut self, node: NodeId) -> &mut [f64] {
         &mut self.values[node.index() * self.channels..][..self.channels]
     }
@@ -98,46 +106,57 @@ impl Radiosity {
 
     /// Sets every inner node to the mean of its children, weighted by exposed area; 0 where all is covered.
     pub(crate) fn pull(&mut self, hierarchy: &Hierarchy, exposure: &Exposure) {
-        for node in hierarchy.ids().rev().filter(|&node| !hierarchy.is_leaf(node)) {
-            self.pull_node(hierarchy, exposure, node);
+        for level in hierarchy.levels().into_iter().rev() {
+            self.pull_level(hierarchy, exposure, level);
         }
     }
 
-    /// The same for one node, from children that are up to date.
-    pub(super) fn pull_node(&mut self, hierarchy: &Hierarchy, exposure: &Exposure, node: NodeId) {
+    /// The same for nodes of which none is above another, from children that are up to date.
+    pub(super) fn pull_level(&mut self, hierarchy: &Hierarchy, exposure: &Exposure, level: Range<usize>) {
         let channels = self.channels;
-        let mut area = 0.0;
-        let (below, children) = self.values.split_at_mut((node.index() + 1) * channels);
-        let mean = &mut below[node.index() * channels..];
-        mean.fill(0.0);
-        for child in hierarchy.children(node) {
-            let weight = hierarchy.area(child) * exposure.of(child);
-            area += weight;
-            let child = &children[(child.index() - node.index() - 1) * channels..][..channels];
-            mean.iter_mut().zip(child).for_each(|(mean, b)| *mean += weight * b);
-        }
-        mean.iter_mut().for_each(|mean| *mean = if area > 0.0 { *mean / area } else { 0.0 });
-        if hierarchy.is_cluster(node) {
-            self.pull_lobes(hierarchy, exposure, node);
+        let (means, below) = self.values[level.start * channels..].split_at_mut(level.len() * channels);
+        means.par_chunks_mut(channels).with_min_len(PARALLEL).enumerate().for_each(|(k, mean)| {
+            let node = NodeId((level.start + k) as u32);
+            if hierarchy.is_leaf(node) {
+                return;
+            }
+            let mut area = 0.0;
+            mean.fill(0.0);
+            for child in hierarchy.children(node) {
+                let weight = hierarchy.area(child) * exposure.of(child);
+                area += weight;
+                let child = &below[(child.index() - level.end) * channels..][..channels];
+                mean.iter_mut().zip(child).for_each(|(mean, b)| *mean += weight * b);
+            }
+            mean.iter_mut().for_each(|mean| *mean = if area > 0.0 { *mean / area } else { 0.0 });
+        });
+        if level.start < hierarchy.cluster_count() {
+            self.pull_lobes(hierarchy, exposure, level);
         }
     }
 
     /// What a cluster shows is what its children show.
-    fn pull_lobes(&mut self, hierarchy: &Hierarchy, exposure: &Exposure, cluster: NodeId) {
-        let channels = self.channels;
-        let (mut exposed, mut shown) = (Lobes::default(), vec![Lobes::default(); channels]);
-        for child in hierarchy.children(cluster) {
-            if hierarchy.is_cluster(child) {
-                exposed += self.exposed[child.index()];
-                shown.iter_mut().zip(&self.shown[child.index() * channels..]).for_each(|(shown, child)| *shown += *child);
-            } else {
-                let (area, normal) = (hierarchy.area(child) * exposure.of(child), hierarchy.normal(child));
-                exposed.add(area, normal);
-                shown.iter_mut().zip(self.of(child)).for_each(|(shown, b)| shown.add(area * b, normal));
+    fn pull_lobes(&mut self, hierarchy: &Hierarchy, exposure: &Exposure, clusters: Range<usize>) {
+        let Self { channels, ref values, ref mut exposed, ref mut shown } = *self;
+        let (exposed, exposed_below) = exposed[clusters.start..].split_at_mut(clusters.len());
+        let (shown, shown_below) = shown[clusters.start * channels..].split_at_mut(clusters.len() * channels);
+        let places = exposed.par_iter_mut().zip(shown.par_chunks_mut(channels)).with_min_len(PARALLEL).enumerate();
+        places.for_each(|(k, (exposed, shown))| {
+            *exposed = Lobes::default();
+            shown.fill(Lobes::default());
+            for child in hierarchy.children(NodeId((clusters.start + k) as u32)) {
+                if hierarchy.is_cluster(child) {
+                    let below = child.index() - clusters.end;
+                    *exposed += exposed_below[below];
+                    shown.iter_mut().zip(&shown_below[below * channels..]).for_each(|(shown, child)| *shown += *child);
+                } else {
+                    let (area, normal) = (hierarchy.area(child) * exposure.of(child), hierarchy.normal(child));
+                    exposed.add(area, normal);
+                    let radiosity = &values[child.index() * channels..][..channels];
+                    shown.iter_mut().zip(radiosity).for_each(|(shown, b)| shown.add(area * b, normal));
+                }
             }
-        }
-        self.exposed[cluster.index()] = exposed;
-        self.shown[cluster.index() * channels..][..channels].copy_from_slice(&shown);
+        });
     }
 
     /// The area-weighted root mean square of `B - E` over all surfaces, channels pooled, in W/m^2.
