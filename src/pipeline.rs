@@ -102,7 +102,8 @@ fn solve_in(
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
     let importance = InitialImportance::of(&options.importance, &scene, &*visibility)?;
     let rays = Rays::new(&*visibility, &scene);
-    let rays = if options.skips.rays { rays } else { rays.asking_always() };
+    let rays = if options.skips.rays { rays } else { rays.asking_in_clear_scenes() };
+    let rays = if options.skips.clear { rays } else { rays.asking_between_clear_planes() };
     let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, importance, &rays, observer));
     let mut evaluator = Evaluator { solution, bounds: None, visibility, pool };
     if options.bounds == Bounds::Guaranteed {

@@ -20,7 +20,7 @@ use patchlight::solve::{Gather, RunOptions, Skips, SolveOptions, SolveReport};
 use triangles::Random;
 
 /// Where values are compared.
-const POINTS: usize = 500;
+const POINTS: usize = 2000;
 
 /// Runs of which the median counts.
 const RUNS: usize = 3;

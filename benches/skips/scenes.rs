@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use patchlight::scene::Scene;
 use patchlight::scene::import::{ImportOptions, read_scene};
+use patchlight::scene::{Material, Scene};
 use patchlight::solve::{Gather, SolveOptions};
 
 use super::rooms::{Room, crowded, cube, straight};
@@ -14,6 +14,7 @@ pub fn all() -> Vec<(&'static str, Scene, SolveOptions)> {
     vec![
         ("empty_room", empty_room(), links(0.02)),
         ("cornell", read("cornell"), links(0.05)),
+        ("bands", bands(&read("cornell")), links(0.05)),
         ("black_and_sealed", black_and_sealed(), links(0.05)),
         ("full_office", read("full_office"), links(0.1)),
         ("furnace", cube(&[0.5], &[1.0]), links(0.02)),
@@ -24,6 +25,18 @@ pub fn all() -> Vec<(&'static str, Scene, SolveOptions)> {
 fn read(name: &str) -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(format!("{name}.obj"));
     read_scene(&file, &ImportOptions::default()).expect("a scene of the repository").scene
+}
+
+/// The scene in nine bands: each of its channels twice, and three in which no light is on.
+fn bands(scene: &Scene) -> Scene {
+    let bands = |values: &[f64], dark: f64| (0..9).map(|band| values.get(band / 2).copied().unwrap_or(dark)).collect();
+    let materials = scene.materials().iter().map(|material| Material {
+        name: material.name.clone(),
+        reflectance: bands(&material.reflectance, 0.5),
+        exitance: bands(&material.exitance, 0.0),
+    });
+    let faces = scene.surfaces().iter().map(|surface| (surface.polygon.clone(), surface.material, surface.face));
+    Scene::new(9, materials.collect(), faces.collect(), scene.sides()).expect("as good as the scene it is made of")
 }
 
 /// A closed room in which nothing can occlude anything, lit by one of its walls.

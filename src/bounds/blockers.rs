@@ -7,9 +7,8 @@
 
 use glam::DVec3;
 
-use super::separation::is_apart;
 use super::shadow::shadow;
-use crate::geometry::{Aabb, Clip, ClippedFacet, Facet, clip_to_front};
+use crate::geometry::{Aabb, Clip, ClippedFacet, Facet, clip_to_front, in_front, is_apart};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
 
@@ -184,15 +183,6 @@ impl<'a> Blockers<'a> {
 struct Pair<'a> {
     receiver: &'a Facet<'a>,
     source: &'a Facet<'a>,
-}
-
-/// The part of a polygon that is in front of the plane of another.
-fn in_front(facet: &Facet<'_>, of: &Facet<'_>) -> Option<ClippedFacet> {
-    match clip_to_front(facet, of.vertices[0], of.normal) {
-        Clip::Whole => Some(ClippedFacet::copy_of(facet)),
-        Clip::Part(part) => Some(part),
-        Clip::Nothing => None,
-    }
 }
 
 /// Whether a box is behind the plane of a polygon.

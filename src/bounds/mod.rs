@@ -3,7 +3,7 @@
 //! Three steps, each a file or two:
 //!
 //! - form factors: from every point of a receiver to a source, between which numbers (`pair`; what is in the way: `blockers`,
-//!   `shadow`, `separation`; unoccluded: `form_factor::bounds`);
+//!   `shadow`; unoccluded: `form_factor::bounds`);
 //! - radiosities: two systems of inequalities, iterated from outside, so that every iterate holds (`system`; which receivers see
 //!   nothing but fronts: `enclosure`);
 //! - apart from these, what pairs without a link hold back at most, whatever else is known (`held_back`);
@@ -30,7 +30,6 @@ mod picture;
 mod point_bounds;
 mod radiosity_bounds;
 mod ranges;
-mod separation;
 mod shadow;
 mod system;
 

@@ -7,8 +7,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::separation::edges;
-use crate::geometry::Facet;
+use crate::geometry::{Facet, edges};
 use crate::scene::Scene;
 
 /// Surfaces overlap if they reach into each other by more than this part of the size of the scene: files round to six or seven

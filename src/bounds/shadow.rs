@@ -8,8 +8,7 @@
 
 use glam::DVec3;
 
-use super::separation::edges;
-use crate::geometry::{Clip, ClippedFacet, Facet, Frame, clip_to_front};
+use crate::geometry::{Clip, ClippedFacet, Facet, Frame, clip_to_front, edges};
 
 /// A blocker must stay below every vertex of the receiver by this part of the vertex' height above the source, or its shadow
 /// reaches too far.

@@ -55,6 +55,15 @@ impl ClippedFacet {
     }
 }
 
+/// The part of a polygon that is in front of the plane of another; `None` if nothing is.
+pub(crate) fn in_front(facet: &Facet<'_>, of: &Facet<'_>) -> Option<ClippedFacet> {
+    match clip_to_front(facet, of.vertices[0], of.normal) {
+        Clip::Whole => Some(ClippedFacet::copy_of(facet)),
+        Clip::Part(part) => Some(part),
+        Clip::Nothing => None,
+    }
+}
+
 /// `facet` cut in two through its centroid, across the line to its farthest vertex; fewer where a half has no area.
 pub(crate) fn halves(facet: &Facet<'_>) -> impl Iterator<Item = ClippedFacet> {
     let to_vertex = facet.vertices.iter().map(|&v| v - facet.centroid);

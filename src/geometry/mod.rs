@@ -12,9 +12,10 @@ mod lobes;
 mod part;
 mod polygon;
 pub(crate) mod sampling;
+mod separation;
 
 pub use aabb::Aabb;
-pub(crate) use clip::{Clip, ClippedFacet, clip_to_front, halves, plane_noise};
+pub(crate) use clip::{Clip, ClippedFacet, clip_to_front, halves, in_front, plane_noise};
 pub(crate) use cone::Cone;
 pub(crate) use facet::Facet;
 pub(crate) use frame::Frame;
@@ -22,3 +23,4 @@ pub(crate) use gauss::{for_each_gauss_point, gauss_rule};
 pub(crate) use lobes::Lobes;
 pub(crate) use part::Part;
 pub use polygon::{Polygon, PolygonError};
+pub(crate) use separation::{edges, is_apart};

@@ -17,8 +17,12 @@ pub struct Skips {
     pub within: bool,
     /// Segments where nothing can occlude anything, because every surface has all others in front of it.
     pub rays: bool,
+    /// Segments between planes with nothing in between, in small scenes where something else occludes.
+    pub clear: bool,
     /// Clusters where surfaces are few.
     pub clusters: bool,
+    /// Channels that repeat others, or in which no light is on, by the default strategy.
+    pub channels: bool,
 }
 
 impl Default for Skips {
@@ -29,13 +33,23 @@ impl Default for Skips {
 
 impl Skips {
     /// The names of what may be left out, as typed on the command line.
-    pub const NAMES: [&'static str; 6] = ["behind", "black", "dark", "within", "rays", "clusters"];
+    pub const NAMES: [&'static str; 8] = ["behind", "black", "dark", "within", "rays", "clear", "clusters", "channels"];
 
     /// Leave out whatever can be.
-    pub const ALL: Self = Self { behind: true, black: true, dark: true, within: true, rays: true, clusters: true };
+    pub const ALL: Self =
+        Self { behind: true, black: true, dark: true, within: true, rays: true, clear: true, clusters: true, channels: true };
 
     /// Leave out nothing.
-    pub const NONE: Self = Self { behind: false, black: false, dark: false, within: false, rays: false, clusters: false };
+    pub const NONE: Self = Self {
+        behind: false,
+        black: false,
+        dark: false,
+        within: false,
+        rays: false,
+        clear: false,
+        clusters: false,
+        channels: false,
+    };
 
     fn of_name(&mut self, name: &str) -> Option<&mut bool> {
         match name {
@@ -44,7 +58,9 @@ impl Skips {
             "dark" => Some(&mut self.dark),
             "within" => Some(&mut self.within),
             "rays" => Some(&mut self.rays),
+            "clear" => Some(&mut self.clear),
             "clusters" => Some(&mut self.clusters),
+            "channels" => Some(&mut self.channels),
             _ => None,
         }
     }

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use super::lattice::Grid;
 use super::light_paths::{LightPaths, NO_CELL, PathScratch, Place};
 use crate::geometry::sampling;
-use crate::scene::Scene;
+use crate::scene::{DistinctChannels, Scene};
 
 /// How finely radiosities are resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -93,6 +93,11 @@ impl Resolved {
         let channels = paths.scene.channels();
         let of_stand_in = |&cell: &u32| values[cell as usize * channels..][..channels].iter().map(|&value| value as f32);
         Self { channels, values: stand_in.iter().flat_map(of_stand_in).collect() }
+    }
+
+    /// The same for all channels, from those that were solved.
+    pub fn spread(&self, channels: &DistinctChannels) -> Self {
+        Self { channels: channels.count(), values: channels.spread(&self.values) }
     }
 
     /// What a cell sends, by channel.

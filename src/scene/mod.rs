@@ -1,11 +1,13 @@
 //! What is lit: surfaces with materials, validated and immutable from here on.
 
+mod distinct_channels;
 pub mod import;
 mod material;
 mod planes;
 mod summary;
 mod twins;
 
+pub(crate) use distinct_channels::DistinctChannels;
 pub use material::Material;
 pub use summary::SceneSummary;
 

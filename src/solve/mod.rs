@@ -38,7 +38,7 @@ use crate::progress::{Observer, Progress, Stage};
 use crate::reconstruct::{
     Effort, HemisphereGather, Lattice, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Scratch, Way,
 };
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{DistinctChannels, Scene, SurfaceId};
 use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, sampled_exposed_point, sweep_in_place};
 use crate::transmittance::Rays;
 
@@ -46,6 +46,8 @@ use crate::transmittance::Rays;
 const MAX_SWEEPS: u32 = 20_000;
 
 /// Solves `scene` in the current rayon pool; `importance` is looked at by error-driven refinement alone.
+///
+/// Channels that repeat others, or in which no light is on, are read off the others.
 pub(crate) fn solve(
     scene: Scene,
     options: &SolveOptions,
@@ -54,10 +56,38 @@ pub(crate) fn solve(
     rays: &Rays<'_>,
     observer: &dyn Observer,
 ) -> (Solution, SolveReport) {
+    let merges = options.skips.channels && options.strategy == Strategy::Default;
+    let Some(channels) = DistinctChannels::of(&scene).filter(|_| merges) else {
+        return solve_all_channels(&scene, scene.channels(), options, run, importance, rays, observer);
+    };
+    let (solution, mut report) = solve_all_channels(&channels.scene, scene.channels(), options, run, importance, rays, observer);
+    let (radiosity, resolved) =
+        (solution.radiosity.spread(&channels), solution.resolved.map(|resolved| resolved.spread(&channels)));
+    let solution = Solution { scene, radiosity, resolved, ..solution };
+    report.energy = report.energy.times(channels.copies as f64);
+    report.memory_bytes = solution.memory_bytes();
+    report.skipped.push(SkippedWork {
+        what: "channels that repeat others, or in which no light is on".to_owned(),
+        count: channels.spared() as u64,
+        ..SkippedWork::default()
+    });
+    (solution, report)
+}
+
+/// Solves the scene as it is; the solution will have `kept_channels` channels.
+fn solve_all_channels(
+    scene: &Scene,
+    kept_channels: usize,
+    options: &SolveOptions,
+    run: &RunOptions,
+    importance: InitialImportance,
+    rays: &Rays<'_>,
+    observer: &dyn Observer,
+) -> (Solution, SolveReport) {
     let start = Instant::now();
-    let mut solver = Solver::new(&scene, options, importance, rays, observer);
+    let mut solver = Solver::new(scene, kept_channels, options, importance, rays, observer);
     let deadline = run.time_s.and_then(|seconds| start.checked_add(Duration::from_secs_f64(seconds)));
-    let mut plan = Plan::new(&scene, options);
+    let mut plan = Plan::new(scene, options);
 
     // Rounds: refine step by step, each step with the brightness that the one before has found; then look how good it is.
     let stopped_by = 'rounds: loop {
@@ -111,6 +141,8 @@ struct ResolvedLight<'a> {
 /// The state of a solve between stages.
 struct Solver<'a> {
     scene: &'a Scene,
+    /// How many channels the solution will have.
+    kept_channels: usize,
     options: &'a SolveOptions,
     rays: &'a Rays<'a>,
     observer: &'a dyn Observer,
@@ -135,6 +167,7 @@ struct Solver<'a> {
 impl<'a> Solver<'a> {
     fn new(
         scene: &'a Scene,
+        kept_channels: usize,
         options: &'a SolveOptions,
         importance: InitialImportance,
         rays: &'a Rays<'a>,
@@ -151,6 +184,7 @@ impl<'a> Solver<'a> {
         let cluster_reflectance = sweep::cluster_reflectance(scene, &hierarchy);
         Self {
             scene,
+            kept_channels,
             options,
             rays,
             observer,
@@ -225,7 +259,7 @@ impl<'a> Solver<'a> {
         RefineLimits {
             max_links: self.options.max_links.unwrap_or(u64::from(u32::MAX)),
             max_bytes: run.memory_bytes.map_or(u64::MAX, left),
-            channels: self.scene.channels(),
+            channels: self.kept_channels,
             stop,
         }
     }
@@ -235,7 +269,7 @@ impl<'a> Solver<'a> {
         match plan.gather() {
             Gather::Hemisphere => {
                 let cells = Lattice::new(self.scene, plan.resolution().side).count();
-                cells.map_or(u64::MAX, |cells| (cells * self.scene.channels() * size_of::<f32>()) as u64)
+                cells.map_or(u64::MAX, |cells| (cells * self.kept_channels * size_of::<f32>()) as u64)
             }
             _ => 0,
         }
@@ -243,7 +277,8 @@ impl<'a> Solver<'a> {
 
     /// Whether the memory allows radiosities that are resolved as finely as planned, beside what there is.
     fn cells_fit(&self, plan: &Plan, run: &RunOptions) -> bool {
-        let nodes = self.hierarchy.memory_bytes() + size_of_val(self.radiosity.values()) as u64;
+        let radiosities = self.hierarchy.len() * self.kept_channels * size_of::<f64>();
+        let nodes = self.hierarchy.memory_bytes() + radiosities as u64;
         let links = self.links.memory_bytes();
         run.memory_bytes.is_none_or(|most| (nodes + links).saturating_add(self.cell_bytes(plan)) <= most)
     }
@@ -443,6 +478,8 @@ impl<'a> Solver<'a> {
         let unused = if self.links_clusters(plan) { 0 } else { self.hierarchy.cluster_count() as u64 };
         let is_dark = |surface: &u32| self.radiosity.of(self.hierarchy.node_of(SurfaceId(*surface))).iter().all(|&b| b == 0.0);
         let sealed = (0..self.scene.surfaces().len() as u32).filter(is_dark).count() as u64;
+        let spared = self.rays.spared();
+        let (everywhere, between) = if self.rays.is_clear_everywhere() { (spared, 0) } else { (0, spared) };
         vec![
             work("pairs behind one another", behind.pairs, behind.rays),
             work("pairs with a black receiver", black.pairs, black.rays),
@@ -450,7 +487,8 @@ impl<'a> Solver<'a> {
             work("dormant pairs of a cluster with itself", within, rays * within),
             work("surfaces that no light reaches", sealed, 0),
             work("clusters that are not linked", unused, 0),
-            work("segments in a scene where nothing occludes", self.rays.spared(), self.rays.spared()),
+            work("segments in a scene where nothing occludes", everywhere, everywhere),
+            work("segments between planes with nothing in between", between, between),
         ]
     }
 

@@ -77,7 +77,7 @@ pub struct Energy {
     pub absorbed: f64,
     /// Left through openings: what no form factor accounts for.
     pub escaped: f64,
-    /// What the last iteration still changed.
+    /// What the last iteration still changed at most, in W/m^2.
     pub residual: f64,
     /// Sent by all surfaces: emitted and reflected.
     pub sent: f64,
@@ -89,6 +89,23 @@ pub struct Energy {
     pub held_back: f64,
     /// The same for pairs that were dropped because no ray arrived.
     pub held_back_unseen: f64,
+}
+
+impl Energy {
+    /// Of so many channels like these.
+    pub(super) fn times(self, copies: f64) -> Self {
+        let Self { emitted, absorbed, escaped, residual, sent, imbalance, held_back, held_back_unseen } = self;
+        Self {
+            emitted: copies * emitted,
+            absorbed: copies * absorbed,
+            escaped: copies * escaped,
+            residual,
+            sent: copies * sent,
+            imbalance,
+            held_back: copies * held_back,
+            held_back_unseen: copies * held_back_unseen,
+        }
+    }
 }
 
 /// Work that was not done.

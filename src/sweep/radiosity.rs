@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::{Exposure, PARALLEL};
 use crate::geometry::Lobes;
 use crate::hierarchy::{Hierarchy, NodeId};
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{DistinctChannels, Scene, SurfaceId};
 
 /// The radiosity B of every node in W/m^2, a mean over its exposed part: of a leaf its own, above from the children.
 ///
@@ -89,6 +89,12 @@ impl Radiosity {
     pub(crate) fn exposed_area(&self, cluster: NodeId, direction: DVec3) -> Option<f64> {
         let exposed = &self.exposed[cluster.index()];
         (exposed.weight() > 0.0).then(|| exposed.at(direction).max(LEAST_SHOWN * exposed.weight()))
+    }
+
+    /// The same for all channels, from those that were solved.
+    pub(crate) fn spread(&self, channels: &DistinctChannels) -> Self {
+        let (values, shown) = (channels.spread(&self.values), channels.spread(&self.shown));
+        Self { channels: channels.count(), values, exposed: self.exposed.clone(), shown }
     }
 
     /// All values, node after node.

@@ -2,50 +2,91 @@
 //!
 //! The places and the kernel at them are the caller's business; here are only the rays, and the count of them.
 
+mod clear_pairs;
+
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
+
+use clear_pairs::ClearPairs;
 
 use crate::scene::{Scene, Surface};
 use crate::visibility::{Hit, Ray, Segment, Visibility};
 
 /// Asks a visibility backend, and counts and times what was asked.
 ///
-/// Where nothing can occlude anything, because every surface has all others in front of it, no segment is asked.
+/// Segments are not asked where it is proved that nothing occludes.
 pub(crate) struct Rays<'a> {
     backend: &'a dyn Visibility,
-    nothing_occludes: bool,
+    proof: Proof,
     spared: AtomicU64,
     segments: Tally,
     first_hits: Tally,
 }
 
+/// Where nothing can occlude anything.
+enum Proof {
+    /// Everywhere: every surface has all others in front of it.
+    Everywhere,
+    /// Between some planes.
+    Between(ClearPairs),
+    /// Nothing is known.
+    Nowhere,
+}
+
 impl<'a> Rays<'a> {
     pub fn new(backend: &'a dyn Visibility, scene: &Scene) -> Self {
-        Self {
-            backend,
-            nothing_occludes: nothing_occludes(scene),
-            spared: AtomicU64::new(0),
-            segments: Tally::default(),
-            first_hits: Tally::default(),
+        let proof = match nothing_occludes(scene) {
+            true => Proof::Everywhere,
+            false => ClearPairs::of(scene).map_or(Proof::Nowhere, Proof::Between),
+        };
+        Self { backend, proof, spared: AtomicU64::new(0), segments: Tally::default(), first_hits: Tally::default() }
+    }
+
+    /// The same, but asks even in a scene where nothing can occlude anything.
+    pub fn asking_in_clear_scenes(self) -> Self {
+        match self.proof {
+            Proof::Everywhere => Self { proof: Proof::Nowhere, ..self },
+            _ => self,
         }
     }
 
-    /// The same, but asks even where nothing can occlude anything.
-    pub fn asking_always(self) -> Self {
-        Self { nothing_occludes: false, ..self }
+    /// The same, but asks even between planes with nothing in between, where something else occludes.
+    pub fn asking_between_clear_planes(self) -> Self {
+        match self.proof {
+            Proof::Between(_) => Self { proof: Proof::Nowhere, ..self },
+            _ => self,
+        }
     }
 
     /// Sets `occluded[i]` to whether anything lies on `segments[i]`.
     pub fn occluded(&self, segments: &[Segment], occluded: &mut Vec<bool>) {
         occluded.clear();
         occluded.resize(segments.len(), false);
-        if self.nothing_occludes {
-            self.spared.fetch_add(segments.len() as u64, Ordering::Relaxed);
-            return;
+        match &self.proof {
+            Proof::Everywhere => {
+                self.spared.fetch_add(segments.len() as u64, Ordering::Relaxed);
+            }
+            Proof::Between(pairs) => {
+                let (places, open): (Vec<usize>, Vec<Segment>) =
+                    segments.iter().copied().enumerate().filter(|(_, segment)| !pairs.is_clear(segment)).unzip();
+                self.spared.fetch_add((segments.len() - open.len()) as u64, Ordering::Relaxed);
+                let mut answers = vec![false; open.len()];
+                self.ask(&open, &mut answers);
+                places.into_iter().zip(answers).for_each(|(place, answer)| occluded[place] = answer);
+            }
+            Proof::Nowhere => self.ask(segments, occluded),
         }
+    }
+
+    fn ask(&self, segments: &[Segment], occluded: &mut [bool]) {
         let start = Instant::now();
         self.backend.occluded(segments, occluded);
         self.segments.add(segments.len(), start);
+    }
+
+    /// Whether it is proved that nothing occludes anything in the whole scene.
+    pub fn is_clear_everywhere(&self) -> bool {
+        matches!(self.proof, Proof::Everywhere)
     }
 
     /// Sets `hits[i]` to the first surface that `rays[i]` meets.
@@ -67,7 +108,7 @@ impl<'a> Rays<'a> {
         &self.first_hits
     }
 
-    /// Segments answered without a ray, because nothing can occlude.
+    /// Segments answered without a ray, because nothing can occlude them.
     pub fn spared(&self) -> u64 {
         self.spared.load(Ordering::Relaxed)
     }

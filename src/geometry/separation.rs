@@ -7,12 +7,12 @@
 
 use glam::DVec3;
 
-use crate::geometry::Facet;
+use super::Facet;
 
 /// Whether `blocker` and the convex hull of `receiver` and `source` overlap by no more than `tolerance` metres.
 ///
 /// "No" proves nothing where rounding decides; "yes" is proved by the direction that was found.
-pub(super) fn is_apart(receiver: &[DVec3], source: &[DVec3], blocker: &Facet<'_>, tolerance: f64) -> bool {
+pub(crate) fn is_apart(receiver: &[DVec3], source: &[DVec3], blocker: &Facet<'_>, tolerance: f64) -> bool {
     let parts = |axis: DVec3| {
         let along = |points: &[DVec3], range: [f64; 2]| {
             points.iter().map(|point| axis.dot(*point)).fold(range, |[low, high], at| [low.min(at), high.max(at)])
@@ -43,7 +43,7 @@ pub(super) fn is_apart(receiver: &[DVec3], source: &[DVec3], blocker: &Facet<'_>
 }
 
 /// The edges of a polygon: where each starts, and where it leads.
-pub(super) fn edges(vertices: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
+pub(crate) fn edges(vertices: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
     vertices.iter().enumerate().map(|(k, &start)| (start, vertices[if k + 1 == vertices.len() { 0 } else { k + 1 }] - start))
 }
 
