@@ -4,6 +4,9 @@
 //! cone of normals, power; after Conty Estevez and Kulla 2018). A lamp that can bring light at all is drawn with a probability above
 //! 0, so what is divided by that probability is without bias.
 //!
+//! Of a group that is near its bound says little: a lamp in it may be nearer than its size. So descents start below all groups that
+//! are near, all together, and of single lamps that are near it is known exactly what they send.
+//!
 //! The bounds of four children are computed side by side, in f32: it is the probabilities that were drawn by that count, not how
 //! exact they are. Lengths are in radii of the tree and powers in parts of its power, so no scene is too large or too dim for that.
 
@@ -23,6 +26,9 @@ const ANGLE_SLACK: f64 = 1e-6;
 /// Children of a node.
 const WIDTH: usize = 4;
 
+/// What has more than this part of its distance as radius, both squared, is near.
+const NEAR_SQ: f32 = 0.25;
+
 /// One number for each child, or child and axis.
 type Lanes = [f32; WIDTH];
 
@@ -40,9 +46,12 @@ struct Node {
     below: [Below; WIDTH],
 }
 
+/// A group or a lamp, with what it may send, up to a common factor.
+pub(super) type Start = (f64, Below);
+
 /// What a child is.
 #[derive(Clone, Copy)]
-enum Below {
+pub(super) enum Below {
     Lamp(SurfaceId),
     Node(u32),
 }
@@ -142,37 +151,69 @@ impl LampTree {
 
     /// Draws a lamp for a point with a normal by each of `numbers`, rising in [0, 1), and appends them to `drawn`; none where no
     /// lamp on the way can bring anything. Every node on the way is looked at once, however many numbers pass through it.
-    pub fn draw(&self, point: DVec3, normal: DVec3, numbers: impl Iterator<Item = f64>, drawn: &mut Vec<DrawnLamp>) {
-        let first = drawn.len();
-        drawn.extend(numbers.map(|rest| DrawnLamp { lamp: SurfaceId(0), probability: 1.0, rest }));
+    /// `unoccluded` is the irradiance that a lamp would bring if nothing were in between, in W/m^2 in its brightest channel.
+    pub fn draw(
+        &self,
+        point: DVec3,
+        normal: DVec3,
+        unoccluded: impl Fn(SurfaceId) -> f64,
+        numbers: impl Iterator<Item = f64>,
+        starts: &mut Vec<Start>,
+        drawn: &mut Vec<DrawnLamp>,
+    ) {
         let receiver =
             Receiver { point: ((point - self.centre) / self.radius).as_vec3().to_array(), normal: normal.as_vec3().to_array() };
-        let kept = self.descend(0, &receiver, &mut drawn[first..]);
+        let in_units_of_bounds = PI * self.radius * self.radius / self.power;
+        starts.clear();
+        self.collect_starts(0, &receiver, &|lamp| in_units_of_bounds * unoccluded(lamp), starts);
+
+        let first = drawn.len();
+        drawn.extend(numbers.map(|rest| DrawnLamp { lamp: SurfaceId(0), probability: 1.0, rest }));
+        let kept = self.share_out(starts, &receiver, &mut drawn[first..]);
         drawn.truncate(first + kept);
+    }
+
+    /// Appends what descents start from: the children of a node, or theirs where they are near.
+    fn collect_starts(&self, index: u32, receiver: &Receiver, sent: &impl Fn(SurfaceId) -> f64, starts: &mut Vec<Start>) {
+        let node = &self.nodes[index as usize];
+        let (bounds, nearness_sq) = node.bound_sent(receiver);
+        for child in (0..WIDTH).filter(|&child| bounds[child] > 0.0) {
+            match node.below[child] {
+                Below::Node(index) if nearness_sq[child] > NEAR_SQ => self.collect_starts(index, receiver, sent, starts),
+                Below::Lamp(lamp) if nearness_sq[child] > NEAR_SQ => starts.push((sent(lamp), node.below[child])),
+                below => starts.push((f64::from(bounds[child]), below)),
+            }
+        }
     }
 
     /// Brings those that are drawn at a node down to the lamps; those for which there is none go behind the others. Returns how many
     /// have a lamp.
     fn descend(&self, index: u32, receiver: &Receiver, drawn: &mut [DrawnLamp]) -> usize {
         let node = &self.nodes[index as usize];
-        let bounds = node.bound_sent(receiver).map(f64::from);
-        let sum: f64 = bounds.iter().sum();
-        let Some(last) = bounds.iter().rposition(|&bound| bound > 0.0) else { return 0 };
-        let (mut first, mut kept, mut below) = (0, 0, 0.0);
-        for (child, bound) in bounds.into_iter().enumerate().filter(|(_, bound)| *bound > 0.0) {
+        let (bounds, _) = node.bound_sent(receiver);
+        let children: [Start; WIDTH] = std::array::from_fn(|child| (f64::from(bounds[child]), node.below[child]));
+        self.share_out(&children, receiver, drawn)
+    }
+
+    /// The same for those that are drawn at any of some groups and lamps, in proportion to what each may send.
+    fn share_out(&self, children: &[Start], receiver: &Receiver, drawn: &mut [DrawnLamp]) -> usize {
+        let sum: f64 = children.iter().map(|(bound, _)| bound).sum();
+        let Some(last) = children.iter().rposition(|(bound, _)| *bound > 0.0) else { return 0 };
+        let (mut first, mut kept, mut before) = (0, 0, 0.0);
+        for (child, &(bound, below)) in children.iter().enumerate().filter(|(_, (bound, _))| *bound > 0.0) {
             // Those whose number falls in the share of this child.
             let share = bound / sum;
-            let is_here = |drawn: &DrawnLamp| drawn.rest < below + share || child == last;
+            let is_here = |drawn: &DrawnLamp| drawn.rest < before + share || child == last;
             let count = drawn[first..].iter().take_while(|drawn| is_here(drawn)).count();
             let here = &mut drawn[first..first + count];
             for drawn in here.iter_mut() {
                 drawn.probability *= share;
-                drawn.rest = ((drawn.rest - below) / share).clamp(0.0, 1.0 - f64::EPSILON);
+                drawn.rest = ((drawn.rest - before) / share).clamp(0.0, 1.0 - f64::EPSILON);
             }
-            below += share;
+            before += share;
 
             // Down to their lamps; those without one stay behind.
-            let found = match node.below[child] {
+            let found = match below {
                 _ if count == 0 => continue,
                 Below::Lamp(lamp) => {
                     here.iter_mut().for_each(|drawn| drawn.lamp = lamp);
@@ -192,8 +233,8 @@ impl LampTree {
 
 impl Node {
     /// What each child can send to a place, up to a common factor: power, cosines at most, distance squared at least, but not below
-    /// the size of the child.
-    fn bound_sent(&self, receiver: &Receiver) -> Lanes {
+    /// the size of the child. And the square of how near it is: its radius over its distance.
+    fn bound_sent(&self, receiver: &Receiver) -> (Lanes, Lanes) {
         // One array a quantity and selections instead of branches, so that the children go through the arithmetic side by side.
         let (mut distance_sq, mut to_receiver, mut to_axis) = ([0.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]);
         for axis in 0..3 {
@@ -207,7 +248,7 @@ impl Node {
 
         // The cosines at both ends, to the direction that suits best among those that differ by the child's radius as seen from the
         // point, and at the lamps by the spread too.
-        let mut sent = [0.0; WIDTH];
+        let (mut sent, mut nearness_sq) = ([0.0; WIDTH], [0.0; WIDTH]);
         for k in 0..WIDTH {
             let far_sq = largest(distance_sq[k], self.radius_sq[k]);
             let sin_sq_half = self.radius_sq[k] / far_sq;
@@ -218,8 +259,9 @@ impl Node {
             let cosines = largest(at_receiver.1 + SLACK, 0.0) * largest(at_lamps.1 + SLACK, 0.0);
             let is_inside = distance_sq[k] <= self.radius_sq[k];
             sent[k] = self.power[k] * if is_inside { 1.0 } else { cosines } / far_sq;
+            nearness_sq[k] = self.radius_sq[k] / largest(distance_sq[k], f32::MIN_POSITIVE);
         }
-        sent
+        (sent, nearness_sq)
     }
 }
 

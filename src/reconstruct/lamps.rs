@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::lamp_tree::{DrawnLamp, LampTree};
+use super::lamp_tree::{DrawnLamp, LampTree, Start};
 use super::light_paths::Place;
 use crate::form_factor::{kernel, point_to_polygon};
 use crate::geometry::{Facet, Frame, Part, sampling};
@@ -21,7 +21,7 @@ const SMALL: f64 = 0.5;
 /// A lamp is cut so many times at most.
 const MAX_SPLITS: u8 = 6;
 
-/// Where more than this part of all area emits, rays over the hemisphere find emitters well enough, and there are no lamps.
+/// Lamps are the brightest emitters, at most this part of all area: what is larger, rays over the hemisphere find well enough.
 const MOSTLY_EMITTING: f64 = 0.2;
 
 /// That holds only if no more than this part of the rays is lost.
@@ -34,6 +34,8 @@ const PROBES: u32 = 256;
 pub(super) struct Lamps<'a> {
     scene: &'a Scene,
     surfaces: Vec<SurfaceId>,
+    /// The exitance of the dimmest of them, in its brightest channel.
+    dimmest: f64,
     /// Over the lamps, if there are any.
     tree: Option<LampTree>,
 }
@@ -60,6 +62,7 @@ struct Drawn {
 /// The rays to lamps of some places, and the pieces that the last of them sees; memory that is reused.
 #[derive(Default)]
 pub(super) struct AimedRays {
+    starts: Vec<Start>,
     lamps: Vec<DrawnLamp>,
     pieces: Vec<Piece>,
     segments: Vec<Segment>,
@@ -74,19 +77,32 @@ impl<'a> Lamps<'a> {
         let mut surfaces: Vec<SurfaceId> = all().filter(|&id| scene.material_of(id).emits()).collect();
 
         // By reciprocity emitters are met as often as they make up of all area, unless rays leave the scene. Where they are met less often
-        // because much hides them, rays to them are blocked as often.
+        // because much hides them, rays to them are blocked as often. A ray that meets one scatters as the square of its exitance: so if
+        // there is too much of them for lamps, the brightest are lamps.
         let total: f64 = all().map(area).sum();
         let emitting: f64 = surfaces.iter().map(|&id| area(id)).sum();
+        let mut dimmest = 0.0;
         if emitting > MOSTLY_EMITTING * total && sampled_share_lost(scene, rays, total) < OFTEN_LOST {
-            surfaces.clear();
+            let mut levels: Vec<(f64, f64)> = surfaces.iter().map(|&id| (brightest(scene, id), area(id))).collect();
+            levels.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let mut taken = 0.0;
+            dimmest = f64::INFINITY;
+            for level in levels.chunk_by(|a, b| a.0 == b.0) {
+                taken += level.iter().map(|(_, area)| area).sum::<f64>();
+                if taken > MOSTLY_EMITTING * total {
+                    break;
+                }
+                dimmest = level[0].0;
+            }
+            surfaces.retain(|&id| brightest(scene, id) >= dimmest);
         }
         let tree = (!surfaces.is_empty()).then(|| LampTree::new(scene, &surfaces));
-        Self { scene, surfaces, tree }
+        Self { scene, surfaces, dimmest, tree }
     }
 
     /// Whether the emission of a surface is sampled here, so that other rays must leave it out.
     pub fn contains(&self, surface: SurfaceId) -> bool {
-        !self.surfaces.is_empty() && self.scene.material_of(surface).emits()
+        self.scene.material_of(surface).emits() && brightest(self.scene, surface) >= self.dimmest
     }
 
     /// Adds the irradiance from all lamps at each place, by `count` rays; without bias for any number of rays. `irradiance` has the
@@ -141,7 +157,10 @@ impl<'a> Lamps<'a> {
         let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
         let mut lamps = std::mem::take(&mut aimed.lamps);
         lamps.clear();
-        tree.draw(place.point, normal, numbers, &mut lamps);
+        let unoccluded = |lamp: SurfaceId| {
+            point_to_polygon(place.point, normal, &self.scene.surface(lamp).polygon.facet()) * brightest(self.scene, lamp)
+        };
+        tree.draw(place.point, normal, unoccluded, numbers, &mut aimed.starts, &mut lamps);
 
         // Rays that draw the same lamp come one after the other.
         for same in lamps.chunk_by(|a, b| a.lamp == b.lamp) {
@@ -207,9 +226,13 @@ impl<'a> Lamps<'a> {
             for_each_piece(&facet, |corners| self.cut(point, normal, lamp, Some(Part::new(corners, splits + 1)), pieces));
             return;
         }
-        let brightest = self.scene.material_of(lamp).exitance.iter().copied().fold(0.0, f64::max);
-        pieces.push(Piece { lamp, part, form_factor, carried: form_factor * brightest });
+        pieces.push(Piece { lamp, part, form_factor, carried: form_factor * brightest(self.scene, lamp) });
     }
+}
+
+/// The exitance of a surface in its brightest channel, in W/m^2.
+fn brightest(scene: &Scene, surface: SurfaceId) -> f64 {
+    scene.material_of(surface).exitance.iter().copied().fold(0.0, f64::max)
 }
 
 /// The part of rays that meets nothing, of rays from random points of all surfaces by the cosine.
@@ -301,6 +324,55 @@ mod tests {
             assert!((mean - expected).abs() <= 4.5 * sigma + 0.003 * expected, "place {place}: {mean} +- {sigma}, not {expected}");
             assert!(sigma * n.sqrt() < mean, "place {place}: a single look scatters by {}", sigma * n.sqrt() / mean);
         }
+    }
+
+    #[test]
+    fn a_lamp_beside_a_place_is_drawn_by_what_it_sends_however_large_its_group() {
+        // Lamps far apart, and places a hand's breadth from each of them.
+        let scene = lamps_over_a_floor(200);
+        let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+        let lamps = Lamps::new(&scene, &Rays::new(&*visibility, &scene));
+        for &beside in &lamps.surfaces {
+            let facet = scene.surface(beside).polygon.facet();
+            let (point, normal) = (facet.centroid + 0.1 * facet.normal, -facet.normal);
+            let sends =
+                |lamp: SurfaceId| point_to_polygon(point, normal, &scene.surface(lamp).polygon.facet()) * brightest(&scene, lamp);
+            let mut drawn = Vec::new();
+            let numbers = (0..64).map(|k| (f64::from(k) + 0.5) / 64.0);
+            lamps.tree.as_ref().unwrap().draw(point, normal, sends, numbers, &mut Vec::new(), &mut drawn);
+
+            // Every ray stands for at most a few times all that arrives.
+            let all: f64 = lamps.surfaces.iter().map(|&lamp| sends(lamp)).sum();
+            for lamp in drawn {
+                assert!(
+                    sends(lamp.lamp) / lamp.probability <= 4.0 * all,
+                    "{:?} of {all} by {}",
+                    sends(lamp.lamp),
+                    lamp.probability
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn dim_emitters_that_are_large_are_left_to_the_hemisphere_beside_bright_ones() {
+        // A room under a wide sky, and a lamp in it.
+        let quad = |corners: [[f64; 3]; 4]| Polygon::from_vertices(corners.map(DVec3::from).to_vec()).unwrap();
+        let side = |a: [f64; 2], b: [f64; 2]| quad([[a[0], a[1], 0.0], [b[0], b[1], 0.0], [b[0], b[1], 1.0], [a[0], a[1], 1.0]]);
+        let floor = quad([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
+        let sky = quad([[0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 0.0, 1.0]]);
+        let lamp = quad([[0.4, 0.4, 0.9], [0.4, 0.5, 0.9], [0.5, 0.5, 0.9], [0.5, 0.4, 0.9]]);
+        let walls = [([1.0, 0.0], [0.0, 0.0]), ([1.0, 1.0], [1.0, 0.0]), ([0.0, 1.0], [1.0, 1.0]), ([0.0, 0.0], [0.0, 1.0])];
+        let material = |exitance: f64| Material { name: String::new(), reflectance: vec![0.5], exitance: vec![exitance] };
+        let mut faces = vec![(floor, 0, 0), (sky, 1, 1), (lamp, 2, 2)];
+        faces.extend(walls.map(|(a, b)| (side(a, b), 1, 3)));
+        let scene = Scene::new(1, vec![material(0.0), material(1.0), material(20.0)], faces, Sides::Front).unwrap();
+        let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+        let lamps = Lamps::new(&scene, &Rays::new(&*visibility, &scene));
+        assert_eq!(
+            (lamps.contains(SurfaceId(0)), lamps.contains(SurfaceId(1)), lamps.contains(SurfaceId(2))),
+            (false, false, true)
+        );
     }
 
     #[test]

@@ -403,7 +403,8 @@ impl SolveOptions {
             "cull_form_factor" => self.cull_form_factor = parse(key, value, NUMBER)?,
             "ambient" => self.ambient = parse(key, value, "true or false")?,
             "skips" => {
-                self.skips = parse(key, value, "all, none, or behind, black, dark, within, rays, clusters, joined by +")?;
+                self.skips =
+                    parse(key, value, "all, none, or behind, black, dark, within, rays, clear, clusters, channels, joined by +")?;
             }
             "form_factor_tolerance" => self.form_factor_tolerance = parse(key, value, NUMBER)?,
             "bottom_area" => self.bottom_area = parse(key, value, NUMBER)?,
