@@ -15,7 +15,7 @@ use patchlight::form_factor::point_form_factor;
 use patchlight::output::{Provenance, read_solution_from, write_solution};
 use patchlight::pipeline::Evaluator;
 use patchlight::solve::{Gather, RunOptions, SolveOptions, SolveReport, StoppedBy};
-use rooms::{Room, crowded, cube, points_of, solve, two_squares, values, with_point_rays};
+use rooms::{Room, crowded, cube, points_of, solve, straight, two_squares, values, with_point_rays};
 use triangles::Random;
 use two_squares::TwoSquares;
 
@@ -125,6 +125,28 @@ fn a_stored_solution_gives_the_same_values() {
     let points: Vec<_> = points_of(stored.scene(), 200, &mut Random(2)).into_iter().map(|(point, _)| point).collect();
     let again = Evaluator::new(stored, &RunOptions::default()).unwrap();
     assert_eq!(values(&evaluator, &points), values(&again, &points));
+}
+
+#[test]
+fn inside_of_a_box_it_is_dark_however_bright_the_floor_around_it() {
+    // A box with a cap of two sides on a floor: from below, the cap sees the backs of the sides and the floor in the box.
+    let mut room = Room::default();
+    let (grey, lamp) = (room.material(&[0.6], &[0.0]), room.material(&[0.0], &[10.0]));
+    room.cuboid([0.0; 3], straight(4.0, 4.0, 2.5), true, |_, face| if face == 1 { lamp } else { grey });
+    room.quad([1.5, 1.5, 0.0], [0.0, 0.0, 1.2], [0.0, 1.0, 0.0], grey);
+    room.quad([2.5, 1.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.2], grey);
+    room.quad([1.5, 1.5, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.2], grey);
+    room.quad([1.5, 2.5, 0.0], [0.0, 0.0, 1.2], [1.0, 0.0, 0.0], grey);
+    room.sheet(&[[1.5, 1.5, 1.2], [2.5, 1.5, 1.2], [2.5, 2.5, 1.2], [1.5, 2.5, 1.2]], grey);
+    let (evaluator, _) = solve(room.scene(), &hemisphere(0.02));
+
+    let at = |position, normal| patchlight::reconstruct::SurfacePoint { position, normal };
+    let under = |k: usize| at([1.6 + 0.2 * (k % 5) as f64, 1.6 + 0.2 * (k / 5) as f64, 1.2], [0.0, 0.0, -1.0]);
+    let dark = values(&evaluator, &(0..25).map(under).collect::<Vec<_>>());
+    let floor = values(&evaluator, &[at([0.8, 0.8, 0.0], [0.0, 0.0, 1.0])])[0];
+    let worst = dark.iter().copied().fold(0.0, f64::max);
+    println!("{worst} under the cap, {floor} on the floor");
+    assert!(floor > 2.5 && worst < 0.01 * floor, "{worst} {floor}");
 }
 
 #[test]

@@ -39,7 +39,8 @@ fn jobs(problem: &Problem) -> Vec<Job> {
         let seeds = if error < 0.02 { 1 } else { 3 };
         jobs.extend((0..seeds).map(|seed| Job { seed, ..Job::new("auto", "auto", error) }));
         if error >= 0.02 {
-            jobs.extend(["links", "hemisphere"].map(|gather| Job::new(gather, "auto", error)));
+            let ways = ["links", "hemisphere"].into_iter().filter(|_| problem.both_ways);
+            jobs.extend(ways.map(|gather| Job::new(gather, "auto", error)));
             jobs.extend((0..2).map(|seed| Job { seed, ..Job::new("auto", "obvhs", error) }));
         }
     }

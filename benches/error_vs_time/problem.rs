@@ -33,6 +33,8 @@ pub struct Problem {
     pub reference_is: String,
     /// Whether a bake of the whole scene is timed too.
     pub bakes: bool,
+    /// Whether both ways of gathering are timed, not just the one that the program chooses.
+    pub both_ways: bool,
 }
 
 /// All scenes that are there, or those with one of the `wanted` words in their names.
@@ -42,10 +44,13 @@ pub fn all(root: &Path, folder: &Path, wanted: &[String], peers: Option<&Peers>)
     let shared = root.join("../shared/peers");
     problems.extend(["cornell", "office"].into_iter().filter_map(|name| of_peers(&shared, name)));
     problems.retain(|problem| is_wanted(&problem.name));
-    for file in ["full_office", "room"] {
-        if is_wanted(&file.replace('_', " ")) {
-            eprintln!("{file}: looking for its reference");
-            problems.push(own(root, folder, file, peers));
+    let own_scene = |name: &str| (name.replace('_', " "), root.join(format!("scenes/{name}.obj")));
+    let by_others = |name: &str| (format!("{name} (by others)"), root.join(format!("../shared/scenes/{name}/scene.obj")));
+    let scenes = ["full_office", "room", "dining_room", "hevea"].map(own_scene).into_iter();
+    for (name, scene) in scenes.chain(["corridor", "oa_czest1dm"].map(by_others)) {
+        if is_wanted(&name) && scene.is_file() {
+            eprintln!("{name}: looking for its reference");
+            problems.push(with_reference(name, scene, folder, peers));
         }
     }
     problems
@@ -53,7 +58,7 @@ pub fn all(root: &Path, folder: &Path, wanted: &[String], peers: Option<&Peers>)
 
 impl Problem {
     pub fn file_name(&self) -> String {
-        self.name.replace(' ', "_")
+        self.name.replace(' ', "_").replace(['(', ')'], "")
     }
 
     /// The points as the program reads them.
@@ -118,7 +123,7 @@ fn two_squares(folder: &Path) -> Problem {
         exitance.push([1.0 - square as f64; 3]);
     }
     let (name, reference_is) = ("two squares".to_owned(), "exact".to_owned());
-    Problem { name, scene, points, reference, exitance, noise: 0.0, reference_is, bakes: false }
+    Problem { name, scene, points, reference, exitance, noise: 0.0, reference_is, bakes: false, both_ways: true }
 }
 
 /// A scene that peers were measured on, if it is there.
@@ -140,24 +145,17 @@ fn of_peers(folder: &Path, name: &str) -> Option<Problem> {
         noise: (sum_sq(3..6) / sum_sq(0..3)).sqrt(),
         reference_is: "path tracing, converged".to_owned(),
         bakes: name == "office",
+        both_ways: true,
     })
 }
 
-/// A scene of the repository, with a reference by a path tracer where one is installed.
-fn own(root: &Path, folder: &Path, name: &str, peers: Option<&Peers>) -> Problem {
-    let scene = root.join(format!("scenes/{name}.obj"));
+/// A scene with a reference by a path tracer where one is installed.
+fn with_reference(name: String, scene: PathBuf, folder: &Path, peers: Option<&Peers>) -> Problem {
     let points = spread(&read(&scene), POINTS, 5);
     let exitance = vec![[0.0; 3]; points.len()];
-    let mut problem = Problem {
-        name: name.replace('_', " "),
-        scene,
-        points,
-        reference: Vec::new(),
-        exitance,
-        noise: 0.0,
-        reference_is: String::new(),
-        bakes: false,
-    };
+    let (reference, reference_is) = (Vec::new(), String::new());
+    let both_ways = name == "full office";
+    let mut problem = Problem { name, scene, points, reference, exitance, noise: 0.0, reference_is, bakes: false, both_ways };
     (problem.reference, problem.noise, problem.reference_is) = match peers {
         Some(peers) => peers.reference(&problem, folder),
         None => own_reference(&problem, folder),

@@ -53,11 +53,17 @@ impl Resolution {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Resolved {
     channels: usize,
+    /// By cell, as found at its position.
     values: Vec<f32>,
+    /// By cell, the one that stands for it where it is seen: a cell whose position is covered is seen where it is not.
+    stand_in: Vec<u32>,
 }
 
 /// Positions whose paths are followed together.
 const BATCH: usize = 256;
+
+/// What meets backs with more than this part of its rays is covered.
+pub(super) const COVERED: f32 = 0.5;
 
 /// Points tried in a cell until one lies on the surface.
 const TRIES: u64 = 8;
@@ -83,36 +89,49 @@ impl Resolved {
     pub fn solve(paths: &LightPaths<'_>, resolution: &Resolution, seed: u64) -> Self {
         let cells = spread_positions(paths, seed);
         let mut equations = Equations::of_paths(paths, &cells, resolution);
-        let stand_in = stand_ins(paths, &cells, &equations);
-        for end in equations.end.iter_mut().filter(|end| **end != NO_CELL) {
-            *end = stand_in[*end as usize];
-        }
-        let values = equations.solve();
+        let mut stand_in = stand_ins(paths, &cells, &equations);
 
-        // Cells without a position of their own take the value of their stand-in.
+        // Who is covered sees the covered parts of cells, all others what is not.
+        let Equations { paths: count, end, backs, .. } = &mut equations;
+        for (ends, _) in end.chunks_mut(*count).zip(backs).filter(|(_, backs)| **backs <= COVERED) {
+            ends.iter_mut().filter(|end| **end != NO_CELL).for_each(|end| *end = stand_in[*end as usize]);
+        }
         let channels = paths.scene.channels();
-        let of_stand_in = |&cell: &u32| values[cell as usize * channels..][..channels].iter().map(|&value| value as f32);
-        Self { channels, values: stand_in.iter().flat_map(of_stand_in).collect() }
+        let mut values: Vec<f32> = equations.solve().into_iter().map(|value| value as f32).collect();
+
+        // Cells without a position have no value of their own.
+        for (cell, _) in cells.iter().enumerate().filter(|(_, cell)| matches!(cell, Cell::Empty)) {
+            let from = stand_in[cell] as usize * channels;
+            values.copy_within(from..from + channels, cell * channels);
+            stand_in[cell] = cell as u32;
+        }
+        Self { channels, values, stand_in }
     }
 
     /// The same for all channels, from those that were solved.
     pub fn spread(&self, channels: &DistinctChannels) -> Self {
-        Self { channels: channels.count(), values: channels.spread(&self.values) }
+        Self { channels: channels.count(), values: channels.spread(&self.values), stand_in: self.stand_in.clone() }
     }
 
-    /// What a cell sends, by channel.
+    /// What a cell sends, by channel, where it is not covered.
     pub fn of(&self, cell: u32) -> &[f32] {
+        self.at_position(self.stand_in[cell as usize])
+    }
+
+    /// What a cell sends, by channel, at its position, which may be covered.
+    pub fn at_position(&self, cell: u32) -> &[f32] {
         &self.values[cell as usize * self.channels..][..self.channels]
     }
 
     /// Whether it fits a number of cells and channels, and holds only numbers; in the dark noise may take them below 0.
     pub fn is_valid(&self, cells: usize, channels: usize) -> bool {
-        self.channels == channels && self.values.len() == cells * channels && self.values.iter().all(|value| value.is_finite())
+        let fits = self.channels == channels && self.values.len() == cells * channels && self.stand_in.len() == cells;
+        fits && self.values.iter().all(|value| value.is_finite()) && self.stand_in.iter().all(|&cell| (cell as usize) < cells)
     }
 
     /// Bytes that the values take.
     pub fn memory_bytes(&self) -> u64 {
-        size_of_val(&self.values[..]) as u64
+        (size_of_val(&self.values[..]) + size_of_val(&self.stand_in[..])) as u64
     }
 }
 
@@ -220,7 +239,7 @@ impl Equations {
 
     /// Whether a position is covered: most of its paths meet a back at once.
     fn is_covered(&self, cell: usize) -> bool {
-        self.backs[cell] > 0.5
+        self.backs[cell] > COVERED
     }
 
     /// What every position sends.
