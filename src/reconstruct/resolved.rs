@@ -131,7 +131,12 @@ impl Resolved {
 
     /// Bytes that the values take.
     pub fn memory_bytes(&self) -> u64 {
-        (size_of_val(&self.values[..]) + size_of_val(&self.stand_in[..])) as u64
+        Self::bytes_of(self.stand_in.len(), self.channels)
+    }
+
+    /// Bytes that the values of so many cells take.
+    pub fn bytes_of(cells: usize, channels: usize) -> u64 {
+        (cells * (channels * size_of::<f32>() + size_of::<u32>())) as u64
     }
 }
 

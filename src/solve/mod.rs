@@ -269,7 +269,7 @@ impl<'a> Solver<'a> {
         match plan.gather() {
             Gather::Hemisphere => {
                 let cells = Lattice::new(self.scene, plan.resolution().side).count();
-                cells.map_or(u64::MAX, |cells| (cells * self.kept_channels * size_of::<f32>()) as u64)
+                cells.map_or(u64::MAX, |cells| Resolved::bytes_of(cells, self.kept_channels))
             }
             _ => 0,
         }
