@@ -36,11 +36,16 @@ pub(crate) struct ErrorEstimate {
 }
 
 impl ErrorEstimate {
-    /// How many times as many points it may take to claim `requested`; infinite if no number of points would do.
-    pub fn estimate_more_points(&self, requested: f64) -> f64 {
-        let excess = |claim: f64| (claim / UNSEEN).powi(2) - self.measured.powi(2);
-        let allowed = excess(requested);
-        if allowed > 0.0 { (excess(self.claimed) / allowed).powi(2) } else { f64::INFINITY }
+    /// By how much the claimed square lies above the measured one; the true one may lie as far below.
+    pub fn doubt_sq(&self) -> f64 {
+        ((self.claimed / UNSEEN).powi(2) - self.measured.powi(2)).max(0.0)
+    }
+
+    /// How many times as many rays of looks it may take in all to claim `requested`, if the square of the error is `error_sq`; infinite
+    /// if no number of rays would do. Points that are added take the scatter away like their number, rays to a look faster.
+    pub fn estimate_looks(&self, error_sq: f64, requested: f64) -> f64 {
+        let allowed = (requested / UNSEEN).powi(2) - error_sq;
+        if allowed > 0.0 { (self.doubt_sq() / allowed).powf(2.0 / (1.0 + self.look_scatter)) } else { f64::INFINITY }
     }
 }
 

@@ -7,10 +7,12 @@ mod interest;
 mod linked_once;
 mod options;
 mod plan;
+mod remedy;
 mod report;
 mod solution;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 use std::time::{Duration, Instant};
 
@@ -115,9 +117,8 @@ fn solve_all_channels(
                 Verdict::GoodEnough => break 'rounds StoppedBy::Error,
                 Verdict::Exhausted => break 'rounds StoppedBy::Exhausted,
                 Verdict::LookCloser => {}
-                Verdict::MoreRays => solver.error_samples.forget_values(),
                 Verdict::Resolve if !solver.cells_fit(&plan, run) => break 'rounds StoppedBy::Memory,
-                Verdict::Resolve => solver.error_samples = ErrorSamples::default(),
+                Verdict::MoreRays | Verdict::Resolve => solver.error_samples.forget_values(),
                 Verdict::Refine => {
                     solver.error_samples.forget_values();
                     break;
@@ -128,14 +129,11 @@ fn solve_all_channels(
     solver.finish(scene.clone(), &plan, stopped_by)
 }
 
-/// Radiosities that are resolved finer than elements.
-struct ResolvedLight<'a> {
+/// Radiosities that are resolved finer than elements, `N` times from paths of their own.
+struct ResolvedLight<'a, const N: usize> {
     resolution: Resolution,
-    paths: LightPaths<'a>,
-    /// For values at points, if they are gathered over the hemisphere.
-    for_values: Option<Resolved>,
-    /// For the two looks of the error estimate.
-    for_looks: [Resolved; 2],
+    paths: Arc<LightPaths<'a>>,
+    resolved: [Resolved; N],
 }
 
 /// The state of a solve between stages.
@@ -155,8 +153,10 @@ struct Solver<'a> {
     closure: Option<Closure>,
     /// Mean reflectance of the clusters, by channel.
     cluster_reflectance: Vec<f64>,
-    /// What light paths find where they end; `None` before they are looked for.
-    resolved: Option<ResolvedLight<'a>>,
+    /// What the paths of values find where they end; `None` before it is looked for, and where values do without paths.
+    for_values: Option<ResolvedLight<'a, 1>>,
+    /// The same for the two looks of the error estimate.
+    for_looks: Option<ResolvedLight<'a, 2>>,
     /// Of the values as they stand; `None` before the first estimate, and where the last one was cut short.
     error: Option<ErrorEstimate>,
     error_samples: ErrorSamples,
@@ -195,7 +195,8 @@ impl<'a> Solver<'a> {
             radiosity,
             closure: None,
             cluster_reflectance,
-            resolved: None,
+            for_values: None,
+            for_looks: None,
             error: None,
             error_samples: ErrorSamples::default(),
             error_search: ErrorSearch::new(importance),
@@ -400,23 +401,35 @@ impl<'a> Solver<'a> {
 
     /// Resolves radiosities as finely as planned, for looks and, if they need them, for values.
     fn resolve(&mut self, plan: &Plan) {
-        let resolution = plan.resolution();
-        if self.observer.cancelled() || self.resolved.as_ref().is_some_and(|resolved| resolved.resolution == resolution) {
+        if self.observer.cancelled() {
             return;
         }
         let start = Instant::now();
-        let paths = LightPaths::new(self.scene, self.rays, resolution.side);
-        let seed = |part| sampling::hash(self.options.seed, 0x5e50_17ed_u64 + part);
-        let for_values = (plan.gather() == Gather::Hemisphere).then(|| Resolved::solve(&paths, &resolution, seed(0)));
-        let for_looks = [1, 2].map(|look| Resolved::solve(&paths, &resolution.for_looks(), seed(look)));
-        self.resolved = Some(ResolvedLight { resolution, paths, for_values, for_looks });
+        if plan.gather() == Gather::Hemisphere && self.for_values.as_ref().is_none_or(|own| own.resolution != plan.resolution()) {
+            self.for_values = Some(self.resolved(plan.resolution(), [0]));
+        }
+        if self.for_looks.as_ref().is_none_or(|own| own.resolution != plan.look_resolution()) {
+            self.for_looks = Some(self.resolved(plan.look_resolution(), [1, 2]));
+            self.error_samples = ErrorSamples::default();
+        }
         self.report.time_s.resolve += start.elapsed().as_secs_f64();
+    }
+
+    /// Radiosities resolved once for each of `parts`, which pick the random numbers.
+    fn resolved<const N: usize>(&self, resolution: Resolution, parts: [u64; N]) -> ResolvedLight<'a, N> {
+        // Those of values have the same cells as those of looks, most of the time.
+        let of_values = self.for_values.as_ref().filter(|own| own.resolution.side == resolution.side);
+        let paths = of_values
+            .map_or_else(|| Arc::new(LightPaths::new(self.scene, self.rays, resolution.side)), |of_values| of_values.paths.clone());
+        let seed = |part| sampling::hash(self.options.seed, 0x5e50_17ed_u64 + part);
+        let resolved = parts.map(|part| Resolved::solve(&paths, &resolution, seed(part)));
+        ResolvedLight { resolution, paths, resolved }
     }
 
     /// Estimates the error of the values that a user would get now.
     fn estimate_error(&mut self, plan: &Plan) {
         self.error = None;
-        let Some(resolved) = self.resolved.as_ref().filter(|_| !self.observer.cancelled()) else { return };
+        let Some(for_looks) = self.for_looks.as_ref().filter(|_| !self.observer.cancelled()) else { return };
         let start = Instant::now();
         self.progress(Stage::Error);
         let cancelled = || self.observer.cancelled();
@@ -424,14 +437,14 @@ impl<'a> Solver<'a> {
             scene: self.scene,
             hierarchy: &self.hierarchy,
             radiosity: &self.radiosity,
-            paths: &resolved.paths,
-            resolved: resolved.for_looks.each_ref(),
+            paths: &for_looks.paths,
+            resolved: for_looks.resolved.each_ref(),
             bounces: plan.look_bounces(),
             seed: sampling::hash(self.options.seed, u64::MAX),
         };
         let mut samples = std::mem::take(&mut self.error_samples);
         if samples.look(plan.error_points(), plan.look_rays(), &looking, &cancelled) {
-            self.error = samples.estimate(&self.reconstruction_for_users(resolved, plan.point_rays()), &cancelled);
+            self.error = samples.estimate(&self.reconstruction_for_users(plan.point_rays()), &cancelled);
         }
         self.error_samples = samples;
         self.report.time_s.error += start.elapsed().as_secs_f64();
@@ -439,19 +452,18 @@ impl<'a> Solver<'a> {
 
     /// The part of the error estimated last that is noise of values of so many rays.
     fn sampled_gather_noise(&mut self, point_rays: u32) -> f64 {
-        let Some(resolved) = &self.resolved else { return 0.0 };
         let start = Instant::now();
-        let reconstruction = self.reconstruction_for_users(resolved, point_rays);
+        let reconstruction = self.reconstruction_for_users(point_rays);
         let noise = self.error_samples.sampled_gather_noise(&reconstruction, &|| self.observer.cancelled());
         self.report.time_s.error += start.elapsed().as_secs_f64();
         noise
     }
 
     /// Takes the values that a user would get now.
-    fn reconstruction_for_users<'b>(&'b self, resolved: &'b ResolvedLight<'_>, point_rays: u32) -> Reconstruction<'b> {
+    fn reconstruction_for_users(&self, point_rays: u32) -> Reconstruction<'_> {
         let effort = Effort { rays: point_rays, least_chance: 1.0, seed: self.options.seed };
-        let hemisphere = resolved.for_values.as_ref();
-        let hemisphere = hemisphere.map(|own| HemisphereGather { paths: &resolved.paths, resolved: own, bounces: 0 });
+        let hemisphere =
+            self.for_values.as_ref().map(|own| HemisphereGather { paths: &own.paths, resolved: &own.resolved[0], bounces: 0 });
         self.reconstruction(hemisphere, effort)
     }
 
@@ -549,8 +561,8 @@ impl<'a> Solver<'a> {
             exposure: self.exposure,
             radiosity: self.radiosity,
             point_rays: plan.point_rays(),
-            resolution: self.resolved.as_ref().map_or(plan.resolution(), |resolved| resolved.resolution),
-            resolved: self.resolved.and_then(|resolved| resolved.for_values),
+            resolution: self.for_values.as_ref().map_or(plan.resolution(), |own| own.resolution),
+            resolved: self.for_values.map(|own| own.resolved).map(|[resolved]| resolved),
         };
         report.memory_bytes = solution.memory_bytes();
         (solution, report)
