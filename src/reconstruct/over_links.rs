@@ -255,16 +255,15 @@ impl LinkGather<'_> {
                 piece.rays = 0;
                 continue;
             }
-            let area = match &piece.part {
-                Some(part) => part.facet(self.hierarchy.normal(piece.node)).area,
-                None => self.hierarchy.area(piece.node),
-            };
+            let part = piece.part.as_ref().map(|part| part.facet(self.hierarchy.normal(piece.node)));
+            let area = part.map_or_else(|| self.hierarchy.area(piece.node), |part| part.area);
+            let spread = sampling::shifted_sobol_2d(seed);
             let first = weights.len();
             for ray in 0..piece.rays {
-                let [u, v, ..] = sampling::sobol_4d(ray, seed);
-                let (leaf, y) = match &piece.part {
+                let [u, v] = spread(ray);
+                let (leaf, y) = match part {
                     None => self.hierarchy.point_in_leaf(piece.node, u, v),
-                    Some(part) => (piece.node, part.facet(self.hierarchy.normal(piece.node)).point_at(u, v)),
+                    Some(part) => (piece.node, part.point_at(u, v)),
                 };
                 let to_plane = self.scene.surface(SurfaceId(self.hierarchy.node(leaf).surface)).plane;
                 let (from, to) = (receiver.point.to_array(), y.to_array());
