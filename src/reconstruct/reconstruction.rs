@@ -31,11 +31,22 @@ pub(crate) struct Reconstruction<'a> {
 pub(crate) struct Effort {
     /// Rays to a point.
     pub rays: u32,
-    /// Over links, a source that carries less than a ray's share gets a ray with this probability at least: 1 for values, less for
-    /// pictures, where many points are seen and a little more noise at each is no harm.
+    /// Over links, a source that carries less than a ray's share gets a ray with this probability at least; less for pictures, where
+    /// many points are seen and a little more noise at each is no harm.
     pub least_chance: f64,
     /// Picks the random numbers, together with the point.
     pub seed: u64,
+}
+
+/// [`Effort::least_chance`] of values. On a Cornell box at 1% they took an eighth less time than with 1, for the same error; a fifth as
+/// much chance gained no more.
+const LEAST_CHANCE: f64 = 0.5;
+
+impl Effort {
+    /// What a value at a point takes that a user asks for.
+    pub fn of_values(rays: u32, seed: u64) -> Self {
+        Self { rays, least_chance: LEAST_CHANCE, seed }
+    }
 }
 
 /// Memory that is reused from point to point.

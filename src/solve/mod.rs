@@ -461,7 +461,7 @@ impl<'a> Solver<'a> {
 
     /// Takes the values that a user would get now.
     fn reconstruction_for_users(&self, point_rays: u32) -> Reconstruction<'_> {
-        let effort = Effort { rays: point_rays, least_chance: 1.0, seed: self.options.seed };
+        let effort = Effort::of_values(point_rays, self.options.seed);
         let hemisphere =
             self.for_values.as_ref().map(|own| HemisphereGather { paths: &own.paths, resolved: &own.resolved[0], bounces: 0 });
         self.reconstruction(hemisphere, effort)

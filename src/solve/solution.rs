@@ -84,7 +84,7 @@ impl Solution {
             Some(resolved) => Way::Hemisphere(HemisphereGather { paths, resolved, bounces: 0 }),
             None => Way::Links(LinkGather { scene, hierarchy, links, radiosity, rays }),
         };
-        let effort = Effort { rays: self.point_rays, least_chance: 1.0, seed: self.options.seed };
+        let effort = Effort::of_values(self.point_rays, self.options.seed);
         Reconstruction { scene, hierarchy, way, effort }
     }
 
