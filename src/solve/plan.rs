@@ -103,8 +103,8 @@ const FEW_HEMISPHERE_RAYS_POWER: f64 = 1.6;
 const MANY_HEMISPHERE_RAYS_POWER: f64 = 2.0;
 
 /// Positions at which radiosities are resolved: so many for 2%, within these limits.
-const POSITIONS_AT_2_PERCENT: f64 = 10_000.0;
-const POSITIONS_POWER: f64 = 1.5;
+const POSITIONS_AT_2_PERCENT: f64 = 14_000.0;
+const POSITIONS_POWER: f64 = 1.25;
 const LEAST_POSITIONS: f64 = 4096.0;
 const MOST_POSITIONS: f64 = 262_144.0;
 /// The same where only looks need them.
