@@ -17,9 +17,6 @@ pub(crate) struct Facet<'a> {
     pub radius: f64,
 }
 
-/// Opposite edges of a parallelogram differ by this part of its radius at most.
-const ROUNDING: f64 = 1e-12;
-
 impl<'a> Facet<'a> {
     /// A piece of a polygon with this normal: area, centroid and radius follow from the vertices.
     pub fn of_part(vertices: &'a [DVec3], normal: DVec3) -> Self {
@@ -69,15 +66,9 @@ impl<'a> Facet<'a> {
 
     /// The point of the polygon at `(u, v)` in the unit square; uniform `(u, v)` give points uniform by area.
     ///
-    /// A parallelogram takes the square as it is. Any other polygon is a fan of triangles around vertex 0; `u` picks the triangle by
-    /// area and is reused inside it.
+    /// The polygon is a fan of triangles around vertex 0; `u` picks the triangle by area and is reused inside it.
     pub fn point_at(&self, u: f64, v: f64) -> DVec3 {
         let origin = self.vertices[0];
-        if let [a, b, c, d] = *self.vertices
-            && (a - b + c - d).length_squared() <= (ROUNDING * self.radius).powi(2)
-        {
-            return a + u * (b - a) + v * (d - a);
-        }
         let twice_area = |k: usize| (self.vertices[k] - origin).cross(self.vertices[k + 1] - origin).dot(self.normal);
 
         // Pick the triangle of the fan in which `u` falls, and stretch `u` over it.
