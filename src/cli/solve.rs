@@ -7,7 +7,7 @@ use patchlight::output::{CpuReport, Provenance, RunReport, SceneReport, write_re
 use patchlight::pipeline;
 use patchlight::scene::Scene;
 use patchlight::scene::import::{ImportOptions, read_scene};
-use patchlight::solve::SolveReport;
+use patchlight::solve::{SolveOptions, SolveReport};
 
 use super::exit::{Exit, Failure};
 use super::progress::{Voice, Watcher, say};
@@ -25,6 +25,8 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
 
     // Everything that is read, before the long work.
     let points = request.points.as_ref().map(|(path, _)| files::read_points(path)).transpose()?;
+    let expected_values = request.options.expected_values.or(points.as_ref().map(|points| points.len() as u64));
+    let options = SolveOptions { expected_values, ..request.options.clone() };
     let imported = read_scene(&request.scene, &ImportOptions { sides: request.sides }).map_err(Failure::bad_input)?;
     let (scene, warnings) = (imported.scene, imported.diagnostics.warnings());
     warnings.iter().take(PRINTED_WARNINGS).for_each(|warning| voice.warn(format_args!("{warning}")));
@@ -37,10 +39,10 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
 
     // The solve. What an interrupt or a limit leaves is a solution as well, and is written.
     let cpu_before = process::cpu_seconds();
-    let (evaluator, report) = pipeline::solve(scene, &request.options, &request.run, &Watcher::new(voice))?;
+    let (evaluator, report) = pipeline::solve(scene, &options, &request.run, &Watcher::new(voice))?;
     let cpu_solved = process::cpu_seconds();
-    let provenance = Provenance::new(&request.options);
-    let mut run_report = RunReport::of_solve(provenance.software(), scene_report, &request.options, &report);
+    let provenance = Provenance::new(&options);
+    let mut run_report = RunReport::of_solve(provenance.software(), scene_report, &options, &report);
     tell_key_figures(voice, &run_report, &report);
     let mut ending = Ending::new(Exit::of_solve(report.stopped_by, report.converged));
 

@@ -22,6 +22,12 @@ pub(super) struct Record {
     near: f64,
 }
 
+/// Where a record is taken.
+pub(super) struct Seat {
+    at: DVec2,
+    place: Place,
+}
+
 /// A record within reach of a place: its offset from there, in units of the reach, and 1.
 struct Weighted<'r> {
     weight: f64,
@@ -65,32 +71,34 @@ const LEAST_FREEDOM: f64 = 1.0;
 const LEAST_SPREAD: f64 = 1e-4;
 
 impl Recorder<'_> {
-    /// The record of a cell, at a random point of it; `None` if no surface seems to be there. Depends on the cell alone.
-    pub fn record(&self, cell: CellKey, scratch: &mut PathScratch) -> Option<Record> {
-        let scene = self.gather.paths.scene;
+    /// A random point of a cell; `None` if no surface seems to be there. Depends on the cell alone.
+    pub fn seat(&self, cell: CellKey) -> Option<Seat> {
         let parts = [self.size.to_bits(), cell.side.plane.into(), cell.side.is_front.into(), cell.column as u64, cell.row as u64];
         let seed = parts.iter().fold(self.seed, |seed, &part| sampling::hash(seed, part));
-        let (at, point, surface) = (0..TRIES).find_map(|attempt| {
+        (0..TRIES).find_map(|attempt| {
             let draw = sampling::hash(seed, attempt);
             let within = DVec2::new(sampling::unit(draw), sampling::unit(sampling::hash(draw, 1)));
             let at = (DVec2::new(cell.column as f64, cell.row as f64) + within) * self.size;
             let (point, normal) = self.cells.to_space(cell.side, at);
             let surface = self.hierarchy.surface_at(point, normal, self.tolerance)?;
-            (self.cells.side_of(surface) == cell.side).then_some((at, point, surface))
-        })?;
+            (self.cells.side_of(surface) == cell.side).then_some(Seat { at, place: Place { point, surface, seed } })
+        })
+    }
 
-        let place = |number: u64| Place { point, surface, seed: sampling::hash(seed, 10 + number) };
+    /// The record that is taken at `seat`.
+    pub fn record(&self, seat: &Seat, scratch: &mut PathScratch) -> Record {
+        let place = |number: u64| Place { seed: sampling::hash(seat.place.seed, 10 + number), ..seat.place };
         let halves = [0, 1].map(|half| {
-            let mut irradiance = vec![0.0; scene.channels()];
+            let mut irradiance = vec![0.0; self.gather.paths.scene.channels()];
             self.gather.add_sampled_indirect(&[place(half)], self.paths.div_ceil(2), scratch, &mut irradiance);
             irradiance
         });
-        Some(Record {
-            at,
+        Record {
+            at: seat.at,
             mean: halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (a + b)).collect(),
             variance: halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.25 * (a - b) * (a - b)).collect(),
             near: self.gather.paths.sampled_near(&place(2), RECORD_NEAR_RAYS, REACH * self.size),
-        })
+        }
     }
 
     /// The indirect irradiance at a place, fitted through the records around it, in W/m^2 by channel. `false` if the fit cannot be

@@ -25,27 +25,25 @@ use crate::scene::{DistinctChannels, Scene};
 pub(crate) struct Resolution {
     /// The size of a cell, in metres.
     pub side: f64,
-    /// Paths from each position.
-    pub paths: u32,
-    /// Rays to lamps from each position.
-    pub lamp_rays: u32,
+    /// Paths from each position, and as many rays to lamps.
+    pub rays: u32,
 }
 
 impl Resolution {
     /// About `positions` cells over the surfaces of a scene.
-    pub fn of_positions(scene: &Scene, positions: usize, paths: u32, lamp_rays: u32) -> Self {
+    pub fn of_positions(scene: &Scene, positions: usize, rays: u32) -> Self {
         let area: f64 = scene.surfaces().iter().map(|surface| surface.polygon.area()).sum();
-        Self { side: (area / positions.max(1) as f64).sqrt(), paths, lamp_rays }
+        Self { side: (area / positions.max(1) as f64).sqrt(), rays }
     }
 
     /// The same cells for the looks of an error estimate, which may be noisier than values.
     pub fn for_looks(&self) -> Self {
-        Self { side: self.side, paths: self.paths.div_ceil(2), lamp_rays: self.lamp_rays.div_ceil(2) }
+        Self { side: self.side, rays: self.rays.div_ceil(2) }
     }
 
     /// Whether the numbers are in range.
     pub fn is_valid(&self) -> bool {
-        self.side.is_finite() && self.side > 0.0 && self.paths > 0 && self.lamp_rays > 0
+        self.side.is_finite() && self.side > 0.0 && self.rays > 0
     }
 }
 
@@ -184,7 +182,7 @@ struct Equations {
 impl Equations {
     /// Follows the paths of all positions.
     fn of_paths(paths: &LightPaths<'_>, cells: &[Cell], resolution: &Resolution) -> Self {
-        let (channels, count) = (paths.scene.channels(), resolution.paths as usize);
+        let (channels, count) = (paths.scene.channels(), resolution.rays as usize);
         let mut equations = Self {
             channels,
             paths: count,
@@ -207,8 +205,8 @@ impl Equations {
             };
             let (indices, places): (Vec<usize>, Vec<Place>) = cells.iter().enumerate().filter_map(position).unzip();
             let mut irradiance = vec![0.0; places.len() * channels];
-            paths.add_lamps(&places, resolution.lamp_rays, scratch, &mut irradiance);
-            paths.follow(&places, resolution.paths, 0, scratch);
+            paths.add_lamps(&places, resolution.rays, scratch, &mut irradiance);
+            paths.follow(&places, resolution.rays, 0, scratch);
 
             // What is sent by the place itself, and by the ends of paths that arrive there at once.
             let ends = &scratch.ends;

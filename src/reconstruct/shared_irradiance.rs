@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::hemisphere::HemisphereGather;
-use super::irradiance_record::{Record, Recorder};
+use super::irradiance_record::{Record, Recorder, Seat};
 use super::light_paths::{PathScratch, Place};
 use super::plane_cells::{CellKey, PlaneCells};
 use crate::geometry::sampling;
@@ -110,7 +110,10 @@ impl Sharing<'_> {
             let mut wanted: Vec<CellKey> = groups.iter().flat_map(|group| group[0].0.around(CELLS_AROUND)).collect();
             wanted.par_sort_unstable();
             wanted.dedup();
-            if wanted.len() * POINTS_PER_RECORD > open.len() || open.is_empty() || (self.cancelled)() {
+            let Self { gather, hierarchy, rays, seed, tolerance, .. } = *self;
+            let recorder = Recorder { gather, hierarchy, cells: &cells, paths: rays, seed, size, tolerance };
+            let seats: Vec<(CellKey, Seat)> = wanted.par_iter().filter_map(|&cell| Some((cell, recorder.seat(cell)?))).collect();
+            if seats.len() * POINTS_PER_RECORD > open.len() || open.is_empty() || (self.cancelled)() {
                 break;
             }
             if controls.is_empty() {
@@ -118,9 +121,7 @@ impl Sharing<'_> {
             }
 
             // A fit is trusted as far as a gather of the point's own.
-            let Self { gather, hierarchy, rays, seed, tolerance, .. } = *self;
-            let recorder = Recorder { gather, hierarchy, cells: &cells, paths: rays, seed, size, tolerance };
-            let records = self.records(&recorder, &wanted);
+            let records = self.records(&recorder, &seats);
             let allowed_sq = mean_noise_sq(&controls);
             let fitted = groups.into_par_iter().flat_map_iter(|group| {
                 let around: Vec<&Record> = group[0].0.around(CELLS_AROUND).filter_map(|cell| records.get(&cell)).collect();
@@ -141,15 +142,15 @@ impl Sharing<'_> {
         if controls.is_empty() { shared } else { self.spare_rays(&controls, places, shared) }
     }
 
-    /// The records of cells, where there are surfaces.
-    fn records(&self, recorder: &Recorder<'_>, wanted: &[CellKey]) -> HashMap<CellKey, Record> {
-        let of_batch = |scratch: &mut PathScratch, cells: &[CellKey]| -> Vec<(CellKey, Record)> {
+    /// The records of cells.
+    fn records(&self, recorder: &Recorder<'_>, seats: &[(CellKey, Seat)]) -> HashMap<CellKey, Record> {
+        let of_batch = |scratch: &mut PathScratch, seats: &[(CellKey, Seat)]| -> Vec<(CellKey, Record)> {
             if (self.cancelled)() {
                 return Vec::new();
             }
-            cells.iter().filter_map(|&cell| Some((cell, recorder.record(cell, scratch)?))).collect()
+            seats.iter().map(|(cell, seat)| (*cell, recorder.record(seat, scratch))).collect()
         };
-        wanted.par_chunks(BATCH).map_init(PathScratch::default, of_batch).flatten_iter().collect()
+        seats.par_chunks(BATCH).map_init(PathScratch::default, of_batch).flatten_iter().collect()
     }
 
     /// Gathers twice at some of the places.

@@ -213,6 +213,9 @@ pub struct SolveOptions {
     pub point_rays: Option<u32>,
     /// How values at points are gathered.
     pub gather: Gather,
+    /// How many values at points will be taken, about; `None` and fewer than 2048 count as 2048. The more, the more work the solve puts
+    /// into knowing its error and into fine cells: either spares rays to every point.
+    pub expected_values: Option<u64>,
     /// Visibility rays for a link from a surface that reflects only, 1 to 1024.
     pub rays_per_link: u32,
     /// Visibility rays for a link from a lamp, 1 to 1024.
@@ -263,6 +266,7 @@ impl Default for SolveOptions {
             tolerance: None,
             point_rays: None,
             gather: Gather::Auto,
+            expected_values: None,
             rays_per_link: 4,
             rays_per_light_link: 9,
             leaf_rays: None,
@@ -286,7 +290,7 @@ impl Default for SolveOptions {
 
 impl SolveOptions {
     /// The keys that [`SolveOptions::set`] knows.
-    pub const KEYS: [&'static str; 26] = [
+    pub const KEYS: [&'static str; 27] = [
         "error",
         "strategy",
         "bounds",
@@ -296,6 +300,7 @@ impl SolveOptions {
         "tolerance",
         "point_rays",
         "gather",
+        "expected_values",
         "rays_per_link",
         "rays_per_light_link",
         "leaf_rays",
@@ -389,6 +394,7 @@ impl SolveOptions {
             "tolerance" => self.tolerance = Some(parse(key, value, NUMBER)?),
             "point_rays" => self.point_rays = Some(parse(key, value, COUNT)?),
             "gather" => self.gather = value.trim().parse()?,
+            "expected_values" => self.expected_values = Some(parse(key, value, COUNT)?),
             "rays_per_link" => self.rays_per_link = parse(key, value, COUNT)?,
             "rays_per_light_link" => self.rays_per_light_link = parse(key, value, COUNT)?,
             "leaf_rays" => self.leaf_rays = Some(parse(key, value, COUNT)?),

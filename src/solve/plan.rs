@@ -29,6 +29,8 @@ pub(super) struct Plan {
     options: SolveOptions,
     surfaces: usize,
     total_area: f64,
+    /// Values that the user takes.
+    values: f64,
     /// What the reflected radiosity may be on average, in W/m^2: sets the scale of tolerances.
     expected_radiosity: f64,
     tolerance: f64,
@@ -65,11 +67,15 @@ const AIM: f64 = 0.7;
 const FEW_TIMES: f64 = 4.0;
 
 /// Values may take so many times the rays.
-const RAY_FACTORS: [f64; 8] = [1.0, 1.25, 1.5, 2.0, 3.0, 4.0, 6.0, MOST_RAYS_FACTOR];
+const RAY_FACTORS: [f64; 9] = [1.0, 1.1, 1.25, 1.5, 2.0, 3.0, 4.0, 6.0, MOST_RAYS_FACTOR];
 const MOST_RAYS_FACTOR: f64 = 8.0;
 
 /// Values that a user takes at least, as far as choices of rays go.
-const VALUES: f64 = 2048.0;
+const LEAST_VALUES: f64 = 2048.0;
+
+/// With more values, rays to each are fewer at first, and positions are more, by these powers of their number.
+const RAYS_VALUES_POWER: f64 = -0.1;
+const POSITIONS_VALUES_POWER: f64 = 0.4;
 
 /// More rays to a look are worth it if its noise makes up this part of the scatter.
 const NOISY: f64 = 0.75;
@@ -160,21 +166,26 @@ impl Plan {
             Gather::Hemisphere => (POSITIONS_AT_2_PERCENT, POSITIONS_POWER, LEAST_POSITIONS),
             _ => (LOOKS_POSITIONS_AT_2_PERCENT, LOOKS_POSITIONS_POWER, LEAST_LOOKS_POSITIONS),
         };
-        let positions =
-            (positions_at_2_percent * (0.02 / options.error).powf(positions_power)).clamp(least_positions, MOST_POSITIONS);
+        let values = options.expected_values.map_or(LEAST_VALUES, |values| LEAST_VALUES.max(values as f64));
+        let for_values = |power: f64| (values / LEAST_VALUES).powf(power);
+        let positions_for_values = if gather == Gather::Hemisphere { for_values(POSITIONS_VALUES_POWER) } else { 1.0 };
+        let positions = positions_at_2_percent * (0.02 / options.error).powf(positions_power) * positions_for_values;
+        let positions = positions.clamp(least_positions, MOST_POSITIONS);
         let (least, most) = POSITION_RAYS.into_inner();
         let share = positions / (positions + scene.surfaces().len() as f64);
         let rays = 2_u32.pow((f64::from(most) * share).log2().round().max(0.0) as u32).max(least);
-        let resolution = Resolution::of_positions(scene, positions as usize, rays, rays);
+        let resolution = Resolution::of_positions(scene, positions as usize, rays);
         let mut plan = Self {
             options: options.clone(),
             surfaces: scene.surfaces().len(),
             total_area,
+            values,
             expected_radiosity: exitance * reflectance / (1.0 - reflectance),
             tolerance: options.tolerance.unwrap_or(TOLERANCE_AT_2_PERCENT * (options.error / 0.02).powf(tolerance_power)),
-            point_rays: options
-                .point_rays
-                .unwrap_or((rays_at_2_percent * (0.02 / options.error).powf(rays_power)).clamp(16.0, 8192.0) as u32),
+            point_rays: options.point_rays.unwrap_or(
+                (rays_at_2_percent * (0.02 / options.error).powf(rays_power) * for_values(RAYS_VALUES_POWER)).clamp(16.0, 8192.0)
+                    as u32,
+            ),
             error_points: *ERROR_POINTS.start(),
             look_rays: (1.2 / options.error.powf(1.2)).clamp(64.0, f64::from(MAX_LOOK_RAYS)) as u32,
             gather,
@@ -297,12 +308,14 @@ impl Plan {
         remedies.filter(move |remedy| if remedy.resolves { may_resolve } else { remedy.rays > 1.0 })
     }
 
-    /// The work of a remedy, in rays: values are taken anew, here and by the user.
+    /// The work of a remedy, in rays: values are taken anew, here and by the user, and the second time that radiosities are resolved
+    /// anew, so are those of looks.
     fn remedy_work(&self, remedy: &Remedy) -> f64 {
-        let values = f64::from(self.point_rays) * (remedy.rays * self.error_points as f64 + (remedy.rays - 1.0) * VALUES);
+        let values = f64::from(self.point_rays) * (remedy.rays * self.error_points as f64 + (remedy.rays - 1.0) * self.values);
         let positions = self.total_area / self.resolution.side.powi(2) + self.surfaces as f64;
-        let rays = f64::from(MORE_POSITION_RAYS * (self.resolution.paths + self.resolution.lamp_rays));
-        values + if remedy.resolves { MORE_POSITIONS * positions * rays } else { 0.0 }
+        let rays = f64::from(MORE_POSITION_RAYS * 2 * self.resolution.rays);
+        let times = if self.refinements > 0 { 2.0 } else { 1.0 };
+        values + if remedy.resolves { times * MORE_POSITIONS * positions * rays } else { 0.0 }
     }
 
     /// Bounces that the paths of looks take at least: one where values take the radiosities of cells too, so that the size of these is
@@ -366,8 +379,7 @@ impl Plan {
             }
             self.refinements += 1;
             self.resolution.side /= MORE_POSITIONS.sqrt();
-            self.resolution.paths *= MORE_POSITION_RAYS;
-            self.resolution.lamp_rays *= MORE_POSITION_RAYS;
+            self.resolution.rays *= MORE_POSITION_RAYS;
             return Verdict::Resolve;
         }
         self.refinements += 1;
@@ -380,5 +392,42 @@ impl Plan {
         let excess = error.measured.max(0.5 * error.claimed) / (AIM * requested);
         self.tolerance *= excess.powf(-TOLERANCE_POWER).clamp(0.1, 0.6);
         Verdict::Refine
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::Polygon;
+    use crate::scene::{Material, Sides};
+
+    /// What is found where both noise and looks may be at fault.
+    const DOUBTFUL: ErrorEstimate = ErrorEstimate { measured: 0.016, claimed: 0.023, look_scatter: 0.2 };
+
+    fn plan(expected_values: Option<u64>) -> Plan {
+        let quad = |z: f64, u: DVec3| {
+            let corner = DVec3::new(0.0, 0.0, z);
+            Polygon::from_vertices(vec![corner, corner + u, corner + DVec3::X + DVec3::Y, corner + DVec3::X + DVec3::Y - u])
+                .unwrap()
+        };
+        let material = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![1.0] };
+        let faces = vec![(quad(0.0, DVec3::X), 0, 0), (quad(1.0, DVec3::Y), 0, 1)];
+        let scene = Scene::new(1, vec![material], faces, Sides::Front).unwrap();
+        Plan::new(&scene, &SolveOptions { gather: Gather::Hemisphere, expected_values, ..SolveOptions::default() })
+    }
+
+    #[test]
+    fn the_more_values_there_will_be_the_more_is_spent_to_spare_rays() {
+        let (few, many) = (plan(None), plan(Some(1_000_000)));
+        assert!(many.point_rays() < few.point_rays(), "{} and {}", many.point_rays(), few.point_rays());
+        assert!(many.resolution().side < few.resolution().side);
+        assert_eq!(plan(Some(10)).point_rays(), few.point_rays());
+
+        // What may be small enough is looked at more closely until it is known, before rays are added to a million points.
+        let looks = |mut plan: Plan| (0..MAX_LOOKS).take_while(|_| plan.judge(&DOUBTFUL, || 0.013) == Verdict::LookCloser).count();
+        let (few, many) = (looks(few), looks(many));
+        assert!(few < many, "{few} and {many}");
     }
 }
