@@ -49,6 +49,63 @@ fn under_one_polygon(diluted: bool) -> Room {
     room
 }
 
+/// A dark floor in sixteen tiles, and above it a small plate that a lamp below it lights from near by.
+fn under_a_lit_plate() -> Room {
+    let mut room = Room::default();
+    let (dark, white, lamp) = (room.material(&[0.01], &[0.0]), room.material(&[0.8], &[0.0]), room.material(&[0.0], &[100.0]));
+    for tile in 0..16 {
+        let corner = [2.5 * f64::from(tile / 4), 2.5 * f64::from(tile % 4), 0.0];
+        room.quad(corner, [2.5, 0.0, 0.0], [0.0, 2.5, 0.0], dark);
+    }
+    room.quad([4.85, 4.85, 2.0], [0.0, 0.3, 0.0], [0.3, 0.0, 0.0], white);
+    room.quad([4.97, 4.97, 1.85], [0.06, 0.0, 0.0], [0.0, 0.06, 0.0], lamp);
+    room
+}
+
+#[test]
+fn light_from_a_small_bright_reflector_is_found() {
+    // Where the lamp hides nothing of the plate, the floor gets H(x) = the integral of rho E F(y, lamp) K(x, y) over the plate; what comes
+    // back from the floor is below 1e-4 of it.
+    let scene = under_a_lit_plate().scene();
+    let lamp = scene.surfaces()[17].polygon.clone();
+    let steps = 60;
+    let plate: Vec<([f64; 3], f64)> = (0..steps * steps)
+        .map(|k| {
+            let along = |index: i32| 4.85 + 0.3 * (f64::from(index) + 0.5) / f64::from(steps);
+            let y = [along(k / steps), along(k % steps), 2.0];
+            (y, 0.8 * 100.0 * point_form_factor(y, [0.0, 0.0, -1.0], &lamp))
+        })
+        .collect();
+    let points: Vec<_> = points_of(&scene, 3000, &mut Random(5))
+        .into_iter()
+        .filter(|(point, surface)| *surface < 16 && (point.position[0] - 5.0).hypot(point.position[1] - 5.0) > 3.0)
+        .map(|(point, _)| point)
+        .collect();
+    let irradiance = |x: [f64; 3]| {
+        let element = (0.3 / f64::from(steps)).powi(2);
+        let carried = |(y, b): &([f64; 3], f64)| {
+            let distance_sq = (y[0] - x[0]).powi(2) + (y[1] - x[1]).powi(2) + 4.0;
+            b * element * 4.0 / (std::f64::consts::PI * distance_sq * distance_sq)
+        };
+        plate.iter().map(carried).sum::<f64>()
+    };
+    let expected: Vec<f64> = points.iter().map(|point| 0.01 * irradiance(point.position)).collect();
+    let norm_sq: f64 = expected.iter().map(|b| b * b).sum();
+
+    let (mut bias, seeds) = (0.0, 8);
+    for seed in 0..seeds {
+        let (evaluator, report) = solve(under_a_lit_plate().scene(), &SolveOptions { seed, ..hemisphere(0.03) });
+        let found = values(&evaluator, &points);
+        let error = (found.iter().zip(&expected).map(|(b, e)| (b - e).powi(2)).sum::<f64>() / norm_sq).sqrt();
+        let off = found.iter().zip(&expected).map(|(b, e)| (b - e) * e).sum::<f64>() / norm_sq;
+        println!("seed {seed}: {:.2}% of what the floor sends, {} rays", 100.0 * error, report.counts.rays);
+        assert_eq!(report.stopped_by, StoppedBy::Error);
+        bias += off / f64::from(seeds as u32);
+    }
+    println!("bias {:.2}%", 100.0 * bias);
+    assert!(bias.abs() < 0.01, "{bias}");
+}
+
 #[test]
 fn a_point_under_one_polygon_has_its_form_factor() {
     for diluted in [false, true] {

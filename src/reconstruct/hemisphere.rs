@@ -4,7 +4,9 @@
 //! they end. No links are asked, so the cost of a point is that of its rays, however many surfaces send light there.
 
 use super::light_paths::{LightPaths, NO_CELL, PathScratch, Place};
+use super::reflectors::Seen;
 use super::resolved::{COVERED, Resolved};
+use crate::geometry::sampling;
 
 /// Rays to lamps for each path over the hemisphere. At equal numbers of rays, an office came out at 2.25, 1.83 and 1.75% with 1/8,
 /// 1/4, 1/2.
@@ -33,12 +35,50 @@ impl HemisphereGather<'_> {
         self.add_sampled_direct(places, rays, scratch, irradiance);
     }
 
-    /// Adds what lamps bring to each place, by the rays to lamps that go with `rays` paths.
+    /// Adds what lamps and reflectors bring to each place, by the aimed rays that go with `rays` paths.
     pub fn add_sampled_direct(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
         let lamp_rays = ((f64::from(rays.max(1)) * LAMP_RAYS) as u32).max(LEAST_LAMP_RAYS);
         let together = (BATCH / lamp_rays as usize).max(1);
         let batches = places.chunks(together).zip(irradiance.chunks_mut(together * self.paths.scene.channels()));
-        batches.for_each(|(places, irradiance)| self.paths.add_lamps(places, lamp_rays, scratch, irradiance));
+        batches.for_each(|(places, irradiance)| self.add_aimed(places, lamp_rays, scratch, irradiance));
+    }
+
+    /// Adds the irradiance from lamps and reflectors at each place, by `count` aimed rays.
+    fn add_aimed(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+        self.paths.add_aimed(places, count, scratch, irradiance);
+        self.add_seen(places, scratch, irradiance);
+    }
+
+    /// Adds what reflectors send that aimed rays have seen: what their cells send, or what is gathered there.
+    fn add_seen(&self, places: &[Place], scratch: &mut PathScratch, irradiance: &mut [f64]) {
+        let channels = self.paths.scene.channels();
+        let mut add = |seen: &Seen, sent: &mut dyn Iterator<Item = f64>| {
+            let irradiance = &mut irradiance[seen.by * channels..][..channels];
+            irradiance.iter_mut().zip(sent).for_each(|(h, sent)| *h += seen.weight * sent);
+        };
+        if self.bounces == 0 {
+            scratch.seen.iter().for_each(|seen| add(seen, &mut self.resolved.of(seen.cell).iter().map(|&sent| f64::from(sent))));
+            return;
+        }
+
+        let seen = std::mem::take(&mut scratch.seen);
+        let there = |(number, seen): (usize, &Seen)| {
+            let seed = sampling::hash(places[seen.by].seed, number as u64 | 1 << 34);
+            Place { point: seen.point, surface: seen.surface, seed }
+        };
+        let there: Vec<Place> = seen.iter().enumerate().map(there).collect();
+        let mut gathered = vec![0.0; there.len() * channels];
+        let onward = Self { bounces: self.bounces - 1, ..*self };
+        onward.add_sampled_indirect(&there, 1, scratch, &mut gathered);
+        onward.add_aimed(&there, 1, scratch, &mut gathered);
+        for (seen, gathered) in seen.iter().zip(gathered.chunks(channels)) {
+            let exitance = self.paths.unlamped_exitance(seen.surface);
+            let reflectance = &self.paths.scene.material_of(seen.surface).reflectance;
+            let sent =
+                |channel: usize| exitance.map_or(0.0, |exitance| exitance[channel]) + reflectance[channel] * gathered[channel];
+            add(seen, &mut (0..channels).map(sent));
+        }
+        scratch.seen = seen;
     }
 
     /// Adds what all others bring to each place, by `rays` paths.
@@ -72,6 +112,12 @@ impl HemisphereGather<'_> {
                 let sent = sent_to(place, detour.cell).iter().zip(&ends.weight[own]);
                 irradiance.iter_mut().zip(sent).for_each(|(h, (&sent, weight))| *h += share * weight * f64::from(sent));
             }
+        }
+        for (&(path, cell), weight) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
+            let place = path / count as usize;
+            let sent = sent_to(place, cell).iter().zip(weight);
+            let irradiance = &mut irradiance[place * channels..][..channels];
+            irradiance.iter_mut().zip(sent).for_each(|(h, (&sent, weight))| *h += share * weight * f64::from(sent));
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::lamp_tree::{DrawnLamp, LampTree, Start};
+use super::aim_tree::{self, AimTree, Start};
 use super::light_paths::Place;
 use crate::form_factor::{kernel, point_to_polygon};
 use crate::geometry::{Facet, Frame, Part, sampling};
@@ -37,7 +37,7 @@ pub(super) struct Lamps<'a> {
     /// The exitance of the dimmest of them, in its brightest channel.
     dimmest: f64,
     /// Over the lamps, if there are any.
-    tree: Option<LampTree>,
+    tree: Option<AimTree>,
 }
 
 /// A piece of a lamp as seen from a place.
@@ -63,7 +63,7 @@ struct Drawn {
 #[derive(Default)]
 pub(super) struct AimedRays {
     starts: Vec<Start>,
-    lamps: Vec<DrawnLamp>,
+    lamps: Vec<aim_tree::Drawn>,
     pieces: Vec<Piece>,
     segments: Vec<Segment>,
     drawn: Vec<Drawn>,
@@ -96,7 +96,7 @@ impl<'a> Lamps<'a> {
             }
             surfaces.retain(|&id| brightest(scene, id) >= dimmest);
         }
-        let tree = (!surfaces.is_empty()).then(|| LampTree::new(scene, &surfaces));
+        let tree = (!surfaces.is_empty()).then(|| AimTree::new(surfaces.iter().map(|&lamp| source(scene, lamp)).collect()));
         Self { scene, surfaces, dimmest, tree }
     }
 
@@ -151,21 +151,22 @@ impl<'a> Lamps<'a> {
     }
 
     /// Draws a lamp from the tree for each ray of a place, systematically from a random start, and a piece of that lamp.
-    fn aim_at_some(&self, tree: &LampTree, place: &Place, index: usize, count: u32, aimed: &mut AimedRays) {
+    fn aim_at_some(&self, tree: &AimTree, place: &Place, index: usize, count: u32, aimed: &mut AimedRays) {
         let normal = self.scene.surface(place.surface).polygon.facet().normal;
         let start = sampling::unit(sampling::hash(place.seed, 5));
         let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
         let mut lamps = std::mem::take(&mut aimed.lamps);
         lamps.clear();
-        let unoccluded = |lamp: SurfaceId| {
+        let unoccluded = |number: u32| {
+            let lamp = SurfaceId(number);
             point_to_polygon(place.point, normal, &self.scene.surface(lamp).polygon.facet()) * brightest(self.scene, lamp)
         };
         tree.draw(place.point, normal, unoccluded, numbers, &mut aimed.starts, &mut lamps);
 
         // Rays that draw the same lamp come one after the other.
-        for same in lamps.chunk_by(|a, b| a.lamp == b.lamp) {
+        for same in lamps.chunk_by(|a, b| a.number == b.number) {
             aimed.pieces.clear();
-            self.cut(place.point, normal, same[0].lamp, None, &mut aimed.pieces);
+            self.cut(place.point, normal, SurfaceId(same[0].number), None, &mut aimed.pieces);
             let weight = 1.0 / (f64::from(count) * same[0].probability);
             self.aim(place, index, weight, same.iter().map(|drawn| drawn.rest), aimed);
         }
@@ -228,6 +229,13 @@ impl<'a> Lamps<'a> {
         }
         pieces.push(Piece { lamp, part, form_factor, carried: form_factor * brightest(self.scene, lamp) });
     }
+}
+
+/// A lamp as a source of rays that are drawn.
+fn source(scene: &Scene, lamp: SurfaceId) -> aim_tree::Source {
+    let polygon = &scene.surface(lamp).polygon;
+    let power = polygon.area() * brightest(scene, lamp);
+    aim_tree::Source { number: lamp.0, bounds: polygon.bounds(), normal: polygon.facet().normal, power }
 }
 
 /// The exitance of a surface in its brightest channel, in W/m^2.
@@ -335,19 +343,21 @@ mod tests {
         for &beside in &lamps.surfaces {
             let facet = scene.surface(beside).polygon.facet();
             let (point, normal) = (facet.centroid + 0.1 * facet.normal, -facet.normal);
-            let sends =
-                |lamp: SurfaceId| point_to_polygon(point, normal, &scene.surface(lamp).polygon.facet()) * brightest(&scene, lamp);
+            let sends = |number: u32| {
+                let lamp = SurfaceId(number);
+                point_to_polygon(point, normal, &scene.surface(lamp).polygon.facet()) * brightest(&scene, lamp)
+            };
             let mut drawn = Vec::new();
             let numbers = (0..64).map(|k| (f64::from(k) + 0.5) / 64.0);
             lamps.tree.as_ref().unwrap().draw(point, normal, sends, numbers, &mut Vec::new(), &mut drawn);
 
             // Every ray stands for at most a few times all that arrives.
-            let all: f64 = lamps.surfaces.iter().map(|&lamp| sends(lamp)).sum();
+            let all: f64 = lamps.surfaces.iter().map(|lamp| sends(lamp.0)).sum();
             for lamp in drawn {
                 assert!(
-                    sends(lamp.lamp) / lamp.probability <= 4.0 * all,
+                    sends(lamp.number) / lamp.probability <= 4.0 * all,
                     "{:?} of {all} by {}",
-                    sends(lamp.lamp),
+                    sends(lamp.number),
                     lamp.probability
                 );
             }

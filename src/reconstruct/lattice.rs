@@ -7,11 +7,16 @@
 use glam::DVec3;
 
 use super::light_paths::NO_CELL;
+use super::reflectors::Reflector;
 use crate::geometry::Facet;
 use crate::scene::{Scene, SurfaceId};
 
 /// Surfaces beyond this many, the smallest ones, have no cell.
 const MAX_SURFACES: usize = 1 << 22;
+
+/// Reflectors have so many times as many cells as other surfaces, unless that makes more than this part more of all.
+const MORE_ON_REFLECTORS: f64 = 64.0;
+const MORE_CELLS: f64 = 0.25;
 
 /// Cells on one side of a surface, at most.
 const MAX_SIDE: f64 = 4096.0;
@@ -85,8 +90,8 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
-    /// Cells of about `side` metres. Depends on the scene and `side` alone.
-    pub fn new(scene: &Scene, side: f64) -> Self {
+    /// Cells of about `side` metres, smaller ones on reflectors. Depends on the scene, these and `side` alone.
+    pub fn new(scene: &Scene, reflectors: &[Reflector], side: f64) -> Self {
         let surfaces = scene.surfaces();
         let area = |index: &usize| surfaces[*index].polygon.area();
         let mut order: Vec<usize> = (0..surfaces.len()).collect();
@@ -95,9 +100,15 @@ impl Lattice {
             order.truncate(MAX_SURFACES);
             order.sort_unstable();
         }
+        let mut sides = vec![side; surfaces.len()];
+        let reflecting: f64 = reflectors.iter().map(|of| area(&of.surface.index())).sum();
+        let all: f64 = (0..surfaces.len()).map(|index| area(&index)).sum();
+        let more = (1.0 + MORE_CELLS * all / reflecting).min(MORE_ON_REFLECTORS);
+        reflectors.iter().for_each(|of| sides[of.surface.index()] = side / more.sqrt());
+
         let (mut grids, mut cells) = (vec![None; surfaces.len()], 0);
         for index in order {
-            let grid = Grid::around(&surfaces[index].polygon.facet(), side, cells as u32);
+            let grid = Grid::around(&surfaces[index].polygon.facet(), sides[index], cells as u32);
             cells += grid.len();
             grids[index] = Some(grid);
         }
@@ -114,6 +125,14 @@ impl Lattice {
     pub fn cell_at(&self, surface: SurfaceId, point: DVec3) -> Option<(u32, f64)> {
         let grid = self.grids[surface.index()].as_ref()?;
         Some((grid.cell_at(point), grid.cell[0].max(grid.cell[1])))
+    }
+
+    /// The cells of a surface: the number of each, its corner and its two edges from there, in metres.
+    pub(super) fn cells_of(&self, surface: SurfaceId) -> impl Iterator<Item = (u32, DVec3, [DVec3; 2])> {
+        self.grids[surface.index()].iter().flat_map(|grid| {
+            let edges = [grid.cell[0] * grid.across, grid.cell[1] * grid.along];
+            (0..grid.len()).map(move |index| (grid.first + index as u32, grid.point_in(index, 0.0, 0.0), edges))
+        })
     }
 
     /// The surfaces that have cells.

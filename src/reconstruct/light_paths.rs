@@ -3,13 +3,18 @@
 //! A path leaves a place by the cosine. Where it ends it finds the radiosity that is resolved in the cell there, if the cell looks
 //! small from where the path comes. Else, near by, the cell's one value is no good: one ray to a lamp and one over the hemisphere
 //! take its place, and the path goes on.
+//!
+//! At reflectors rays are aimed as at lamps, if the cell that they see looks small; so paths that find such a cell bring nothing.
 
 use glam::DVec3;
 
 use super::lamps::{AimedRays, Lamps};
 use super::lattice::Lattice;
+use super::reflectors::{ReflectorRays, Reflectors, Seen, reflectors};
 use crate::geometry::{Frame, sampling};
+use crate::hierarchy::Hierarchy;
 use crate::scene::{Scene, SurfaceId};
+use crate::sweep::Radiosity;
 use crate::transmittance::Rays;
 use crate::visibility::{Hit, NO_PLANE, Ray, Segment};
 
@@ -33,6 +38,9 @@ const MAX_BOUNCES: u32 = 16;
 /// paths a point came out at 1.45, 1.37 and 1.36% with 1/2, 1/4 and 1/10, for ever 5% more rays of the solve.
 const LITTLE: f64 = 0.25;
 
+/// Rays to reflectors for each ray to lamps.
+const REFLECTOR_RAYS: f64 = 0.5;
+
 /// The cell of a path that ends on none.
 pub(super) const NO_CELL: u32 = u32::MAX;
 
@@ -48,6 +56,10 @@ pub(crate) struct Ends {
     /// By detour and channel: it brings `constant + weight * (what its cell sends)`.
     pub(super) constant: Vec<f64>,
     pub(super) weight: Vec<f64>,
+    /// The cells of reflectors that rays from detours see, each with the path that went on there.
+    pub(super) seen: Vec<(usize, u32)>,
+    /// By what is seen and channel: it brings `weight * (what the cell sends)`.
+    pub(super) seen_weight: Vec<f64>,
 }
 
 /// A path that went on from where its first ray arrived.
@@ -69,10 +81,14 @@ pub(crate) struct PathScratch {
     detour_of: Vec<usize>,
     irradiance: Vec<f64>,
     aimed: AimedRays,
+    reflector_rays: ReflectorRays,
+    /// What aimed rays have seen of reflectors.
+    pub(super) seen: Vec<Seen>,
 }
 
 /// What a ray finds.
 enum Arrival {
+    /// Nothing, or what rays are aimed at.
     Nothing,
     Back,
     /// A cell that looks small.
@@ -87,17 +103,29 @@ pub(crate) struct LightPaths<'a> {
     pub(super) lattice: Lattice,
     rays: &'a Rays<'a>,
     lamps: Lamps<'a>,
+    reflectors: Reflectors<'a>,
 }
 
 impl<'a> LightPaths<'a> {
-    /// Paths that end in cells of about `side` metres.
-    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, side: f64) -> Self {
-        Self { scene, rays, lamps: Lamps::new(scene, rays), lattice: Lattice::new(scene, side) }
+    /// Paths that end in cells of about `side` metres; `radiosity` tells which surfaces are reflectors.
+    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, hierarchy: &Hierarchy, radiosity: &Radiosity, side: f64) -> Self {
+        let reflectors = reflectors(scene, hierarchy, radiosity);
+        let lattice = Lattice::new(scene, &reflectors, side);
+        let reflectors = Reflectors::new(scene, &reflectors, &lattice, SMALL_FROM);
+        Self { scene, rays, lattice, lamps: Lamps::new(scene, rays), reflectors }
     }
 
-    /// Adds the irradiance from lamps at each place, by `count` rays, place after place.
-    pub(super) fn add_lamps(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+    /// Adds the irradiance from lamps at each place, by `count` rays, place after place; `scratch` has what they see of reflectors then.
+    pub(super) fn add_aimed(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
         self.lamps.add_sampled_irradiance(places, self.rays, count, &mut scratch.aimed, irradiance);
+        let to_reflectors = (f64::from(count) * REFLECTOR_RAYS).ceil() as u32;
+        self.reflectors.see(places, self.rays, to_reflectors, &mut scratch.reflector_rays, &mut scratch.seen);
+    }
+
+    /// The cell of a point, if it looks small from so many metres away.
+    fn small_cell(&self, surface: SurfaceId, point: DVec3, distance: f64) -> Option<u32> {
+        let (cell, size) = self.lattice.cell_at(surface, point)?;
+        (distance >= SMALL_FROM * size).then_some(cell)
     }
 
     /// What a surface emits that lamp rays do not bring, by channel.
@@ -126,6 +154,8 @@ impl<'a> LightPaths<'a> {
         ends.back.clear();
         ends.back.resize(paths, false);
         ends.detours.clear();
+        ends.seen.clear();
+        ends.seen_weight.clear();
         walks.clear();
         detour_of.clear();
 
@@ -137,7 +167,7 @@ impl<'a> LightPaths<'a> {
         places.iter().for_each(|place| looks.extend(self.cosine_rays(place, order.iter().copied())));
         self.rays.first_hits(looks, &mut scratch.hits);
         for (path, (look, hit)) in looks.iter().zip(&scratch.hits).enumerate() {
-            match self.arrival(look, *hit, bounces > 0) {
+            match self.arrival(places[path / count as usize].surface, look, *hit, bounces > 0) {
                 Arrival::Nothing => {}
                 Arrival::Back => ends.back[path] = true,
                 Arrival::Cell(cell) => ends.cell[path] = cell,
@@ -168,7 +198,7 @@ impl<'a> LightPaths<'a> {
 
     /// Adds the light that detours find where they are, and takes from their weights what is absorbed there.
     fn reflect(&self, scratch: &mut PathScratch) {
-        let PathScratch { ends, walks, detour_of, irradiance, aimed, .. } = scratch;
+        let PathScratch { ends, walks, detour_of, irradiance, aimed, reflector_rays, seen, .. } = scratch;
         let channels = self.scene.channels();
         irradiance.clear();
         irradiance.resize(walks.len() * channels, 0.0);
@@ -182,6 +212,12 @@ impl<'a> LightPaths<'a> {
                 ends.constant[index] += ends.weight[index] * (own + rho * irradiance[channel]);
                 ends.weight[index] *= rho;
             }
+        }
+        self.reflectors.see(walks, self.rays, 1, reflector_rays, seen);
+        for seen in &*seen {
+            let detour = detour_of[seen.by];
+            ends.seen.push((ends.detours[detour].path, seen.cell));
+            ends.seen_weight.extend(ends.weight[detour * channels..][..channels].iter().map(|left| left * seen.weight));
         }
     }
 
@@ -199,7 +235,7 @@ impl<'a> LightPaths<'a> {
         let mut left = 0;
         for (index, (look, hit)) in looks.iter().zip(&*hits).enumerate() {
             let detour = detour_of[index];
-            match self.arrival(look, *hit, beyond) {
+            match self.arrival(walks[index].surface, look, *hit, beyond) {
                 Arrival::Nothing | Arrival::Back => {}
                 Arrival::Cell(cell) => ends.detours[detour].cell = cell,
                 Arrival::Near(point, surface) if anywhere || little_is_left(detour) => {
@@ -216,14 +252,15 @@ impl<'a> LightPaths<'a> {
         detour_of.truncate(left);
     }
 
-    /// What a ray finds; with `beyond` no cell looks small.
-    fn arrival(&self, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
+    /// What a ray from a surface finds; with `beyond` no cell looks small.
+    fn arrival(&self, from: SurfaceId, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
         let Some(hit) = hit else { return Arrival::Nothing };
         let direction = DVec3::from(ray.direction);
         let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { return Arrival::Back };
         let point = DVec3::from(ray.origin) + hit.distance * direction;
-        match self.lattice.cell_at(surface, point) {
-            Some((cell, size)) if !beyond && hit.distance >= SMALL_FROM * size => Arrival::Cell(cell),
+        match self.small_cell(surface, point, hit.distance) {
+            Some(_) if self.reflectors.are_aimed_at(from, surface) => Arrival::Nothing,
+            Some(cell) if !beyond => Arrival::Cell(cell),
             _ => Arrival::Near(point, surface),
         }
     }

@@ -1,17 +1,18 @@
 //! Values at points, from a solution: the gather at the point, over links or over the hemisphere.
 
+mod aim_tree;
 mod camera;
 mod default_view;
 mod hemisphere;
 mod image;
 mod irradiance_record;
-mod lamp_tree;
 mod lamps;
 mod lattice;
 mod light_paths;
 mod over_links;
 mod plane_cells;
 mod reconstruction;
+mod reflectors;
 mod render;
 mod resolved;
 mod sample;
@@ -24,6 +25,7 @@ pub(crate) use lattice::Lattice;
 pub(crate) use light_paths::{LightPaths, PathScratch, Place};
 pub(crate) use over_links::LinkGather;
 pub(crate) use reconstruction::{Effort, Reconstruction, Scratch, Way};
+pub(crate) use reflectors::{Reflector, reflectors};
 pub(crate) use render::render;
 pub(crate) use resolved::{Resolution, Resolved};
 pub(crate) use sample::values_at;

@@ -57,6 +57,9 @@ pub(crate) struct Resolved {
     stand_in: Vec<u32>,
 }
 
+/// What a cell takes from all others, reflected, is less than this part of the brightest of them.
+const MOST_TAKEN: f32 = 0.99;
+
 /// Positions whose paths are followed together.
 const BATCH: usize = 256;
 
@@ -90,9 +93,12 @@ impl Resolved {
         let mut stand_in = stand_ins(paths, &cells, &equations);
 
         // Who is covered sees the covered parts of cells, all others what is not.
-        let Equations { paths: count, end, backs, .. } = &mut equations;
-        for (ends, _) in end.chunks_mut(*count).zip(backs).filter(|(_, backs)| **backs <= COVERED) {
+        let Equations { paths: count, end, backs, seen, .. } = &mut equations;
+        for (ends, _) in end.chunks_mut(*count).zip(&*backs).filter(|(_, backs)| **backs <= COVERED) {
             ends.iter_mut().filter(|end| **end != NO_CELL).for_each(|end| *end = stand_in[*end as usize]);
+        }
+        for (seen, backs) in seen.iter_mut().zip(backs.chunks(BATCH)) {
+            seen.cells.iter_mut().filter(|(by, _)| backs[*by] <= COVERED).for_each(|(_, cell)| *cell = stand_in[*cell as usize]);
         }
         let channels = paths.scene.channels();
         let mut values: Vec<f32> = equations.solve().into_iter().map(|value| value as f32).collect();
@@ -177,6 +183,44 @@ struct Equations {
     weight: Vec<f32>,
     /// The part of each cell's paths that meet a back at once.
     backs: Vec<f32>,
+    /// What aimed rays see of reflectors, by [`BATCH`] of cells.
+    seen: Vec<Seen>,
+}
+
+/// The cells of reflectors that are seen from the positions of a batch, and from the detours of their paths.
+#[derive(Default)]
+struct Seen {
+    /// By whom, counted in the batch, and what.
+    cells: Vec<(usize, u32)>,
+    /// By what is seen and channel; reflectance and number of rays are in it.
+    weight: Vec<f32>,
+}
+
+impl Seen {
+    /// Noise may make more of what is seen than there is room for beside what paths bring, and light would grow from sweep to sweep: what
+    /// a cell takes from all others stays below [`MOST_TAKEN`]. `end` and `weight` are those of the batch's paths, `count` from each cell.
+    fn tame(&mut self, end: &[u32], weight: &[f32], count: usize, channels: usize) {
+        if self.cells.is_empty() {
+            return;
+        }
+        let cells = end.len() / count;
+        let (mut of_paths, mut seen) = (vec![0.0_f32; cells * channels], vec![0.0_f32; cells * channels]);
+        let add = |sums: &mut [f32], cell: usize, weights: &[f32]| {
+            sums[cell * channels..][..channels].iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight);
+        };
+        let ending = end.iter().zip(weight.chunks(channels)).enumerate().filter(|(_, (end, _))| **end != NO_CELL);
+        ending.for_each(|(path, (_, weights))| add(&mut of_paths, path / count, weights));
+        self.cells.iter().zip(self.weight.chunks(channels)).for_each(|(&(by, _), weights)| add(&mut seen, by, weights));
+        for (&(by, _), weights) in self.cells.iter().zip(self.weight.chunks_mut(channels)) {
+            for (channel, weight) in weights.iter_mut().enumerate() {
+                let sum = by * channels + channel;
+                let room = (MOST_TAKEN - of_paths[sum]).max(0.0);
+                if seen[sum] > room {
+                    *weight *= room / seen[sum];
+                }
+            }
+        }
+    }
 }
 
 impl Equations {
@@ -190,6 +234,7 @@ impl Equations {
             end: vec![NO_CELL; cells.len() * count],
             weight: vec![0.0; cells.len() * count * channels],
             backs: vec![0.0; cells.len()],
+            seen: Vec::new(),
         };
         let Self { constant, end, weight, backs, .. } = &mut equations;
         let batches = cells
@@ -198,18 +243,18 @@ impl Equations {
             .zip(end.par_chunks_mut(BATCH * count))
             .zip(weight.par_chunks_mut(BATCH * count * channels))
             .zip(backs.par_chunks_mut(BATCH));
-        batches.for_each_init(PathScratch::default, |scratch, ((((cells, constant), end), weight), backs)| {
+        let seen = batches.map_init(PathScratch::default, |scratch, ((((cells, constant), end), weight), backs)| {
             let position = |(index, cell): (usize, &Cell)| match cell {
                 Cell::Position(place) => Some((index, *place)),
                 Cell::Empty => None,
             };
             let (indices, places): (Vec<usize>, Vec<Place>) = cells.iter().enumerate().filter_map(position).unzip();
             let mut irradiance = vec![0.0; places.len() * channels];
-            paths.add_lamps(&places, resolution.rays, scratch, &mut irradiance);
             paths.follow(&places, resolution.rays, 0, scratch);
+            paths.add_aimed(&places, resolution.rays, scratch, &mut irradiance);
+            let PathScratch { ends, seen, .. } = &*scratch;
 
             // What is sent by the place itself, and by the ends of paths that arrive there at once.
-            let ends = &scratch.ends;
             for (number, (&index, place)) in indices.iter().zip(&places).enumerate() {
                 let own = number * count..(number + 1) * count;
                 end[index * count..][..count].copy_from_slice(&ends.cell[own.clone()]);
@@ -236,7 +281,22 @@ impl Equations {
                     weight[(index * count + path) * channels + channel] = (share * ends.weight[number * channels + channel]) as f32;
                 }
             }
+
+            // Reflectors, as the places and the detours see them.
+            let mut from = Seen::default();
+            let mut add = |number: usize, cell: u32, weights: &mut dyn Iterator<Item = f64>| {
+                let reflectance = &paths.scene.material_of(places[number].surface).reflectance;
+                from.cells.push((indices[number], cell));
+                from.weight.extend(weights.zip(reflectance).map(|(weight, rho)| (rho * weight) as f32));
+            };
+            seen.iter().for_each(|seen| add(seen.by, seen.cell, &mut std::iter::repeat(seen.weight)));
+            for (&(path, cell), weights) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
+                add(path / count, cell, &mut weights.iter().map(|weight| weight / count as f64));
+            }
+            from.tame(end, weight, count, channels);
+            from
         });
+        equations.seen = seen.collect();
         equations
     }
 
@@ -294,13 +354,20 @@ impl Equations {
     /// What every position sends, if the ends of its paths send `values`.
     fn sweep(&self, values: &[f64], next: &mut [f64]) {
         let (channels, paths) = (self.channels, self.paths);
-        next.par_chunks_mut(channels).with_min_len(1024).enumerate().for_each(|(cell, next)| {
-            next.copy_from_slice(&self.constant[cell * channels..][..channels]);
-            let ends = &self.end[cell * paths..][..paths];
-            let weights = self.weight[cell * paths * channels..].chunks(channels);
-            for (&end, weight) in ends.iter().zip(weights).filter(|(end, _)| **end != NO_CELL) {
-                let sent = &values[end as usize * channels..][..channels];
-                next.iter_mut().zip(weight).zip(sent).for_each(|((next, weight), sent)| *next += f64::from(*weight) * sent);
+        let add = |next: &mut [f64], cell: u32, weight: &[f32]| {
+            let sent = &values[cell as usize * channels..][..channels];
+            next.iter_mut().zip(weight).zip(sent).for_each(|((next, weight), sent)| *next += f64::from(*weight) * sent);
+        };
+        let batches = next.par_chunks_mut(BATCH * channels).zip(&self.seen).with_min_len(4).enumerate();
+        batches.for_each(|(batch, (next, seen))| {
+            for (cell, next) in (batch * BATCH..).zip(next.chunks_mut(channels)) {
+                next.copy_from_slice(&self.constant[cell * channels..][..channels]);
+                let ends = &self.end[cell * paths..][..paths];
+                let weights = self.weight[cell * paths * channels..].chunks(channels);
+                ends.iter().zip(weights).filter(|(end, _)| **end != NO_CELL).for_each(|(&end, weight)| add(next, end, weight));
+            }
+            for (&(by, cell), weight) in seen.cells.iter().zip(seen.weight.chunks(channels)) {
+                add(&mut next[by * channels..][..channels], cell, weight);
             }
         });
     }

@@ -167,7 +167,7 @@ impl ErrorSamples {
         if error_sq == 0.0 && norm_sq == 0.0 {
             return Some(ErrorEstimate::default());
         }
-        if norm_sq.is_nan() || norm_sq <= 0.0 {
+        if error_sq.is_nan() || norm_sq.is_nan() || norm_sq <= 0.0 {
             return Some(ErrorEstimate { measured: f64::INFINITY, claimed: f64::INFINITY, ..ErrorEstimate::default() });
         }
 

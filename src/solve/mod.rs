@@ -38,7 +38,8 @@ use crate::links::oracle::{Decision, RefinementOracle};
 use crate::links::{LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::progress::{Observer, Progress, Stage};
 use crate::reconstruct::{
-    Effort, HemisphereGather, Lattice, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Scratch, Way,
+    Effort, HemisphereGather, Lattice, LightPaths, LinkGather, Reconstruction, Reflector, Resolution, Resolved, Scratch, Way,
+    reflectors,
 };
 use crate::scene::{DistinctChannels, Scene, SurfaceId};
 use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, sampled_exposed_point, sweep_in_place};
@@ -269,11 +270,15 @@ impl<'a> Solver<'a> {
     fn cell_bytes(&self, plan: &Plan) -> u64 {
         match plan.gather() {
             Gather::Hemisphere => {
-                let cells = Lattice::new(self.scene, plan.resolution().side).count();
+                let cells = Lattice::new(self.scene, &self.reflectors(), plan.resolution().side).count();
                 cells.map_or(u64::MAX, |cells| Resolved::bytes_of(cells, self.kept_channels))
             }
             _ => 0,
         }
+    }
+
+    fn reflectors(&self) -> Vec<Reflector> {
+        reflectors(self.scene, &self.hierarchy, &self.radiosity)
     }
 
     /// Whether the memory allows radiosities that are resolved as finely as planned, beside what there is.
@@ -419,11 +424,14 @@ impl<'a> Solver<'a> {
     fn resolved<const N: usize>(&self, resolution: Resolution, parts: [u64; N]) -> ResolvedLight<'a, N> {
         // Those of values have the same cells as those of looks, most of the time.
         let of_values = self.for_values.as_ref().filter(|own| own.resolution.side == resolution.side);
-        let paths = of_values
-            .map_or_else(|| Arc::new(LightPaths::new(self.scene, self.rays, resolution.side)), |of_values| of_values.paths.clone());
+        let paths = of_values.map_or_else(|| Arc::new(self.light_paths(resolution.side)), |of_values| of_values.paths.clone());
         let seed = |part| sampling::hash(self.options.seed, 0x5e50_17ed_u64 + part);
         let resolved = parts.map(|part| Resolved::solve(&paths, &resolution, seed(part)));
         ResolvedLight { resolution, paths, resolved }
+    }
+
+    fn light_paths(&self, side: f64) -> LightPaths<'a> {
+        LightPaths::new(self.scene, self.rays, &self.hierarchy, &self.radiosity, side)
     }
 
     /// Estimates the error of the values that a user would get now.

@@ -67,7 +67,7 @@ const AIM: f64 = 0.7;
 const FEW_TIMES: f64 = 4.0;
 
 /// Values may take so many times the rays.
-const RAY_FACTORS: [f64; 9] = [1.0, 1.1, 1.25, 1.5, 2.0, 3.0, 4.0, 6.0, MOST_RAYS_FACTOR];
+const RAY_FACTORS: [f64; 8] = [1.0, 1.25, 1.5, 2.0, 3.0, 4.0, 6.0, MOST_RAYS_FACTOR];
 const MOST_RAYS_FACTOR: f64 = 8.0;
 
 /// Values that a user takes at least, as far as choices of rays go.

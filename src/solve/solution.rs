@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::{Gather, InitialImportance, SolveOptions};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
-use crate::reconstruct::{Effort, HemisphereGather, Lattice, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Way};
+use crate::reconstruct::{
+    Effort, HemisphereGather, Lattice, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Way, reflectors,
+};
 use crate::scene::Scene;
 use crate::sweep::{Adjoint, Closure, Exposure, Importance, Radiosity};
 use crate::transmittance::Rays;
@@ -74,7 +76,7 @@ impl Solution {
 
     /// The light paths that the values at points may take.
     pub(crate) fn light_paths<'a>(&'a self, rays: &'a Rays<'a>) -> LightPaths<'a> {
-        LightPaths::new(&self.scene, rays, self.resolution.side)
+        LightPaths::new(&self.scene, rays, &self.hierarchy, &self.radiosity, self.resolution.side)
     }
 
     /// Takes values at points; `paths` are [`Solution::light_paths`].
@@ -133,7 +135,8 @@ impl Solution {
             return Err("the size of the cells is out of range".to_owned());
         }
         if let Some(resolved) = &self.resolved {
-            let cells = Lattice::new(&self.scene, resolution.side).count();
+            let cells =
+                Lattice::new(&self.scene, &reflectors(&self.scene, &self.hierarchy, &self.radiosity), resolution.side).count();
             if !cells.is_some_and(|cells| resolved.is_valid(cells, channels)) {
                 return Err("the resolved radiosities do not fit the scene".to_owned());
             }

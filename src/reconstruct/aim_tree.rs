@@ -1,11 +1,12 @@
-//! Draws lamps from a tree, by what they may bring to a place: the cost of a draw grows with the logarithm of their number.
+//! Draws from a tree what a ray is aimed at, by what that may bring to a place: the cost of a draw grows with the logarithm of the
+//! number of sources.
 //!
 //! At every node the descent goes to one of up to four children with probabilities in proportion to a bound on what each can bring (box,
-//! cone of normals, power; after Conty Estevez and Kulla 2018). A lamp that can bring light at all is drawn with a probability above
+//! cone of normals, power; after Conty Estevez and Kulla 2018). A source that can bring light at all is drawn with a probability above
 //! 0, so what is divided by that probability is without bias.
 //!
-//! Of a group that is near its bound says little: a lamp in it may be nearer than its size. So descents start below all groups that
-//! are near, all together, and of single lamps that are near it is known exactly what they send.
+//! Of a group that is near its bound says little: a source in it may be nearer than its size. So descents start below all groups that
+//! are near, all together, and of single sources that are near it is known exactly what they send.
 //!
 //! The bounds of four children are computed side by side, in f32: it is the probabilities that were drawn by that count, not how
 //! exact they are. Lengths are in radii of the tree and powers in parts of its power, so no scene is too large or too dim for that.
@@ -15,7 +16,6 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use crate::geometry::Aabb;
-use crate::scene::{Scene, SurfaceId};
 
 /// Cosines are widened by this much against rounding: sines of small angles are known to the root of the rounding of f32.
 const SLACK: f32 = 1e-3;
@@ -32,7 +32,7 @@ const NEAR_SQ: f32 = 0.25;
 /// One number for each child, or child and axis.
 type Lanes = [f32; WIDTH];
 
-/// Up to four groups of lamps; places that are left over have no power.
+/// Up to four groups of sources; places that are left over have no power.
 struct Node {
     /// The middle of each group's box, and the square of its radius.
     centre: [Lanes; 3],
@@ -41,18 +41,18 @@ struct Node {
     axis: [Lanes; 3],
     cos_spread: Lanes,
     sin_spread: Lanes,
-    /// Area times the exitance of the brightest channel.
+    /// Area times brightness.
     power: Lanes,
     below: [Below; WIDTH],
 }
 
-/// A group or a lamp, with what it may send, up to a common factor.
+/// A group or a source, with what it may send, up to a common factor.
 pub(super) type Start = (f64, Below);
 
 /// What a child is.
 #[derive(Clone, Copy)]
 pub(super) enum Below {
-    Lamp(SurfaceId),
+    Source(u32),
     Node(u32),
 }
 
@@ -68,8 +68,8 @@ impl Node {
     };
 }
 
-/// A tree over lamps.
-pub(super) struct LampTree {
+/// A tree over sources.
+pub(super) struct AimTree {
     nodes: Vec<Node>,
     /// The frame of the nodes.
     centre: DVec3,
@@ -77,9 +77,20 @@ pub(super) struct LampTree {
     power: f64,
 }
 
-/// A lamp that was drawn.
-pub(super) struct DrawnLamp {
-    pub lamp: SurfaceId,
+/// What rays may be aimed at: a lamp, or a part of a reflector.
+#[derive(Clone)]
+pub(super) struct Source {
+    pub number: u32,
+    pub bounds: Aabb,
+    pub normal: DVec3,
+    /// What it sends in all, in W.
+    pub power: f64,
+}
+
+/// A source that was drawn.
+pub(super) struct Drawn {
+    /// The number of the source.
+    pub number: u32,
     pub probability: f64,
     /// What is left of the number that drew it: uniform in [0, 1) again.
     pub rest: f64,
@@ -91,7 +102,7 @@ struct Receiver {
     normal: [f32; 3],
 }
 
-/// What is known of a group of lamps.
+/// What is known of a group of sources.
 struct Group {
     bounds: Aabb,
     /// All normals are within `spread` of `axis`, in radians.
@@ -101,29 +112,29 @@ struct Group {
     power: f64,
 }
 
-impl LampTree {
-    pub fn new(scene: &Scene, lamps: &[SurfaceId]) -> Self {
-        let Group { bounds, power, .. } =
-            lamps.iter().map(|&lamp| Group::of_lamp(scene, lamp)).reduce(Group::union).unwrap_or_default();
+impl AimTree {
+    /// A tree over `sources`, of which there must be some.
+    pub fn new(mut sources: Vec<Source>) -> Self {
+        let Group { bounds, power, .. } = sources.iter().map(Group::of).reduce(Group::union).unwrap_or_default();
         let mut tree = Self { nodes: Vec::new(), centre: bounds.centre(), radius: 0.5 * bounds.diagonal(), power };
-        tree.add(scene, &mut lamps.to_vec());
+        tree.add(&mut sources);
         tree
     }
 
-    /// Appends the tree over `lamps`; returns its root and what is known of it.
-    fn add(&mut self, scene: &Scene, lamps: &mut [SurfaceId]) -> (Below, Group) {
+    /// Appends the tree over `sources`; returns its root and what is known of it.
+    fn add(&mut self, sources: &mut [Source]) -> (Below, Group) {
         let index = self.nodes.len();
         self.nodes.push(Node::EMPTY);
-        let (left, right) = halves(scene, lamps);
+        let (left, right) = halves(sources);
         let quarters = [left, right].into_iter().flat_map(|half| match half.len() {
             0 | 1 => [half, &mut []],
-            _ => halves(scene, half).into(),
+            _ => halves(half).into(),
         });
         let mut whole: Option<Group> = None;
-        for (child, lamps) in quarters.filter(|lamps| !lamps.is_empty()).enumerate() {
-            let (below, group) = match *lamps {
-                [lamp] => (Below::Lamp(lamp), Group::of_lamp(scene, lamp)),
-                _ => self.add(scene, lamps),
+        for (child, sources) in quarters.filter(|sources| !sources.is_empty()).enumerate() {
+            let (below, group) = match sources {
+                [source] => (Below::Source(source.number), Group::of(source)),
+                _ => self.add(sources),
             };
             self.set_child(index, child, below, &group);
             whole = Some(match whole {
@@ -149,61 +160,64 @@ impl LampTree {
         node.below[child] = below;
     }
 
-    /// Draws a lamp for a point with a normal by each of `numbers`, rising in [0, 1), and appends them to `drawn`; none where no
-    /// lamp on the way can bring anything. Every node on the way is looked at once, however many numbers pass through it.
-    /// `unoccluded` is the irradiance that a lamp would bring if nothing were in between, in W/m^2 in its brightest channel.
+    /// Draws a source for a point with a normal by each of `numbers`, rising in [0, 1), and appends them to `drawn`; none where no
+    /// source on the way can bring anything. Every node on the way is looked at once, however many numbers pass through it.
+    /// `unoccluded` is the irradiance that a source would bring if nothing were in between, in W/m^2 in its brightest channel.
     pub fn draw(
         &self,
         point: DVec3,
         normal: DVec3,
-        unoccluded: impl Fn(SurfaceId) -> f64,
+        unoccluded: impl Fn(u32) -> f64,
         numbers: impl Iterator<Item = f64>,
         starts: &mut Vec<Start>,
-        drawn: &mut Vec<DrawnLamp>,
+        drawn: &mut Vec<Drawn>,
     ) {
         let receiver =
             Receiver { point: ((point - self.centre) / self.radius).as_vec3().to_array(), normal: normal.as_vec3().to_array() };
         let in_units_of_bounds = PI * self.radius * self.radius / self.power;
         starts.clear();
-        self.collect_starts(0, &receiver, &|lamp| in_units_of_bounds * unoccluded(lamp), starts);
+        self.collect_starts(0, &receiver, &|number| in_units_of_bounds * unoccluded(number), starts);
 
         let first = drawn.len();
-        drawn.extend(numbers.map(|rest| DrawnLamp { lamp: SurfaceId(0), probability: 1.0, rest }));
+        drawn.extend(numbers.map(|rest| Drawn { number: 0, probability: 1.0, rest }));
         let kept = self.share_out(starts, &receiver, &mut drawn[first..]);
         drawn.truncate(first + kept);
     }
 
     /// Appends what descents start from: the children of a node, or theirs where they are near.
-    fn collect_starts(&self, index: u32, receiver: &Receiver, sent: &impl Fn(SurfaceId) -> f64, starts: &mut Vec<Start>) {
+    fn collect_starts(&self, index: u32, receiver: &Receiver, sent: &impl Fn(u32) -> f64, starts: &mut Vec<Start>) {
         let node = &self.nodes[index as usize];
         let (bounds, nearness_sq) = node.bound_sent(receiver);
         for child in (0..WIDTH).filter(|&child| bounds[child] > 0.0) {
             match node.below[child] {
                 Below::Node(index) if nearness_sq[child] > NEAR_SQ => self.collect_starts(index, receiver, sent, starts),
-                Below::Lamp(lamp) if nearness_sq[child] > NEAR_SQ => starts.push((sent(lamp), node.below[child])),
+                Below::Source(number) if nearness_sq[child] > NEAR_SQ => starts.push((sent(number), node.below[child])),
                 below => starts.push((f64::from(bounds[child]), below)),
             }
         }
     }
 
-    /// Brings those that are drawn at a node down to the lamps; those for which there is none go behind the others. Returns how many
-    /// have a lamp.
-    fn descend(&self, index: u32, receiver: &Receiver, drawn: &mut [DrawnLamp]) -> usize {
+    /// Brings those that are drawn at a node down to the sources; those for which there is none go behind the others. Returns how many
+    /// have a source.
+    fn descend(&self, index: u32, receiver: &Receiver, drawn: &mut [Drawn]) -> usize {
         let node = &self.nodes[index as usize];
         let (bounds, _) = node.bound_sent(receiver);
         let children: [Start; WIDTH] = std::array::from_fn(|child| (f64::from(bounds[child]), node.below[child]));
         self.share_out(&children, receiver, drawn)
     }
 
-    /// The same for those that are drawn at any of some groups and lamps, in proportion to what each may send.
-    fn share_out(&self, children: &[Start], receiver: &Receiver, drawn: &mut [DrawnLamp]) -> usize {
+    /// The same for those that are drawn at any of some groups and sources, in proportion to what each may send.
+    fn share_out(&self, children: &[Start], receiver: &Receiver, drawn: &mut [Drawn]) -> usize {
         let sum: f64 = children.iter().map(|(bound, _)| bound).sum();
         let Some(last) = children.iter().rposition(|(bound, _)| *bound > 0.0) else { return 0 };
         let (mut first, mut kept, mut before) = (0, 0, 0.0);
         for (child, &(bound, below)) in children.iter().enumerate().filter(|(_, (bound, _))| *bound > 0.0) {
+            if first == drawn.len() {
+                break;
+            }
             // Those whose number falls in the share of this child.
             let share = bound / sum;
-            let is_here = |drawn: &DrawnLamp| drawn.rest < before + share || child == last;
+            let is_here = |drawn: &Drawn| drawn.rest < before + share || child == last;
             let count = drawn[first..].iter().take_while(|drawn| is_here(drawn)).count();
             let here = &mut drawn[first..first + count];
             for drawn in here.iter_mut() {
@@ -212,11 +226,11 @@ impl LampTree {
             }
             before += share;
 
-            // Down to their lamps; those without one stay behind.
+            // Down to their sources; those without one stay behind.
             let found = match below {
                 _ if count == 0 => continue,
-                Below::Lamp(lamp) => {
-                    here.iter_mut().for_each(|drawn| drawn.lamp = lamp);
+                Below::Source(number) => {
+                    here.iter_mut().for_each(|drawn| drawn.number = number);
                     count
                 }
                 Below::Node(index) => self.descend(index, receiver, here),
@@ -247,7 +261,7 @@ impl Node {
         }
 
         // The cosines at both ends, to the direction that suits best among those that differ by the child's radius as seen from the
-        // point, and at the lamps by the spread too.
+        // point, and at the sources by the spread too.
         let (mut sent, mut nearness_sq) = ([0.0; WIDTH], [0.0; WIDTH]);
         for k in 0..WIDTH {
             let far_sq = largest(distance_sq[k], self.radius_sq[k]);
@@ -255,8 +269,8 @@ impl Node {
             let half = (sin_sq_half.sqrt(), (1.0 - sin_sq_half).sqrt());
             let per_distance = 1.0 / far_sq.sqrt();
             let at_receiver = less(angle(to_receiver[k] * per_distance), half);
-            let at_lamps = less(less(angle(to_axis[k] * per_distance), half), (self.sin_spread[k], self.cos_spread[k]));
-            let cosines = largest(at_receiver.1 + SLACK, 0.0) * largest(at_lamps.1 + SLACK, 0.0);
+            let at_sources = less(less(angle(to_axis[k] * per_distance), half), (self.sin_spread[k], self.cos_spread[k]));
+            let cosines = largest(at_receiver.1 + SLACK, 0.0) * largest(at_sources.1 + SLACK, 0.0);
             let is_inside = distance_sq[k] <= self.radius_sq[k];
             sent[k] = self.power[k] * if is_inside { 1.0 } else { cosines } / far_sq;
             nearness_sq[k] = self.radius_sq[k] / largest(distance_sq[k], f32::MIN_POSITIVE);
@@ -283,12 +297,12 @@ fn less(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
 }
 
 /// Two halves along the longest axis of the centres.
-fn halves<'a>(scene: &Scene, lamps: &'a mut [SurfaceId]) -> (&'a mut [SurfaceId], &'a mut [SurfaceId]) {
-    let centre = |lamp: SurfaceId| scene.surface(lamp).polygon.bounds().centre();
-    let extent = Aabb::around(lamps.iter().map(|&lamp| centre(lamp))).extent();
+fn halves(sources: &mut [Source]) -> (&mut [Source], &mut [Source]) {
+    let extent = Aabb::around(sources.iter().map(|source| source.bounds.centre())).extent();
     let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
-    lamps.sort_unstable_by(|&a, &b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(&b)));
-    lamps.split_at_mut(lamps.len().div_ceil(2))
+    let place = |source: &Source| source.bounds.centre()[axis];
+    sources.sort_unstable_by(|a, b| place(a).total_cmp(&place(b)).then(a.number.cmp(&b.number)));
+    sources.split_at_mut(sources.len().div_ceil(2))
 }
 
 impl Default for Group {
@@ -298,11 +312,8 @@ impl Default for Group {
 }
 
 impl Group {
-    fn of_lamp(scene: &Scene, lamp: SurfaceId) -> Self {
-        let polygon = &scene.surface(lamp).polygon;
-        let brightest = scene.material_of(lamp).exitance.iter().copied().fold(0.0, f64::max);
-        let facet = polygon.facet();
-        Self { bounds: polygon.bounds(), axis: facet.normal, spread: 0.0, power: facet.area * brightest }
+    fn of(source: &Source) -> Self {
+        Self { bounds: source.bounds, axis: source.normal, spread: 0.0, power: source.power }
     }
 
     fn union(self, other: Self) -> Self {
