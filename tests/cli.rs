@@ -426,6 +426,7 @@ fn solve_writes_all_that_is_asked_for() {
         assert!(report["time_s"][stage].is_f64(), "{stage}: {report}");
     }
     assert_eq!((&report["schema"], &report["options"]["error"]), (&1.into(), &0.1.into()));
+    assert_eq!(report["options"]["expected_values"], 2, "the points are counted");
     assert_eq!((&report["scene"]["surfaces"], &report["scene"]["channels"]), (&7.into(), &3.into()));
     assert_eq!(report["threads"], 1);
 
