@@ -9,8 +9,9 @@ use std::time::Duration;
 use ::obvhs::{
     BvhBuildParams,
     aabb::Aabb,
-    bvh2::{Bvh2, builder::build_bvh2},
-    cwbvh::{CwBvh, builder::build_cwbvh},
+    bvh2::{Bvh2, builder::build_bvh2, reinsertion::ReinsertionOptimizer},
+    cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh},
+    ploc::PlocBuilder,
     ray::{Ray as TreeRay, RayHit},
 };
 use glam::Vec3A;
@@ -48,6 +49,17 @@ pub(super) struct Obvhs {
     surfaces: Vec<u32>,
 }
 
+/// What `obvhs::cwbvh::builder::build_cwbvh` makes, without its test of the tree in debug builds: that allows quantized boxes to stand out
+/// of their parents by 1e-5 in absolute terms, less than a rounding at [`HALF_SIDE`], and panics.
+fn wide_tree(boxes: &[Aabb], parameters: BvhBuildParams) -> CwBvh {
+    let BvhBuildParams { ploc_search_distance, sort_precision, search_depth_threshold, .. } = parameters;
+    let indices = (0..boxes.len() as u32).collect();
+    let mut narrow =
+        PlocBuilder::with_capacity(boxes.len()).build(ploc_search_distance, boxes, indices, sort_precision, search_depth_threshold);
+    ReinsertionOptimizer::default().run(&mut narrow, parameters.reinsertion_batch_ratio, None);
+    bvh2_to_cwbvh(&narrow, parameters.max_prims_per_leaf.clamp(1, 3), true, false)
+}
+
 impl Obvhs {
     pub(super) fn new(mesh: &OccluderMesh, tree: Tree) -> Self {
         let frame = RayFrame::new(mesh);
@@ -60,16 +72,15 @@ impl Obvhs {
             .map(|[a, b, c]| Aabb::new(a.min(*b).min(*c) - Vec3A::splat(PADDING), a.max(*b).max(*c) + Vec3A::splat(PADDING)))
             .collect();
         let parameters = BvhBuildParams::medium_build();
-        let mut time = Duration::ZERO;
         let (tree, order) = match tree {
             _ if boxes.is_empty() => (Built::Nothing, Vec::new()),
             Tree::Bvh2 => {
-                let mut bvh = build_bvh2(&boxes, parameters, &mut time);
+                let mut bvh = build_bvh2(&boxes, parameters, &mut Duration::ZERO);
                 let order = std::mem::take(&mut bvh.primitive_indices);
                 (Built::Bvh2(bvh), order)
             }
             Tree::CwBvh => {
-                let mut bvh = build_cwbvh(&boxes, parameters, &mut time);
+                let mut bvh = wide_tree(&boxes, parameters);
                 let order = std::mem::take(&mut bvh.primitive_indices);
                 (Built::CwBvh(bvh), order)
             }
