@@ -100,6 +100,7 @@ fn solve_in(
     run: &RunOptions,
     observer: &dyn Observer,
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
+    let start = Instant::now();
     let importance = InitialImportance::of(&options.importance, &scene, &*visibility)?;
     let rays = Rays::new(&*visibility, &scene);
     let rays = if options.skips.rays { rays } else { rays.asking_in_clear_scenes() };
@@ -107,10 +108,11 @@ fn solve_in(
     let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, importance, &rays, observer));
     let mut evaluator = Evaluator { solution, bounds: None, visibility, pool };
     if options.bounds == Bounds::Guaranteed {
-        let start = Instant::now();
-        let (bounds, bounds_report) = evaluator.bound(FormFactorRule::QuasiConcave);
+        let solved = Instant::now();
+        let late = || run.time_s.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds);
+        let (bounds, bounds_report) = evaluator.bound_until(FormFactorRule::QuasiConcave, &|| observer.cancelled() || late());
         (evaluator.bounds, report.bounds) = (Some(bounds), Some(bounds_report));
-        report.time_s.bounds += start.elapsed().as_secs_f64();
+        report.time_s.bounds += solved.elapsed().as_secs_f64();
     }
     Ok((evaluator, report))
 }
@@ -150,8 +152,15 @@ impl Evaluator {
     /// than of surfaces, so bounds are wide where these are linked. The links of the strategies of 1994 do not account for all
     /// pairs, so theirs prove nothing.
     pub fn bound(&self, rule: FormFactorRule) -> (RadiosityBounds, BoundsReport) {
-        let Solution { scene, hierarchy, links, .. } = &self.solution;
-        self.pool.install(|| bounds::bound_radiosities(&BoundsInput { scene, hierarchy, links, rule }))
+        self.bound_until(rule, &|| false)
+    }
+
+    /// Once `stop` says so, the rest is bounded as cheaply as can be.
+    fn bound_until(&self, rule: FormFactorRule, stop: &(dyn Fn() -> bool + Sync)) -> (RadiosityBounds, BoundsReport) {
+        let Solution { scene, hierarchy, links, radiosity, .. } = &self.solution;
+        let work = self.solution.options().bounds_work_of(scene.surfaces().len());
+        let input = BoundsInput { scene, hierarchy, links, radiosity: radiosity.values(), rule, work, stop };
+        self.pool.install(|| bounds::bound_radiosities(&input))
     }
 
     /// The range of the radiosities of every node over its centre and vertices, by light that travels once from the radiosities as they

@@ -18,7 +18,7 @@ use patchlight::bounds::{BoundsReport, Certainty, Evidence, FormFactorRule, Radi
 use patchlight::form_factor::point_form_factor;
 use patchlight::geometry::Polygon;
 use patchlight::pipeline::{self, Evaluator};
-use patchlight::progress::Silent;
+use patchlight::progress::{Observer, Silent};
 use patchlight::reconstruct::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
 use patchlight::solve::{Bounds, RunOptions, SolveOptions, SolveReport, Strategy};
@@ -435,31 +435,72 @@ fn what_a_default_run_links_is_bounded_too() {
     assert_eq!(report.certainty, Certainty::Guaranteed);
 }
 
-#[test]
-fn clusters_are_bounded_by_their_boxes() {
-    // More than sixty surfaces, so that clusters gather and emit: a furnace in which little but the sum of form factors is known.
-    let mut random = Random(8);
+/// A room with 27 boxes floating in it, so that clusters gather and emit; materials by the number of the box, that of the room being 27.
+fn room_of_boxes(mut material: impl FnMut(&mut Room, usize) -> u32) -> Scene {
     let mut room = Room::default();
-    let b0 = 1.5;
-    let material = |room: &mut Room, random: &mut Random| {
-        let rho = random.between(0.1, 0.8);
-        room.material(&[rho], &[(1.0 - rho) * b0])
-    };
-    room.cuboid([0.0; 3], straight(4.0, 4.0, 3.0), true, |room, _| material(room, &mut random));
+    room.cuboid([0.0; 3], straight(4.0, 4.0, 3.0), true, |room, _| material(room, 27));
     for k in 0..27 {
         let at = |digit: usize, step: f64| 0.4 + step * f64::from(digit as u8);
         let corner = [at(k % 3, 1.2), at(k / 3 % 3, 1.2), at(k / 9, 0.8)];
-        room.cuboid(corner, straight(0.2, 0.3, 0.25), false, |room, _| material(room, &mut random));
+        room.cuboid(corner, straight(0.2, 0.3, 0.25), false, |room, _| material(room, k));
     }
-    let scene = room.scene();
-    let (evaluator, _) = solve(scene, &SolveOptions { error: 0.2, ..SolveOptions::default() });
-    let (bounds, report) = evaluator.bound(FormFactorRule::QuasiConcave);
-    println!("{report:?}");
-    assert!(report.evidence.iter().any(|share| share.evidence == Evidence::Boxes && share.pairs > 0));
-    for node in evaluator.solution().hierarchy().ids() {
-        let (lower, upper) = (bounds.lower(node)[0], bounds.upper(node)[0]);
-        assert!(lower <= b0 * (1.0 + 1e-12) && b0 <= upper * (1.0 + 1e-12), "{node:?}: [{lower}, {upper}]");
+    room.scene()
+}
+
+#[test]
+fn clusters_are_bounded_by_their_boxes() {
+    // A furnace, in which little but the sum of form factors is known. Whoever has no time has bounds all the same.
+    let (mut random, b0) = (Random(8), 1.5);
+    let scene = room_of_boxes(|room, _| {
+        let rho = random.between(0.1, 0.8);
+        room.material(&[rho], &[(1.0 - rho) * b0])
+    });
+    struct Hurry(bool);
+    impl Observer for Hurry {
+        fn cancelled(&self) -> bool {
+            self.0
+        }
     }
+    for hurry in [false, true] {
+        let options = SolveOptions { error: 0.2, bounds: Bounds::Guaranteed, ..SolveOptions::default() };
+        let (evaluator, report) = pipeline::solve(scene.clone(), &options, &RunOptions::default(), &Hurry(hurry)).unwrap();
+        let (bounds, found) = (evaluator.bounds().unwrap(), bounds_of(&report));
+        assert_eq!(found.certainty, Certainty::Guaranteed);
+        assert!(hurry || found.evidence.iter().any(|share| share.evidence == Evidence::Boxes && share.pairs > 0));
+        for node in evaluator.solution().hierarchy().ids() {
+            let (lower, upper) = (bounds.lower(node)[0], bounds.upper(node)[0]);
+            assert!(lower <= b0 * (1.0 + 1e-12) && b0 <= upper * (1.0 + 1e-12), "{node:?}: [{lower}, {upper}]");
+        }
+    }
+}
+
+#[test]
+fn the_more_work_the_narrower_the_bounds_of_clusters() {
+    let scene = room_of_boxes(|room, k| if k == 13 { room.material(&[0.0], &[1.0]) } else { room.material(&[0.5], &[0.0]) });
+    let points: Vec<_> = points_of(&scene, 300, &mut Random(9)).into_iter().map(|(point, _)| point).collect();
+    let mut powers: Vec<[f64; 2]> = Vec::new();
+    for work in [0, 1000, 10_000, u64::MAX] {
+        let options = SolveOptions { error: 0.02, bounds: Bounds::Guaranteed, bounds_work: Some(work), ..SolveOptions::default() };
+        let (evaluator, report) = bounded(scene.clone(), &options);
+        let found = bounds_of(&report);
+        let boxes = found.evidence.iter().find(|share| share.evidence == Evidence::Boxes).map_or(0, |share| share.pairs);
+        println!("work {work}: {boxes} pairs of boxes, {:?}", found.channels);
+        assert_eq!(boxes == 0, work == u64::MAX);
+        powers.push([found.channels[0].lower_power, found.channels[0].upper_power]);
+
+        // What paths of light find does not know of the bounds, but for values being kept within them at last.
+        let options = SolveOptions { bounds: Bounds::Estimate, ..options };
+        let (free, _) = solve(scene.clone(), &options);
+        let (values, bounds) = (values(&free, &points), evaluator.bounds_at(&points).unwrap());
+        let size = (values.iter().map(|b| b * b).sum::<f64>() / values.len() as f64).sqrt();
+        for (value, (lower, upper)) in values.iter().zip(bounds.lower.iter().zip(&bounds.upper)) {
+            let (lower, upper) = (f64::from(*lower) - 0.2 * size, f64::from(*upper) + 0.2 * size);
+            assert!((lower..=upper).contains(value), "{value} is not in [{lower}, {upper}]");
+        }
+    }
+    println!("{powers:?}");
+    assert!(powers.windows(2).all(|pair| pair[0][0] < pair[1][0] && pair[1][1] < pair[0][1]), "{powers:?}");
+    assert!(powers[3][1] < 0.5 * powers[0][1]);
 }
 
 #[test]

@@ -14,6 +14,7 @@
 
 use rayon::prelude::*;
 
+use super::pouring::Pouring;
 use super::system::{Iterate, System};
 
 /// The change of a sweep that ends the iteration of importance, as a part of all of it.
@@ -79,16 +80,19 @@ pub(super) fn attribute(system: &System<'_>, iterate: &Iterate, initial: &[f64])
 
 /// The rows of all leaves that reflect.
 fn rows(system: &System<'_>, iterate: &Iterate, channel: usize) -> Vec<Row> {
+    let mut pouring = Pouring::new(system, channel);
+    pouring.look_at(iterate);
     let reflecting: Vec<_> = system.leaves.iter().filter(|leaf| leaf.reflectance[channel] > 0.0).collect();
     let row = |leaf: &&super::system::Leaf<'_>| {
+        // All get the least, and some of them more.
         let mut entries = Vec::new();
-        system.for_each_entry(leaf.node, |index| entries.push(index));
+        system.for_each_list(leaf.node, |list| entries.extend(list.map(|entry| entry as u32)));
         entries.sort_unstable();
-        let mut shares: Vec<Share> = entries.iter().map(|&entry| Share { entry, form_factor: [0.0; 2] }).collect();
-        let places = entries.clone();
-        system.pour(&mut entries, leaf.enclosed, channel, iterate, |side, entry, form_factor| {
-            if let Ok(place) = places.binary_search(&entry) {
-                shares[place].form_factor[side] = form_factor;
+        let least = |&entry: &u32| Share { entry, form_factor: [system.entries[entry as usize].lower; 2] };
+        let mut shares: Vec<Share> = entries.iter().map(least).collect();
+        pouring.pour(leaf.node, leaf.enclosed, iterate, |side, entry, more| {
+            if let Ok(place) = entries.binary_search(&entry) {
+                shares[place].form_factor[side as usize] += more;
             }
         });
         Row { node: leaf.node as usize, reflectance: leaf.reflectance[channel], shares }

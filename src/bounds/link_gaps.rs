@@ -8,8 +8,9 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::attribution::attribute;
+use super::bounded_pairs::{BoundedPair, bounds_in_time, unlinked_pairs};
 use super::pair::PairBounds;
-use super::radiosity_bounds::{BoundedPair, MOST_SWEEPS, SWEEP_TOLERANCE, system, unlinked_pairs};
+use super::radiosity_bounds::{MOST_SWEEPS, SWEEP_TOLERANCE, system};
 use super::{BoundsInput, Evidence, FormFactorBounds};
 use crate::hierarchy::NodeId;
 
@@ -46,7 +47,7 @@ pub(crate) fn link_gaps(input: &BoundsInput<'_>, known: &mut KnownPairs, initial
     let pair_bounds = PairBounds::new(input.scene, input.hierarchy, input.rule);
     let bound = |(receiver, source): (NodeId, NodeId)| {
         let found = known.0.get(&(receiver, source)).copied();
-        (receiver, source, found.unwrap_or_else(|| pair_bounds.bounds(receiver, source)))
+        (receiver, source, found.unwrap_or_else(|| bounds_in_time(input, &pair_bounds, receiver, source)))
     };
     let linked: Vec<(NodeId, NodeId)> = input.links.iter().map(|(receiver, link)| (receiver, link.source)).collect();
     let mut pairs: Vec<BoundedPair> = linked.into_par_iter().with_min_len(64).map(bound).collect();
@@ -56,7 +57,7 @@ pub(crate) fn link_gaps(input: &BoundsInput<'_>, known: &mut KnownPairs, initial
 
     // Both systems, and what each pair adds to the gap between them.
     let system = system(input, &pairs);
-    let (iterate, _) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS);
+    let (iterate, _) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
     let shares = attribute(&system, &iterate, initial);
     let of_source =
         |values: &[f64], source: NodeId| -> f64 { values[source.index() * system.channels..][..system.channels].iter().sum() };

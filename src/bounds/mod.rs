@@ -21,6 +21,7 @@
 
 mod attribution;
 mod blockers;
+mod bounded_pairs;
 mod enclosure;
 mod held_back;
 mod link_gaps;
@@ -28,19 +29,23 @@ mod overlap;
 mod pair;
 mod picture;
 mod point_bounds;
+mod pouring;
 mod radiosity_bounds;
 mod ranges;
 mod shadow;
 mod system;
+mod worst_first;
 
 use serde::Serialize;
 
-pub(crate) use held_back::{HeldBackInput, bound_held_back};
+pub(crate) use held_back::bound_held_back;
 pub(crate) use link_gaps::{KnownPairs, LinkGap, LinkGaps, link_gaps};
 pub use point_bounds::PointBounds;
 pub(crate) use radiosity_bounds::{BoundsInput, bound_radiosities};
 pub use radiosity_bounds::{BoundsReport, ChannelError, EvidenceShare, RadiosityBounds};
 pub(crate) use ranges::estimate_ranges;
+
+pub(crate) use worst_first::Light;
 
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::Scene;

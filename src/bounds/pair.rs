@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::blockers::{Blockers, Sight, Views};
 use super::{Certainty, Evidence, FormFactorBounds, FormFactorRule};
-use crate::form_factor::{bound_unoccluded, centre_and_vertices, point_to_polygon};
+use crate::form_factor::{Search, bound_unoccluded, centre_and_vertices, point_to_polygon};
 use crate::geometry::{Aabb, ClippedFacet, Cone};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
@@ -16,6 +16,7 @@ pub(crate) struct PairBounds<'a> {
     scene: &'a Scene,
     hierarchy: &'a Hierarchy,
     rule: FormFactorRule,
+    search: Search,
     blockers: Blockers<'a>,
     /// Which way the faces of each cluster look.
     cones: Vec<Cone>,
@@ -23,7 +24,13 @@ pub(crate) struct PairBounds<'a> {
 
 impl<'a> PairBounds<'a> {
     pub fn new(scene: &'a Scene, hierarchy: &'a Hierarchy, rule: FormFactorRule) -> Self {
-        Self { scene, hierarchy, rule, blockers: Blockers::new(scene, hierarchy), cones: cones_of_clusters(hierarchy) }
+        let (blockers, cones) = (Blockers::new(scene, hierarchy), cones_of_clusters(hierarchy));
+        Self { scene, hierarchy, rule, search: Search::CLOSE, blockers, cones }
+    }
+
+    /// The same, for so many pairs that each can have little time.
+    pub fn fairly(self) -> Self {
+        Self { search: Search::FAIR, ..self }
     }
 
     /// The pair with everything that can be proved about it.
@@ -46,7 +53,7 @@ impl<'a> PairBounds<'a> {
     fn proved(&self, receiver: NodeId, source: NodeId) -> FormFactorBounds {
         // Unoccluded it is between these; so if nothing can arrive, nothing can be in the way.
         let (receiver_facet, source_facet) = (self.hierarchy.facet(receiver), self.hierarchy.facet(source));
-        let [least, most] = bound_unoccluded(&receiver_facet, &source_facet);
+        let [least, most] = bound_unoccluded(&receiver_facet, &source_facet, self.search);
         if most == 0.0 {
             return FormFactorBounds::guaranteed(0.0, 0.0, Evidence::Sight);
         }
@@ -54,7 +61,7 @@ impl<'a> PairBounds<'a> {
             Sight::Whole => FormFactorBounds::guaranteed(least, most, Evidence::Sight),
             Sight::Partial { certain, possible, shadowed } => {
                 let sum = |pieces: &[ClippedFacet], end: usize| {
-                    pieces.iter().map(|piece| bound_unoccluded(&receiver_facet, &piece.facet())[end]).sum::<f64>()
+                    pieces.iter().map(|piece| bound_unoccluded(&receiver_facet, &piece.facet(), self.search)[end]).sum::<f64>()
                 };
                 let lower = sum(&certain, 0).min(most);
                 let upper = sum(&possible, 1).min(most).max(lower);
@@ -97,6 +104,22 @@ impl<'a> PairBounds<'a> {
         }
     }
 
+    /// What a pair transfers at most, whatever is in the way, by what takes little time.
+    pub fn upper_quickly(&self, receiver: NodeId, source: NodeId) -> f64 {
+        let by_boxes = self.upper_of_boxes(receiver, source);
+        if by_boxes == 0.0 || self.hierarchy.is_cluster(receiver) || self.hierarchy.is_cluster(source) {
+            return by_boxes;
+        }
+        by_boxes.min(bound_unoccluded(&self.hierarchy.facet(receiver), &self.hierarchy.facet(source), Search::QUICK)[1])
+    }
+
+    /// The pair with what is known of it whatever is in the way: cheap.
+    pub fn bounds_unoccluded(&self, receiver: NodeId, source: NodeId) -> FormFactorBounds {
+        let has_cluster = self.hierarchy.is_cluster(receiver) || self.hierarchy.is_cluster(source);
+        let evidence = if has_cluster { Evidence::Boxes } else { Evidence::Unproved };
+        FormFactorBounds::guaranteed(0.0, self.upper_quickly(receiver, source), evidence)
+    }
+
     /// What a pair transfers at most, whatever is in the way: cheap, for pairs without a link.
     pub fn upper_unlinked(&self, receiver: NodeId, source: NodeId) -> f64 {
         let plane = |surface| self.scene.surface(surface).plane;
@@ -106,7 +129,7 @@ impl<'a> PairBounds<'a> {
         } else if self.hierarchy.is_cluster(receiver) || self.hierarchy.is_cluster(source) {
             self.upper_of_boxes(receiver, source)
         } else {
-            bound_unoccluded(&self.hierarchy.facet(receiver), &self.hierarchy.facet(source))[1]
+            bound_unoccluded(&self.hierarchy.facet(receiver), &self.hierarchy.facet(source), self.search)[1]
         }
     }
 

@@ -3,13 +3,13 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::bounded_pairs::{BoundedPair, bounded_pairs};
 use super::enclosure::Enclosure;
 use super::overlap::has_overlap;
-use super::pair::PairBounds;
 use super::system::{Entry, Iterate, Leaf, System};
 use super::{Certainty, Evidence, FormFactorBounds, FormFactorRule};
 use crate::hierarchy::{Hierarchy, NodeId};
-use crate::links::{LinkSet, Pair};
+use crate::links::LinkSet;
 use crate::scene::{Scene, SurfaceId};
 
 /// Sweeps end when they change bounds by less than this part of the widest gap.
@@ -18,18 +18,18 @@ pub(super) const SWEEP_TOLERANCE: f64 = 1e-3;
 /// Enough for a reflectance of 0.99 to come within the tolerance.
 pub(super) const MOST_SWEEPS: u32 = 1000;
 
-/// Links are bounded leaf by leaf while that makes no more pairs than this, or than there are links.
-const MOST_LINKED: usize = 2_000_000;
-
-/// Pairs without a link are taken apart into so many, or as many as there are links.
-const LEAST_UNLINKED: usize = 100_000;
-
 /// What is bounded.
 pub(crate) struct BoundsInput<'a> {
     pub scene: &'a Scene,
     pub hierarchy: &'a Hierarchy,
     pub links: &'a LinkSet,
+    /// As the links carry it: says which pairs are worth a closer look.
+    pub radiosity: &'a [f64],
     pub rule: FormFactorRule,
+    /// See [`SolveOptions::bounds_work`](crate::solve::SolveOptions::bounds_work).
+    pub work: u64,
+    /// Once it says so, what follows is bounded as cheaply as can be.
+    pub stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// Lower and upper radiosities of every node: they hold at every point of it.
@@ -109,81 +109,12 @@ pub struct BoundsReport {
 
 /// Bounds every node. In the current rayon pool; the same for any number of threads.
 pub(crate) fn bound_radiosities(input: &BoundsInput<'_>) -> (RadiosityBounds, BoundsReport) {
-    // Form factors: of links with all that can be proved, of pairs without one cheaply.
-    let pair_bounds = PairBounds::new(input.scene, input.hierarchy, input.rule);
-    let mut pairs = linked_pairs(input, &pair_bounds);
-    pairs.extend(unlinked_pairs(input, &pair_bounds));
-    pairs.sort_by_key(|(receiver, source, _)| (*receiver, *source));
-
-    // Both systems.
+    let pairs = bounded_pairs(input);
     let system = system(input, &pairs);
-    let (iterate, sweeps) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS);
+    let (iterate, sweeps) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
     let report = report(input, &system, &pairs, &iterate, sweeps);
     let Iterate { lower, upper } = iterate;
     (RadiosityBounds { channels: input.scene.channels(), lower, upper }, report)
-}
-
-/// A receiver, a source, and what their form factor is at least and at most.
-pub(super) type BoundedPair = (NodeId, NodeId, FormFactorBounds);
-
-/// What each leaf gathers over its links and those above it, each bounded for the leaf itself: a smaller receiver than the link's
-/// leaves less open. Where that makes too many pairs, links are bounded as they are.
-fn linked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<BoundedPair> {
-    let BoundsInput { hierarchy, links, .. } = *input;
-    let mut at_leaves = Vec::new();
-    'leaves: for leaf in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
-        let mut above = Some(leaf);
-        while let Some(node) = above {
-            at_leaves.extend(links.of(node).iter().map(|link| (leaf, link.source)));
-            if at_leaves.len() > MOST_LINKED.max(links.len()) {
-                break 'leaves;
-            }
-            above = hierarchy.parent(node);
-        }
-    }
-    let pairs = if at_leaves.len() > MOST_LINKED.max(links.len()) {
-        links.iter().map(|(receiver, link)| (receiver, link.source)).collect()
-    } else {
-        at_leaves
-    };
-    let bound = |&(receiver, source): &(NodeId, NodeId)| (receiver, source, pair_bounds.bounds(receiver, source));
-    pairs.par_iter().with_min_len(64).map(bound).collect()
-}
-
-/// Dormant pairs, and those of which no ray arrived: they may carry what they can, and need not carry anything.
-///
-/// Clusters are taken apart: most of their surfaces cannot see each other at all. Where that makes too many pairs, the rest stay
-/// whole.
-pub(super) fn unlinked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<BoundedPair> {
-    let BoundsInput { scene, hierarchy, links, .. } = *input;
-    let most = LEAST_UNLINKED.max(links.len());
-    let mut waiting: Vec<Pair> = links.dormant().iter().chain(links.unseen()).copied().collect();
-    let mut found = Vec::new();
-    while let Some(pair) = waiting.pop() {
-        let is_black = |surface| scene.material_of(surface).reflectance.iter().all(|&rho| rho == 0.0);
-        if hierarchy.surface_of(pair.receiver).is_some_and(is_black) {
-            continue;
-        }
-        let upper = pair_bounds.upper_unlinked(pair.receiver, pair.source);
-        if upper == 0.0 {
-            continue;
-        }
-        let receiver_is_larger = hierarchy.area(pair.receiver) >= hierarchy.area(pair.source);
-        match (hierarchy.is_cluster(pair.receiver), hierarchy.is_cluster(pair.source)) {
-            _ if waiting.len() + found.len() >= most => {}
-            (true, source) if receiver_is_larger || !source => {
-                waiting.extend(hierarchy.children(pair.receiver).map(|receiver| Pair { receiver, ..pair }));
-                continue;
-            }
-            (_, true) => {
-                waiting.extend(hierarchy.children(pair.source).map(|source| Pair { source, ..pair }));
-                continue;
-            }
-            _ => {}
-        }
-        found.push((pair.receiver, pair.source, FormFactorBounds::guaranteed(0.0, upper, Evidence::Unlinked)));
-    }
-    found
 }
 
 pub(super) fn system<'a>(input: &BoundsInput<'a>, pairs: &[BoundedPair]) -> System<'a> {

@@ -8,14 +8,17 @@
 //! B(x) >= E + rho min { sum F_j L_j : l_j <= F_j <= u_j, sum F_j = 1 }        where x sees fronts alone, else sum l_j L_j
 //! ```
 //!
-//! Each is a linear program that is solved by pouring: everyone gets the least, and what is left of 1 goes to the brightest (the
-//! dimmest) up to their most. Both right sides grow with U and L. So from `U = E_max / (1 - rho_max)`, which is true, every sweep
+//! Each is a linear program that is solved by pouring (`pouring`). Both right sides grow with U and L. So from `U = E_max / (1 - rho_max)`, which is true, every sweep
 //! gives something true and no larger, and from `L = E` something true and no smaller: one may stop at any time. (Lischinski 1994,
 //! equation 5.3, starts the upper system from E, where only the limit is a bound, and pours without the l_j.)
 //!
 //! A leaf gathers over its own entries and those of all its ancestors; an inner source stands for its brightest (its dimmest) leaf.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
+
+use super::pouring::Pouring;
 
 /// What a node may gather from one source.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +58,7 @@ pub(super) struct Iterate {
 }
 
 /// Widens what a sum of this many terms gives, by all its roundings and one more for each step.
-fn rounding(terms: usize) -> f64 {
+pub(super) fn rounding(terms: usize) -> f64 {
     f64::EPSILON * (terms as f64 + 8.0)
 }
 
@@ -79,14 +82,14 @@ impl System<'_> {
         iterate
     }
 
-    /// Sweeps until the gap is `tolerance` of itself near what it can become, or so often; returns the bounds and the number of
+    /// Sweeps until the gap is `tolerance` of itself near what it can become, so often, or until `stop`; returns the bounds and the number of
     /// sweeps.
-    pub fn solve(&self, tolerance: f64, most_sweeps: u32) -> (Iterate, u32) {
-        let mut iterate = self.trivial();
+    pub fn solve(&self, tolerance: f64, most_sweeps: u32, stop: &dyn Fn() -> bool) -> (Iterate, u32) {
+        let (mut iterate, mut pourings) = (self.trivial(), self.pourings());
         for sweep in 1..=most_sweeps {
-            let change = self.sweep(&mut iterate);
+            let change = self.sweep(&mut iterate, &mut pourings);
             let gap = iterate.upper.iter().zip(&iterate.lower).map(|(upper, lower)| upper - lower).fold(0.0, f64::max);
-            if change <= tolerance * gap {
+            if change <= tolerance * gap || stop() {
                 return (iterate, sweep);
             }
         }
@@ -94,19 +97,15 @@ impl System<'_> {
     }
 
     /// Takes every leaf's bounds anew from those of all others; returns the largest change. Bounds never get wider.
-    pub fn sweep(&self, iterate: &mut Iterate) -> f64 {
+    pub fn sweep(&self, iterate: &mut Iterate, pourings: &mut [Pouring<'_, '_>]) -> f64 {
+        pourings.iter_mut().for_each(|pouring| pouring.look_at(iterate));
         let channels = self.channels;
         let mut found = vec![[0.0; 2]; channels * self.leaves.len()];
-        found.par_chunks_mut(channels).zip(&self.leaves).for_each_init(Vec::new, |entries, (found, leaf)| {
-            entries.clear();
-            self.for_each_entry(leaf.node, |index| entries.push(index));
+        found.par_chunks_mut(channels).with_min_len(64).zip(&self.leaves).for_each(|(found, leaf)| {
             for (channel, found) in found.iter_mut().enumerate() {
                 let rho = leaf.reflectance[channel];
-                let reflected = if rho > 0.0 {
-                    self.pour(entries, leaf.enclosed, channel, iterate, |_, _, _| {}).map(|h| rho * h)
-                } else {
-                    [0.0; 2]
-                };
+                let pour = || pourings[channel].pour(leaf.node, leaf.enclosed, iterate, |_, _, _| {});
+                let reflected = if rho > 0.0 { pour().map(|h| rho * h) } else { [0.0; 2] };
                 *found = reflected.map(|reflected| leaf.exitance[channel] + reflected);
             }
         });
@@ -123,12 +122,17 @@ impl System<'_> {
         change
     }
 
-    /// Visits the entries, by index, of a node and all its ancestors.
-    pub fn for_each_entry(&self, node: u32, mut visit: impl FnMut(u32)) {
-        let mut node = node;
+    /// What is poured in a sweep, channel by channel.
+    pub fn pourings(&self) -> Vec<Pouring<'_, '_>> {
+        (0..self.channels).map(|channel| Pouring::new(self, channel)).collect()
+    }
+
+    /// Visits the entries of a node, then those of all its ancestors, as ranges of indices.
+    pub fn for_each_list(&self, node: u32, mut visit: impl FnMut(Range<usize>)) {
+        let mut node = node as usize;
         loop {
-            (self.starts[node as usize]..self.starts[node as usize + 1]).for_each(&mut visit);
-            let parent = self.parents[node as usize];
+            visit(self.starts[node] as usize..self.starts[node + 1] as usize);
+            let parent = self.parents[node] as usize;
             if parent == node {
                 return;
             }
@@ -136,55 +140,9 @@ impl System<'_> {
         }
     }
 
-    /// The least and the most irradiance over these entries, given by index. Visits the form factor that each gets, side (0 for the
-    /// least, 1 for the most) by side.
-    pub fn pour(
-        &self,
-        entries: &mut [u32],
-        enclosed: bool,
-        channel: usize,
-        iterate: &Iterate,
-        mut visit: impl FnMut(usize, u32, f64),
-    ) -> [f64; 2] {
-        let of = |values: &[f64], index: u32| values[self.entry(index).source as usize * self.channels + channel];
-        let widened = rounding(entries.len());
-        let left = (1.0 - entries.iter().map(|&index| self.entry(index).lower).sum::<f64>()).max(0.0) + widened;
-        let mut poured = |side: usize, entries: &[u32], values: &[f64], left: f64| {
-            let (mut sum, mut left) = (0.0, left);
-            for &index in entries {
-                let entry = self.entry(index);
-                let more = (entry.upper - entry.lower).min(left);
-                left -= more;
-                sum += (entry.lower + more) * of(values, index);
-                visit(side, index, entry.lower + more);
-            }
-            sum
-        };
-        let in_order = |a: &u32, b: &u32| {
-            let (a, b) = (self.entry(*a), self.entry(*b));
-            a.source.cmp(&b.source).then(a.lower.total_cmp(&b.lower))
-        };
-
-        // The most: what is left goes to the brightest. If it is enough for all, their order does not matter.
-        if entries.iter().map(|&index| self.entry(index).upper - self.entry(index).lower).sum::<f64>() > left {
-            let brightest_first = |a: &u32, b: &u32| of(&iterate.upper, *b).total_cmp(&of(&iterate.upper, *a));
-            entries.sort_unstable_by(|a, b| brightest_first(a, b).then(in_order(a, b)));
-        }
-        let most = poured(1, entries, &iterate.upper, left) * (1.0 + widened);
-
-        // The least: what is left is lost, or goes to the dimmest.
-        let least = if enclosed {
-            let dimmest_first = |a: &u32, b: &u32| of(&iterate.lower, *a).total_cmp(&of(&iterate.lower, *b));
-            entries.sort_unstable_by(|a, b| dimmest_first(a, b).then(in_order(a, b)));
-            poured(0, entries, &iterate.lower, (left - 2.0 * widened).max(0.0))
-        } else {
-            poured(0, entries, &iterate.lower, 0.0)
-        };
-        [least * (1.0 - widened), most]
-    }
-
-    fn entry(&self, index: u32) -> &Entry {
-        &self.entries[index as usize]
+    /// Of an entry's source.
+    pub fn radiosity(&self, values: &[f64], entry: u32, channel: usize) -> f64 {
+        values[self.entries[entry as usize].source as usize * self.channels + channel]
     }
 
     /// Inner nodes take the extremes of their leaves.

@@ -18,7 +18,7 @@
 //!   least 4/9 of the area (Gruenbaum 1960). What is left is bounded directly: by its kernel, by Taylor's formula, by the lune
 //!   between both planes.
 //!
-//! All numbers are widened by what rounding may do. Cost: a few looks where a vertex is the best, at most [`MAX_LOOKS`] and a walk
+//! All numbers are widened by what rounding may do. Cost: a few looks where a vertex is the best, at most [`Search::looks`] and a walk
 //! over parts of the source for each; slivers near each other cost most.
 
 use std::f64::consts::PI;
@@ -29,8 +29,24 @@ use super::gradient::{PointFactor, point_factor};
 use super::lambert::point_to_polygon;
 use crate::geometry::{Clip, ClippedFacet, Facet, clip_to_front, halves, plane_noise};
 
-/// So many points of the receiver are looked at in search of the largest.
-const MAX_LOOKS: u32 = 40;
+/// How closely the largest is searched for.
+#[derive(Clone, Copy)]
+pub(crate) struct Search {
+    /// So many points of the receiver are looked at where no vertex is the best.
+    looks: u32,
+    /// So many triangles of the source are bounded for each, at most: a sliver beside a small part would take millions. Whole they are
+    /// bounded, too, only less tightly.
+    triangles: u32,
+}
+
+impl Search {
+    /// As tight as can be.
+    pub const CLOSE: Self = Self { looks: 40, triangles: 1 << 12 };
+    /// Where many pairs count, each a little: a sixth of the time, looser for polygons beside each other.
+    pub const FAIR: Self = Self { looks: 10, triangles: 1 << 8 };
+    /// To tell which pairs to look at.
+    pub const QUICK: Self = Self { looks: 2, triangles: 1 << 4 };
+}
 
 /// A slope must exceed its rounding so many times to tell which way is up.
 const LEAST_SLOPE: f64 = 16.0;
@@ -49,7 +65,7 @@ const STEP_INWARD: f64 = 1.0 / (1 << 20) as f64;
 const CONTACT_OF_SIZE: f64 = 1e-12;
 
 /// The least and the largest form factor from a point of the interior of `receiver` to `source`, if nothing is in between.
-pub(crate) fn bound_unoccluded(receiver: &Facet<'_>, source: &Facet<'_>) -> [f64; 2] {
+pub(crate) fn bound_unoccluded(receiver: &Facet<'_>, source: &Facet<'_>, search: Search) -> [f64; 2] {
     // Only what is above the receiver's horizon counts, and it is the same for all its points.
     let source_part = clip_to_front(source, receiver.centroid, receiver.normal);
     let source = match &source_part {
@@ -61,9 +77,9 @@ pub(crate) fn bound_unoccluded(receiver: &Facet<'_>, source: &Facet<'_>) -> [f64
         Clip::Nothing => [0.0, 0.0],
         Clip::Whole => {
             let least = lower(receiver, &source);
-            [least, upper(receiver, &source, least).max(least)]
+            [least, upper(receiver, &source, least, search).max(least)]
         }
-        Clip::Part(part) => [0.0, upper(&part.facet(), &source, 0.0)],
+        Clip::Part(part) => [0.0, upper(&part.facet(), &source, 0.0, search)],
     }
 }
 
@@ -105,13 +121,12 @@ fn touches(source: &Facet<'_>, vertex: DVec3, size: f64) -> bool {
 }
 
 /// The largest over the receiver, all of which is in front of the source; the least is known.
-fn upper(receiver: &Facet<'_>, source: &Facet<'_>, least: f64) -> f64 {
+fn upper(receiver: &Facet<'_>, source: &Facet<'_>, least: f64, search: Search) -> f64 {
     let mut touching = receiver.vertices.iter().filter(|&&vertex| touches(source, vertex, receiver.radius));
     match (touching.next(), touching.next()) {
-        (Some(&corner), None) => {
-            upper_around_corner(receiver, source, corner, least).unwrap_or_else(|| searched_upper(receiver, source, least))
-        }
-        _ => searched_upper(receiver, source, least),
+        (Some(&corner), None) => upper_around_corner(receiver, source, corner, least, search)
+            .unwrap_or_else(|| searched_upper(receiver, source, least, search)),
+        _ => searched_upper(receiver, source, least, search),
     }
 }
 
@@ -121,7 +136,7 @@ fn upper(receiver: &Facet<'_>, source: &Facet<'_>, least: f64) -> f64 {
 /// leaves the corner. So the largest over the receiver is at most the largest of C over a part that all these rays pass through,
 /// and no less either, as P looks more and more like C on the way to the corner. Of C the part up to a distance K is taken; what is
 /// beyond adds less than `d Integral of 16 / r^2 dr = 16 d / K` where the part is no farther than d and `K >= 2 d`.
-fn upper_around_corner(receiver: &Facet<'_>, source: &Facet<'_>, corner: DVec3, least: f64) -> Option<f64> {
+fn upper_around_corner(receiver: &Facet<'_>, source: &Facet<'_>, corner: DVec3, least: f64, search: Search) -> Option<f64> {
     let neighbours = |polygon: &Facet<'_>| {
         let nearest = |&k: &usize| polygon.vertices[k].distance_squared(corner);
         let (count, at) = (polygon.vertices.len(), (0..polygon.vertices.len()).min_by(|a, b| nearest(a).total_cmp(&nearest(b)))?);
@@ -143,14 +158,16 @@ fn upper_around_corner(receiver: &Facet<'_>, source: &Facet<'_>, corner: DVec3, 
     let foot = (-ends[0].dot(chord) / chord.length_squared()).clamp(0.0, 1.0);
     let cut_at = (ends[0] + foot * chord).length();
     let is_wide = cone.area > 0.0 && cut_at >= 2.0 * reach;
-    is_wide.then(|| (searched_upper(&part.facet(), &cone, least) + 16.0 * reach / cut_at).min(lune(receiver.normal, source.normal)))
+    is_wide.then(|| {
+        (searched_upper(&part.facet(), &cone, least, search) + 16.0 * reach / cut_at).min(lune(receiver.normal, source.normal))
+    })
 }
 
 /// A cone is followed so many times as far as the part of the receiver reaches that looks at it.
 const CONE_LENGTH: f64 = 1e5;
 
 /// The same by search.
-fn searched_upper(receiver: &Facet<'_>, source: &Facet<'_>, least: f64) -> f64 {
+fn searched_upper(receiver: &Facet<'_>, source: &Facet<'_>, least: f64, search: Search) -> f64 {
     let lune = lune(receiver.normal, source.normal);
     let look = |x| point_factor(x, receiver.normal, source.vertices);
     let most_of = |factor: &PointFactor| factor.value + factor.value_noise;
@@ -176,9 +193,9 @@ fn searched_upper(receiver: &Facet<'_>, source: &Facet<'_>, least: f64) -> f64 {
     }
 
     // Parts of the receiver that may hold the largest, each with a bound: look at the middle of the one with the highest.
-    let cap = Cap { source, normal: receiver.normal, lune };
+    let cap = Cap { source, normal: receiver.normal, lune, most_triangles: search.triangles };
     let mut parts = vec![(lune, ClippedFacet::copy_of(receiver))];
-    for _ in 0..MAX_LOOKS {
+    for _ in 0..search.looks {
         let Some(highest) = (0..parts.len()).max_by(|&a, &b| parts[a].0.total_cmp(&parts[b].0)) else { break };
         if parts[highest].0 <= best + GOOD_ENOUGH * (best - least) {
             break;
@@ -239,6 +256,7 @@ struct Cap<'a> {
     source: &'a Facet<'a>,
     normal: DVec3,
     lune: f64,
+    most_triangles: u32,
 }
 
 /// Sums over triangles of the source, each with what bounds its distance.
@@ -254,10 +272,6 @@ struct CapSums {
 impl Cap<'_> {
     /// Triangles of the source that are near are quartered so often.
     const MAX_QUARTERINGS: u32 = 20;
-
-    /// No more triangles than this are looked at: a sliver beside a small part would take millions. Whole they are bounded, too, only
-    /// less tightly.
-    const MAX_TRIANGLES: u32 = 1 << 12;
 
     /// A bound over `part`, at whose centroid the form factor is `middle`.
     fn over(&self, part: &Facet<'_>, middle: &PointFactor) -> f64 {
@@ -285,7 +299,7 @@ impl Cap<'_> {
         let radius = triangle.iter().map(|v| v.distance(centroid)).fold(0.0, f64::max);
         let distance = part.centroid.distance(centroid) * (1.0 - 4.0 * f64::EPSILON) - radius - part.radius;
         sums.triangles += 1;
-        let may_quarter = quarterings < Self::MAX_QUARTERINGS && sums.triangles < Self::MAX_TRIANGLES;
+        let may_quarter = quarterings < Self::MAX_QUARTERINGS && sums.triangles < self.most_triangles;
         if may_quarter && distance < 4.0 * radius && radius > part.radius {
             let (ab, bc, ca) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));
             for quarter in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {

@@ -13,7 +13,7 @@ mod quadrature;
 use crate::geometry::Polygon;
 
 use bounds::estimate_unoccluded_range;
-pub(crate) use bounds::{bound_unoccluded, centre_and_vertices};
+pub(crate) use bounds::{Search, bound_unoccluded, centre_and_vertices};
 pub(crate) use exact::exact_exchange;
 pub(crate) use lambert::{kernel, point_to_polygon};
 pub(crate) use quadrature::{estimate_exchange, sided_exchange};
@@ -54,7 +54,7 @@ pub fn sided_area_form_factor(receiver: &Polygon, source: &Polygon, points: usiz
 /// The least and the largest form factor from a point of the interior of `receiver` to `source` with nothing in between: proven, up to
 /// rounding, which is allowed for. Attained by the least; the largest is a bound that may lie above.
 pub fn bound_form_factor(receiver: &Polygon, source: &Polygon) -> [f64; 2] {
-    bound_unoccluded(&receiver.facet(), &source.facet())
+    bound_unoccluded(&receiver.facet(), &source.facet(), Search::CLOSE)
 }
 
 /// The range of the form factor over the receiver's centroid and vertices alone (Lischinski 1994, section 5.2), which is no bound.

@@ -9,7 +9,7 @@ use std::time::Instant;
 use super::plan::Plan;
 use super::report::{EnergyBalance, IterationReport, SkippedWork};
 use super::{RunOptions, SolveOptions, Solver, Strategy};
-use crate::bounds::{HeldBackInput, bound_held_back};
+use crate::bounds::{Light, bound_held_back};
 use crate::links::{MutualContext, MutualLinks, RAYS_PER_LINK, RefineEnd, TopLevel};
 use crate::progress::Stage;
 use crate::scene::{Scene, SurfaceId};
@@ -85,8 +85,8 @@ impl Solver<'_> {
         let dormant = links.dormant(&self.hierarchy);
         let mut balance = EnergyBalance::default();
         if !dormant.is_empty() {
-            let input = HeldBackInput { scene: self.scene, hierarchy: &self.hierarchy, radiosity: self.radiosity.values() };
-            balance.held_back = bound_held_back(&input, &dormant);
+            let light = Light { scene: self.scene, hierarchy: &self.hierarchy, radiosity: self.radiosity.values() };
+            balance.held_back = bound_held_back(light, &dormant);
 
             // The ambient term stands for what they carry.
             let context = context(self.scene, self.rays, self.options, &self.radiosity, plan);

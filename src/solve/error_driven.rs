@@ -71,7 +71,7 @@ impl Solver<'_> {
             let oracle =
                 ErrorDriven { tolerance: plan.irradiance_tolerance() * area * tolerance / finest, min_area: plan.min_area() };
             for _ in 0..MOST_SPLITS {
-                let gaps = self.link_gaps();
+                let gaps = self.link_gaps(deadline);
                 let splits = self.splits(&gaps, &oracle);
                 if ended != RefineEnd::Content || (splits.len() as f64) < WORTH_A_ROUND * gaps.links.len() as f64 {
                     break;
@@ -101,7 +101,7 @@ impl Solver<'_> {
     }
 
     /// What all links leave open, and its report.
-    fn link_gaps(&mut self) -> LinkGaps {
+    fn link_gaps(&mut self, deadline: Option<Instant>) -> LinkGaps {
         let start = Instant::now();
         self.progress(Stage::Error);
         let (rule, certainty) = match self.options.bounds {
@@ -109,7 +109,17 @@ impl Solver<'_> {
             _ => (FormFactorRule::CentreAndVertices, Certainty::Estimate),
         };
         let initial = self.error_search.initial.of_leaves(&self.hierarchy, &self.exposure, self.scene.channels());
-        let input = BoundsInput { scene: self.scene, hierarchy: &self.hierarchy, links: &self.links, rule };
+        let radiosity = self.radiosity.values();
+        let stop = || self.observer.cancelled() || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let input = BoundsInput {
+            scene: self.scene,
+            hierarchy: &self.hierarchy,
+            links: &self.links,
+            radiosity,
+            rule,
+            work: 0,
+            stop: &stop,
+        };
         let gaps = link_gaps(&input, &mut self.error_search.known, &initial);
         let splits = self.report.link_error.map_or(0, |report| report.splits + 1);
         self.report.link_error = Some(LinkErrorReport {

@@ -31,7 +31,7 @@ use error_estimate::{ErrorEstimate, ErrorSamples, Looking};
 use plan::{Plan, Verdict};
 use report::Powers;
 
-use crate::bounds::{HeldBackInput, bound_held_back};
+use crate::bounds::{Light, bound_held_back};
 use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
@@ -291,8 +291,7 @@ impl<'a> Solver<'a> {
 
     /// Whether clusters gather and emit: by plan, or where few surfaces are no reason to do without.
     fn links_clusters(&self, plan: &Plan) -> bool {
-        let may = self.options.strategy == Strategy::Default && self.options.bounds != Bounds::Guaranteed;
-        plan.clusters() || (may && !self.options.skips.clusters)
+        plan.clusters() || (self.options.strategy == Strategy::Default && !self.options.skips.clusters)
     }
 
     /// Splits the links that `splits` names, and refines until the oracle is content.
@@ -525,7 +524,7 @@ impl<'a> Solver<'a> {
         };
         let held_back = |pairs: &[Pair]| {
             let radiosity = self.radiosity.values();
-            bound_held_back(&HeldBackInput { scene: &scene, hierarchy: &self.hierarchy, radiosity }, pairs)
+            bound_held_back(Light { scene: &scene, hierarchy: &self.hierarchy, radiosity }, pairs)
         };
         report.energy = Energy {
             residual: report.energy.residual,

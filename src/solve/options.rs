@@ -200,6 +200,10 @@ pub struct SolveOptions {
     pub strategy: Strategy,
     /// What is to be known about how wrong the answer can be.
     pub bounds: Bounds,
+    /// How much is done to tighten guaranteed bounds where clusters are linked: 1 for a pair that is taken apart, 4 for a pair of polygons
+    /// of which all is proved that can be. The more, the narrower. If `None` it follows from `error` and the number of surfaces, so that
+    /// bounds take about twice the time of the solve.
+    pub bounds_work: Option<u64>,
     /// What the answer is wanted for: where errors count. For [`Strategy::ErrorDriven`] alone.
     pub importance: Interest,
     /// Seed of every random choice.
@@ -260,6 +264,7 @@ impl Default for SolveOptions {
             error: 0.02,
             strategy: Strategy::Default,
             bounds: Bounds::Estimate,
+            bounds_work: None,
             importance: Interest::Total,
             seed: 0,
             max_links: None,
@@ -290,10 +295,11 @@ impl Default for SolveOptions {
 
 impl SolveOptions {
     /// The keys that [`SolveOptions::set`] knows.
-    pub const KEYS: [&'static str; 27] = [
+    pub const KEYS: [&'static str; 28] = [
         "error",
         "strategy",
         "bounds",
+        "bounds_work",
         "importance",
         "seed",
         "max_links",
@@ -319,6 +325,12 @@ impl SolveOptions {
         "bottom_area",
         "bottom_samples",
     ];
+
+    /// [`SolveOptions::bounds_work`] for a scene of so many surfaces.
+    pub(crate) fn bounds_work_of(&self, surfaces: usize) -> u64 {
+        let of_surfaces = 16.0 * surfaces as f64 * (0.1 / self.error).sqrt();
+        self.bounds_work.unwrap_or((1 << 13) + of_surfaces as u64)
+    }
 
     /// Rejects values outside their range; never clamps.
     ///
@@ -388,6 +400,7 @@ impl SolveOptions {
             "error" => self.error = parse(key, value, NUMBER)?,
             "strategy" => self.strategy = value.trim().parse()?,
             "bounds" => self.bounds = value.trim().parse()?,
+            "bounds_work" => self.bounds_work = Some(parse(key, value, COUNT)?),
             "importance" => self.importance = value.parse()?,
             "seed" => self.seed = parse(key, value, COUNT)?,
             "max_links" => self.max_links = Some(parse(key, value, COUNT)?),

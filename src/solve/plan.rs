@@ -2,7 +2,7 @@
 
 use super::error_estimate::ErrorEstimate;
 use super::remedy::{Doubtful, Remedy};
-use super::{Bounds, Gather, SolveOptions, Strategy};
+use super::{Gather, SolveOptions, Strategy};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
 use crate::reconstruct::Resolution;
 use crate::scene::{Scene, SurfaceId};
@@ -151,7 +151,6 @@ impl Plan {
         let reflectance = mean_over_area(&|index| of(index).reflectance.iter().copied().fold(0.0, f64::max)).min(0.999);
         let reflecting = surfaces().filter(|(_, material)| material.reflectance.iter().any(|&rho| rho > 0.0)).count();
         let gather = match options.gather {
-            Gather::Auto if options.bounds == Bounds::Guaranteed => Gather::Links,
             Gather::Auto if options.strategy == Strategy::Default && reflecting > FEW_SURFACES => Gather::Hemisphere,
             Gather::Auto => Gather::Links,
             chosen => chosen,
@@ -225,12 +224,9 @@ impl Plan {
         }
     }
 
-    /// Whether clusters gather and emit: not in the strategies that have none, nor where surfaces are few or bounds are asked for,
-    /// because little can be proved of clusters.
+    /// Whether clusters gather and emit: not in the strategies that have none, nor where surfaces are few.
     pub fn clusters(&self) -> bool {
-        self.options.strategy == Strategy::Default
-            && self.options.bounds != Bounds::Guaranteed
-            && self.surfaces >= CLUSTERED_SURFACES
+        self.options.strategy == Strategy::Default && self.surfaces >= CLUSTERED_SURFACES
     }
 
     /// The irradiance that a link may carry unrefined in the strategies of 1994, in W/m^2: eps_refine.

@@ -75,7 +75,8 @@ impl Obvhs {
         let (tree, order) = match tree {
             _ if boxes.is_empty() => (Built::Nothing, Vec::new()),
             Tree::Bvh2 => {
-                let mut bvh = build_bvh2(&boxes, parameters, &mut Duration::ZERO);
+                let mut time = Duration::ZERO;
+                let mut bvh = build_bvh2(&boxes, parameters, &mut time);
                 let order = std::mem::take(&mut bvh.primitive_indices);
                 (Built::Bvh2(bvh), order)
             }

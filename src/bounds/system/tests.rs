@@ -156,11 +156,11 @@ fn bounds_of_the_duct_hold_at_every_probe_after_every_sweep_and_are_tight() {
         for _ in 0..8 {
             check(&iterate);
             let before = iterate.clone();
-            system.sweep(&mut iterate);
+            system.sweep(&mut iterate, &mut system.pourings());
             assert!(iterate.lower.iter().zip(&before.lower).all(|(now, before)| now >= before));
             assert!(iterate.upper.iter().zip(&before.upper).all(|(now, before)| now <= before));
         }
-        let (iterate, _) = system.solve(1e-6, 1000);
+        let (iterate, _) = system.solve(1e-6, 1000, &|| false);
         check(&iterate);
         let found = iterate.upper.iter().zip(&iterate.lower).map(|(upper, lower)| upper - lower).sum::<f64>() / (4 * n) as f64;
         println!("{n} elements a wall: mean width {found:.5}");
@@ -208,7 +208,7 @@ fn bounds_of_open_strips_hold_at_every_probe_and_close_in() {
             entries,
             leaves: (0..2 * n).map(leaf).collect(),
         };
-        let (iterate, _) = system.solve(1e-9, 200);
+        let (iterate, _) = system.solve(1e-9, 200, &|| false);
         STRIP_PROBES.iter().for_each(|&(strip, s, value)| assert_within(n, &iterate, strip, s, value, 0.0));
         for (strip, mean) in STRIP_MEANS.iter().enumerate() {
             let of = |values: &[f64]| values[strip * n..][..n].iter().sum::<f64>() / n as f64;
@@ -228,11 +228,11 @@ fn starting_the_upper_system_from_below_would_not_do() {
     let mut violated = 0;
     for _ in 0..3 {
         let before = from_below.clone();
+        let mut pouring = Pouring::new(&system, 0);
+        pouring.look_at(&before);
         let mut next = Iterate { lower: before.lower.clone(), upper: vec![f64::INFINITY; before.upper.len()] };
         for leaf in &system.leaves {
-            let mut entries = Vec::new();
-            system.for_each_entry(leaf.node, |index| entries.push(index));
-            let [_, most] = system.pour(&mut entries, true, 0, &before, |_, _, _| {});
+            let [_, most] = pouring.pour(leaf.node, true, &before, |_, _, _| {});
             next.upper[leaf.node as usize] = leaf.exitance[0] + leaf.reflectance[0] * most;
         }
         from_below.upper = next.upper;
@@ -256,7 +256,7 @@ fn infinite_plates_are_solved_exactly() {
         entries: vec![entry(1), entry(0)],
         leaves: vec![leaf(0), leaf(1)],
     };
-    let (iterate, _) = system.solve(1e-16, 200);
+    let (iterate, _) = system.solve(1e-16, 200, &|| false);
     let exact = 1.730_769_230_769_230_8;
     assert!(iterate.lower[0] <= exact && exact <= iterate.upper[0] && iterate.upper[0] - iterate.lower[0] < 1e-13, "{iterate:?}");
 }
@@ -273,7 +273,7 @@ fn ancestors_and_inner_sources_count() {
         entries: vec![Entry { source: 1, lower: 0.2, upper: 0.4 }, Entry { source: 4, lower: 0.1, upper: 0.1 }],
         leaves: vec![leaf(2, &dark), leaf(3, &dark), leaf(4, &bright), leaf(5, &dim)],
     };
-    let (iterate, _) = system.solve(1e-12, 50);
+    let (iterate, _) = system.solve(1e-12, 50, &|| false);
     let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found} instead of {expected}");
     near(iterate.lower[2], 0.5 * 0.2 * 1.0);
     near(iterate.upper[2], 0.5 * 0.4 * 2.0);
@@ -299,7 +299,7 @@ fn what_entries_add_is_the_gap() {
     for enclosed in [true, false] {
         let mut system = duct(8);
         system.leaves.iter_mut().for_each(|leaf| leaf.enclosed = enclosed);
-        let (iterate, _) = system.solve(1e-15, 10_000);
+        let (iterate, _) = system.solve(1e-15, 10_000, &|| false);
         for of_wall in [None, Some(2)] {
             let initial: Vec<f64> = (0..32).map(|node| f64::from(u8::from(of_wall.is_none_or(|wall| node / 8 == wall)))).collect();
             let (found, gap) = attributed(&system, &iterate, &initial);
@@ -327,7 +327,7 @@ fn what_entries_add_counts_through_ancestors_and_inner_sources() {
         entries: vec![entry(1, 0.2, 0.4), entry(6, 0.0, 0.1), entry(0, 0.1, 0.5), entry(6, 0.1, 0.9), entry(4, 0.05, 0.1)],
         leaves: vec![leaf(2, 0, 0), leaf(3, 0, 1), leaf(4, 1, 0), leaf(5, 1, 1), Leaf { reflectance: &[0.0], ..leaf(6, 0, 2) }],
     };
-    let (iterate, _) = system.solve(1e-15, 10_000);
+    let (iterate, _) = system.solve(1e-15, 10_000, &|| false);
     let (found, gap) = attributed(&system, &iterate, &[9.0, 9.0, 1.0, 2.0, 3.0, 0.0, 1.0]);
     assert!(gap > 1.0 && (found / gap - 1.0).abs() < 1e-12, "{found}, not {gap}");
 }
