@@ -17,6 +17,7 @@ mod render;
 mod resolved;
 mod sample;
 mod shared_irradiance;
+mod slopes;
 
 pub use camera::{Camera, CameraError, CameraRays, CameraRequest};
 pub(crate) use hemisphere::HemisphereGather;

@@ -13,6 +13,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::Effort;
+use super::slopes::Slopes;
 use crate::form_factor::{kernel, point_to_polygon};
 use crate::geometry::{Facet, Part, sampling};
 use crate::hierarchy::{Hierarchy, NodeId, for_each_piece};
@@ -41,13 +42,13 @@ const CERTAIN: f64 = 0.3;
 const MAX_SPLITS: u32 = 8;
 
 /// Gathers at points over the links of a solution.
-#[derive(Clone, Copy)]
 pub(crate) struct LinkGather<'a> {
-    pub scene: &'a Scene,
-    pub hierarchy: &'a Hierarchy,
-    pub links: &'a LinkSet,
-    pub radiosity: &'a Radiosity,
-    pub rays: &'a Rays<'a>,
+    scene: &'a Scene,
+    hierarchy: &'a Hierarchy,
+    links: &'a LinkSet,
+    radiosity: &'a Radiosity,
+    slopes: Slopes,
+    rays: &'a Rays<'a>,
 }
 
 /// Memory that a gather reuses from point to point.
@@ -94,7 +95,18 @@ fn doubt(expected: f64) -> f64 {
     CERTAIN + (1.0 - CERTAIN) * 2.0 * (expected * (1.0 - expected)).sqrt()
 }
 
-impl LinkGather<'_> {
+impl<'a> LinkGather<'a> {
+    /// Radiosities vary over elements as those of their siblings do.
+    pub fn new(
+        scene: &'a Scene,
+        hierarchy: &'a Hierarchy,
+        links: &'a LinkSet,
+        radiosity: &'a Radiosity,
+        rays: &'a Rays<'a>,
+    ) -> Self {
+        Self { scene, hierarchy, links, radiosity, slopes: Slopes::new(hierarchy, radiosity), rays }
+    }
+
     /// The radiosity at `point` of `surface`, by channel, in W/m^2.
     pub fn radiosity_at(&self, point: DVec3, surface: SurfaceId, effort: Effort, scratch: &mut LinkScratch, radiosity: &mut [f64]) {
         let material = self.scene.material_of(surface);
@@ -134,13 +146,15 @@ impl LinkGather<'_> {
             }
             for _ in 0..piece.rays {
                 let (weight, met) = (scratch.weights[ray], scratch.met[ray]);
+                let place = DVec3::from(scratch.segments[ray].to) - self.hierarchy.node(met).centroid;
+                let there = self.radiosity.of(met).iter().zip(self.slopes.rise(met, place)).map(|(b, rise)| (b + rise).max(0.0));
                 if cluster {
                     let visible = if scratch.occluded[ray] { 0.0 } else { weight };
-                    irradiance.iter_mut().zip(self.radiosity.of(met)).for_each(|(h, met)| *h += visible * met);
+                    irradiance.iter_mut().zip(there).for_each(|(h, there)| *h += visible * there);
                 } else if scratch.occluded[ray] {
                     irradiance.iter_mut().zip(mean).for_each(|(h, b)| *h -= weight * b);
-                } else if met != piece.node {
-                    irradiance.iter_mut().zip(mean).zip(self.radiosity.of(met)).for_each(|((h, b), met)| *h += weight * (met - b));
+                } else {
+                    irradiance.iter_mut().zip(mean).zip(there).for_each(|((h, b), there)| *h += weight * (there - b));
                 }
                 ray += 1;
             }

@@ -110,7 +110,7 @@ impl Solver<'_> {
         };
         let initial = self.error_search.initial.of_leaves(&self.hierarchy, &self.exposure, self.scene.channels());
         let radiosity = self.radiosity.values();
-        let stop = || self.observer.cancelled() || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let stop = self.is_late(deadline);
         let input = BoundsInput {
             scene: self.scene,
             hierarchy: &self.hierarchy,

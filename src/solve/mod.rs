@@ -42,7 +42,7 @@ use crate::reconstruct::{
     reflectors,
 };
 use crate::scene::{DistinctChannels, Scene, SurfaceId};
-use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, sampled_exposed_point, sweep_in_place};
+use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, Reflections, sampled_exposed_point, sweep_in_place};
 use crate::transmittance::Rays;
 
 /// No solve sweeps more often in a row: at reflectance 0.999 the change has fallen by e^-20 by then.
@@ -103,7 +103,7 @@ fn solve_all_channels(
                 Strategy::ErrorDriven => solver.refine_by_error(&plan, run, deadline),
                 _ => solver.refine_in_steps(&plan, run, deadline),
             };
-            solver.regather_leaves(&plan);
+            solver.regather_leaves(&plan, deadline);
             ended
         };
         loop {
@@ -246,12 +246,18 @@ impl<'a> Solver<'a> {
         }
     }
 
+    /// Whether work is cancelled or over its time by now.
+    fn is_late(&self, deadline: Option<Instant>) -> impl Fn() -> bool + Sync + use<'a> {
+        let observer = self.observer;
+        move || observer.cancelled() || deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
     /// Tells how far a refinement is, and whether to end it now: on cancellation, or after the deadline.
     fn refinement_stop(&self, deadline: Option<Instant>) -> impl Fn(u64, u64) -> bool + Sync + use<'a> {
-        let (observer, round) = (self.observer, self.report.counts.rounds as u32);
+        let (observer, round, late) = (self.observer, self.report.counts.rounds as u32, self.is_late(deadline));
         move |links, elements| {
             observer.progress(&Progress { stage: Stage::Refine, round, fraction: None, links, elements, error: None });
-            observer.cancelled() || deadline.is_some_and(|deadline| Instant::now() >= deadline)
+            late()
         }
     }
 
@@ -370,16 +376,17 @@ impl<'a> Solver<'a> {
 
             let to_come = change.estimate_to_come(previous);
             previous = change.largest;
-            let late = self.observer.cancelled() || deadline.is_some_and(|deadline| Instant::now() >= deadline);
-            if to_come <= self.options.sweep_tolerance * change.brightest || !change.largest.is_finite() || late {
+            let late = self.is_late(deadline);
+            if to_come <= self.options.sweep_tolerance * change.brightest || !change.largest.is_finite() || late() {
                 break;
             }
         }
     }
 
-    /// Takes the radiosity of every leaf anew, by the gather at its centre, or where it is exposed.
-    fn regather_leaves(&mut self, plan: &Plan) {
-        if plan.leaf_rays() == 0 || plan.gather() == Gather::Hemisphere || self.observer.cancelled() {
+    /// Takes the radiosity of every leaf anew, by the gather at its centre, or where it is exposed, and follows what that changes.
+    fn regather_leaves(&mut self, plan: &Plan, deadline: Option<Instant>) {
+        let late = self.is_late(deadline);
+        if plan.leaf_rays() == 0 || plan.gather() == Gather::Hemisphere || late() {
             return;
         }
         let start = Instant::now();
@@ -396,9 +403,13 @@ impl<'a> Solver<'a> {
                 None => value.copy_from_slice(self.radiosity.of(leaf)),
             }
         });
+        let mut change = self.radiosity.clone();
         for (value, &leaf) in values.chunks(channels).zip(&leaves) {
+            change.of_mut(leaf).iter_mut().zip(value).for_each(|(old, new)| *old = new - *old);
             self.radiosity.of_mut(leaf).copy_from_slice(value);
         }
+        let Self { scene, hierarchy, links, exposure, closure, radiosity, .. } = self;
+        Reflections { scene, hierarchy, links, exposure, closure: closure.as_ref() }.add(change, radiosity, &late);
         self.radiosity.pull(&self.hierarchy, &self.exposure);
         self.report.time_s.gather += start.elapsed().as_secs_f64();
     }
@@ -477,7 +488,7 @@ impl<'a> Solver<'a> {
     /// Takes values at points over the hemisphere, or else over links.
     fn reconstruction<'b>(&'b self, hemisphere: Option<HemisphereGather<'b>>, effort: Effort) -> Reconstruction<'b> {
         let Self { scene, hierarchy, links, radiosity, rays, .. } = self;
-        let over_links = || Way::Links(LinkGather { scene, hierarchy, links, radiosity, rays });
+        let over_links = || Way::Links(LinkGather::new(scene, hierarchy, links, radiosity, rays));
         Reconstruction { scene, hierarchy, way: hemisphere.map_or_else(over_links, Way::Hemisphere), effort }
     }
 

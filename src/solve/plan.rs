@@ -90,11 +90,11 @@ const ERROR_POINTS: std::ops::RangeInclusive<usize> = 512..=32_768;
 const MAX_LOOK_RAYS: u32 = 4096;
 
 /// How tolerance and rays follow from the error: a power law through what the Cornell box needs for [`AIM`] times 2% and 1%.
-const TOLERANCE_AT_2_PERCENT: f64 = 0.15;
-const TOLERANCE_POWER: f64 = 2.2;
-const COARSE_TOLERANCE_POWER: f64 = 1.8;
-const RAYS_AT_2_PERCENT: f64 = 160.0;
-const RAYS_POWER: f64 = 1.6;
+const TOLERANCE_AT_2_PERCENT: f64 = 0.22;
+const TOLERANCE_POWER: f64 = 1.75;
+const COARSE_TOLERANCE_POWER: f64 = 1.7;
+const RAYS_AT_2_PERCENT: f64 = 155.0;
+const RAYS_POWER: f64 = 1.45;
 
 /// Rays with which leaves are gathered anew. Their noise sums over a point's links, so few do until the error is small.
 const LEAF_RAYS_AT_2_PERCENT: f64 = 16.0;

@@ -84,7 +84,7 @@ impl Solution {
         let Self { scene, hierarchy, links, radiosity, .. } = self;
         let way = match &self.resolved {
             Some(resolved) => Way::Hemisphere(HemisphereGather { paths, resolved, bounces: 0 }),
-            None => Way::Links(LinkGather { scene, hierarchy, links, radiosity, rays }),
+            None => Way::Links(LinkGather::new(scene, hierarchy, links, radiosity, rays)),
         };
         let effort = Effort::of_values(self.point_rays, self.options.seed);
         Reconstruction { scene, hierarchy, way, effort }

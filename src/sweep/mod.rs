@@ -1,6 +1,7 @@
 //! What is computed over links: gather and push-pull, by Jacobi sweeps or in place; importance, against the direction of light.
 
 mod closure;
+mod defect;
 mod exposure;
 mod gather;
 mod importance;
@@ -10,6 +11,7 @@ mod push_pull;
 mod radiosity;
 
 pub(crate) use closure::Closure;
+pub(crate) use defect::Reflections;
 pub use exposure::Exposure;
 pub(crate) use exposure::{ByPlane, sampled_exposed_point};
 pub(crate) use gather::{Irradiance, gather};

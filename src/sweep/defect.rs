@@ -1,0 +1,94 @@
+//! What a change of radiosities brings about by interreflection.
+//!
+//! Sweeps over links end at `B = E + rho K B`, K being the links. Gathered once more with care, by an operator G that knows more than the links
+//! do, leaves change by `d = E + rho G B - B`. That light is reflected in turn, and what comes of it the links can tell well enough: the
+//! answer to `B' = E + rho G B'` differs from `B + (I - rho K)^-1 d` by the difference of the operators applied to what is small already.
+
+use super::{Closure, Exposure, Radiosity, gather, push};
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::links::LinkSet;
+use crate::scene::{Scene, SurfaceId};
+
+/// Reflections are followed down to this part of the change.
+const TOLERANCE: f64 = 0.01;
+
+/// At a reflectance of 0.95 fewer are needed for that.
+const MOST_REFLECTIONS: u32 = 100;
+
+/// The links over which a change is reflected.
+pub(crate) struct Reflections<'a> {
+    pub scene: &'a Scene,
+    pub hierarchy: &'a Hierarchy,
+    pub links: &'a LinkSet,
+    pub exposure: &'a Exposure,
+    pub closure: Option<&'a Closure>,
+}
+
+impl Reflections<'_> {
+    /// Adds to the radiosities of all leaves what comes of a change of them, `(rho K + (rho K)^2 + ...) change`; `change` is by node and
+    /// channel, of which that of leaves counts. Inner nodes are left to be pulled. Reflections after `stop` says so are missing.
+    pub fn add(&self, mut change: Radiosity, radiosity: &mut Radiosity, stop: &dyn Fn() -> bool) {
+        let Self { scene, hierarchy, links, exposure, closure } = *self;
+        let leaves: Vec<NodeId> = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)).collect();
+        let size = |change: &Radiosity| {
+            leaves.iter().map(|&leaf| hierarchy.area(leaf) * change.of(leaf).iter().map(|b| b.abs()).sum::<f64>()).sum::<f64>()
+        };
+        let enough = TOLERANCE * size(&change);
+        for _ in 0..MOST_REFLECTIONS {
+            change.pull(hierarchy, exposure);
+            let irradiance = push(hierarchy, gather(hierarchy, links, exposure, &change), change.channels());
+            for &leaf in &leaves {
+                let reflectance = &scene.material_of(SurfaceId(hierarchy.node(leaf).surface)).reflectance;
+                let factor = closure.map_or(1.0, |closure| closure.factor(leaf));
+                let arriving = &irradiance[leaf.index() * change.channels()..];
+                for (channel, (rho, h)) in reflectance.iter().zip(arriving).enumerate() {
+                    let reflected = rho * factor * h;
+                    change.of_mut(leaf)[channel] = reflected;
+                    radiosity.of_mut(leaf)[channel] = (radiosity.of(leaf)[channel] + reflected).max(0.0);
+                }
+            }
+            if size(&change) <= enough || stop() {
+                return;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Polygon;
+    use crate::links::Link;
+    use crate::scene::{Material, Sides};
+    use crate::transmittance::Rays;
+    use crate::visibility::{Backend, OccluderMesh, build};
+
+    /// Six plates that are linked all alike: `b_0 = 1 + rho b`, `b = rho (b_0 + 4 b) / 5` for a change of 1 at the first.
+    #[test]
+    fn a_change_of_one_plate_of_six_is_reflected() {
+        let square = |at: f64| [[at, 0.0, 0.0], [at + 1.0, 0.0, 0.0], [at + 1.0, 1.0, 0.0], [at, 1.0, 0.0]];
+        let grey = Material { name: "grey".to_owned(), reflectance: vec![0.5], exitance: vec![1.0] };
+        let faces = (0..6).map(|k| (Polygon::new(&square(2.0 * f64::from(k))).unwrap(), 0, k)).collect();
+        let scene = Scene::new(1, vec![grey], faces, Sides::Front).unwrap();
+        let hierarchy = Hierarchy::new(&scene);
+        let plates: Vec<NodeId> = (0..6).map(|k| hierarchy.node_of(SurfaceId(k))).collect();
+        let link = |source| Link { form_factor: 0.2, source, transmittance: 1.0, seen: 1.0 };
+        let others =
+            |&receiver: &NodeId| plates.iter().filter(move |&&source| source != receiver).map(move |&s| (receiver, link(s)));
+        let links = LinkSet::new(hierarchy.len(), &plates.iter().flat_map(others).collect::<Vec<_>>(), Vec::new());
+        let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
+        let mut exposure = Exposure::default();
+        exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), 0);
+
+        let before = Radiosity::emitted(&scene, &hierarchy, &exposure);
+        let mut change = before.clone();
+        plates.iter().enumerate().for_each(|(k, &plate)| change.of_mut(plate)[0] = if k == 0 { 1.0 } else { 0.0 });
+        let mut after = before.clone();
+        let (scene, hierarchy, links, exposure) = (&scene, &hierarchy, &links, &exposure);
+        Reflections { scene, hierarchy, links, exposure, closure: None }.add(change, &mut after, &|| false);
+        for (k, &plate) in plates.iter().enumerate() {
+            let (found, exact) = (after.of(plate)[0] - before.of(plate)[0], if k == 0 { 1.0 / 11.0 } else { 2.0 / 11.0 });
+            assert!((found - exact).abs() < TOLERANCE, "plate {k}: {found}, not {exact}");
+        }
+    }
+}
