@@ -103,8 +103,8 @@ fn linked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<Bo
 
 /// Dormant pairs, and those of which no ray arrived: they may carry what they can, and need not carry anything.
 ///
-/// Clusters are taken apart: most of their surfaces cannot see each other at all. Where that makes too many pairs, the rest stay
-/// whole.
+/// Clusters are taken apart: most of their surfaces cannot see each other at all. Where that makes too many pairs, or time is up, the
+/// rest stay whole.
 pub(super) fn unlinked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<BoundedPair> {
     let BoundsInput { scene, hierarchy, links, .. } = *input;
     let most = LEAST_UNLINKED.max(links.len());
@@ -115,13 +115,15 @@ pub(super) fn unlinked_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'
         if hierarchy.surface_of(pair.receiver).is_some_and(is_black) {
             continue;
         }
-        let upper = pair_bounds.upper_unlinked(pair.receiver, pair.source);
+        let late = (input.stop)();
+        let of = if late { PairBounds::upper_quickly } else { PairBounds::upper_unlinked };
+        let upper = of(pair_bounds, pair.receiver, pair.source);
         if upper == 0.0 {
             continue;
         }
         let receiver_is_larger = hierarchy.area(pair.receiver) >= hierarchy.area(pair.source);
         match (hierarchy.is_cluster(pair.receiver), hierarchy.is_cluster(pair.source)) {
-            _ if waiting.len() + found.len() >= most => {}
+            _ if waiting.len() + found.len() >= most || late => {}
             (true, source) if receiver_is_larger || !source => {
                 waiting.extend(hierarchy.children(pair.receiver).map(|receiver| Pair { receiver, ..pair }));
                 continue;

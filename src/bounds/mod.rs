@@ -44,7 +44,6 @@ pub use point_bounds::PointBounds;
 pub(crate) use radiosity_bounds::{BoundsInput, bound_radiosities};
 pub use radiosity_bounds::{BoundsReport, ChannelError, EvidenceShare, RadiosityBounds};
 pub(crate) use ranges::estimate_ranges;
-
 pub(crate) use worst_first::Light;
 
 use crate::hierarchy::{Hierarchy, NodeId};

@@ -201,8 +201,8 @@ pub struct SolveOptions {
     /// What is to be known about how wrong the answer can be.
     pub bounds: Bounds,
     /// How much is done to tighten guaranteed bounds where clusters are linked: 1 for a pair that is taken apart, 4 for a pair of polygons
-    /// of which all is proved that can be. The more, the narrower. If `None` it follows from `error` and the number of surfaces, so that
-    /// bounds take about twice the time of the solve.
+    /// of which all is proved that can be. The more, the narrower. If `None` it follows from `error` and the number of surfaces: in an
+    /// office of some thousand surfaces bounds then take as long as the solve, or twice as long; in large halls longer.
     pub bounds_work: Option<u64>,
     /// What the answer is wanted for: where errors count. For [`Strategy::ErrorDriven`] alone.
     pub importance: Interest,
