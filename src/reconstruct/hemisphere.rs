@@ -5,7 +5,7 @@
 
 use super::light_paths::{LightPaths, NO_CELL, PathScratch, Place};
 use super::reflectors::Seen;
-use super::resolved::{COVERED, Resolved};
+use super::resolved::Resolved;
 use crate::geometry::sampling;
 
 /// Rays to lamps for each path over the hemisphere. At equal numbers of rays, an office came out at 2.25, 1.83 and 1.75% with 1/8,
@@ -14,6 +14,11 @@ const LAMP_RAYS: f64 = 0.5;
 
 /// Rays to lamps, at least.
 const LEAST_LAMP_RAYS: u32 = 4;
+
+/// Rays to lamps that go with `rays` paths.
+pub(super) fn lamp_rays(rays: u32) -> u32 {
+    ((f64::from(rays.max(1)) * LAMP_RAYS) as u32).max(LEAST_LAMP_RAYS)
+}
 
 /// Gathers over the hemisphere.
 pub(crate) struct HemisphereGather<'a> {
@@ -24,7 +29,7 @@ pub(crate) struct HemisphereGather<'a> {
 }
 
 /// Paths that are followed together, about: their rays stay in the cache.
-const BATCH: usize = 2048;
+pub(super) const BATCH: usize = 2048;
 
 impl HemisphereGather<'_> {
     /// The irradiance H at each place by `rays` rays, in W/m^2, place after place. What is found at a place does not depend on the
@@ -37,7 +42,7 @@ impl HemisphereGather<'_> {
 
     /// Adds what lamps and reflectors bring to each place, by the aimed rays that go with `rays` paths.
     pub fn add_sampled_direct(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
-        let lamp_rays = ((f64::from(rays.max(1)) * LAMP_RAYS) as u32).max(LEAST_LAMP_RAYS);
+        let lamp_rays = lamp_rays(rays);
         let together = (BATCH / lamp_rays as usize).max(1);
         let batches = places.chunks(together).zip(irradiance.chunks_mut(together * self.paths.scene.channels()));
         batches.for_each(|(places, irradiance)| self.add_aimed(places, lamp_rays, scratch, irradiance));
@@ -62,23 +67,30 @@ impl HemisphereGather<'_> {
         }
 
         let seen = std::mem::take(&mut scratch.seen);
+        let sent = Self { bounces: self.bounces - 1, ..*self }.sampled_sent(places, &seen, scratch);
+        seen.iter().zip(sent.chunks(channels)).for_each(|(seen, sent)| add(seen, &mut sent.iter().copied()));
+        scratch.seen = seen;
+    }
+
+    /// What reflectors send where aimed rays from `places` have `seen` them, by channel; a path and an aimed ray tell.
+    pub(super) fn sampled_sent(&self, places: &[Place], seen: &[Seen], scratch: &mut PathScratch) -> Vec<f64> {
+        let channels = self.paths.scene.channels();
         let there = |(number, seen): (usize, &Seen)| {
             let seed = sampling::hash(places[seen.by].seed, number as u64 | 1 << 34);
             Place { point: seen.point, surface: seen.surface, seed }
         };
         let there: Vec<Place> = seen.iter().enumerate().map(there).collect();
-        let mut gathered = vec![0.0; there.len() * channels];
-        let onward = Self { bounces: self.bounces - 1, ..*self };
-        onward.add_sampled_indirect(&there, 1, scratch, &mut gathered);
-        onward.add_aimed(&there, 1, scratch, &mut gathered);
-        for (seen, gathered) in seen.iter().zip(gathered.chunks(channels)) {
-            let exitance = self.paths.unlamped_exitance(seen.surface);
+        let mut sent = vec![0.0; there.len() * channels];
+        self.add_sampled_indirect(&there, 1, scratch, &mut sent);
+        self.add_aimed(&there, 1, scratch, &mut sent);
+        for (seen, sent) in seen.iter().zip(sent.chunks_mut(channels)) {
             let reflectance = &self.paths.scene.material_of(seen.surface).reflectance;
-            let sent =
-                |channel: usize| exitance.map_or(0.0, |exitance| exitance[channel]) + reflectance[channel] * gathered[channel];
-            add(seen, &mut (0..channels).map(sent));
+            sent.iter_mut().zip(reflectance).for_each(|(sent, rho)| *sent *= rho);
+            if let Some(exitance) = self.paths.unlamped_exitance(seen.surface) {
+                sent.iter_mut().zip(exitance).for_each(|(sent, exitance)| *sent += exitance);
+            }
         }
-        scratch.seen = seen;
+        sent
     }
 
     /// Adds what all others bring to each place, by `rays` paths.
@@ -95,9 +107,8 @@ impl HemisphereGather<'_> {
         let share = 1.0 / f64::from(count);
         self.paths.follow(places, count, self.bounces, scratch);
         let ends = &scratch.ends;
-        let is_covered = |backs: &[bool]| backs.iter().filter(|&&back| back).count() as f32 > COVERED * count as f32;
-        let covered: Vec<bool> = ends.back.chunks(count as usize).map(is_covered).collect();
-        let sent_to = |place: usize, cell| if covered[place] { self.resolved.at_position(cell) } else { self.resolved.of(cell) };
+        let covered = ends.covered(count);
+        let sent_to = |place: usize, cell| self.resolved.seen_from(covered[place], cell);
         for (place, (cells, irradiance)) in ends.cell.chunks(count as usize).zip(irradiance.chunks_mut(channels)).enumerate() {
             for &cell in cells.iter().filter(|&&cell| cell != NO_CELL) {
                 irradiance.iter_mut().zip(sent_to(place, cell)).for_each(|(h, &sent)| *h += share * f64::from(sent));
@@ -113,8 +124,8 @@ impl HemisphereGather<'_> {
                 irradiance.iter_mut().zip(sent).for_each(|(h, (&sent, weight))| *h += share * weight * f64::from(sent));
             }
         }
-        for (&(path, cell), weight) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
-            let place = path / count as usize;
+        for (&(detour, cell), weight) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
+            let place = ends.detours[detour].path / count as usize;
             let sent = sent_to(place, cell).iter().zip(weight);
             let irradiance = &mut irradiance[place * channels..][..channels];
             irradiance.iter_mut().zip(sent).for_each(|(h, (&sent, weight))| *h += share * weight * f64::from(sent));

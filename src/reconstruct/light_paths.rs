@@ -26,10 +26,10 @@ pub(crate) struct Place {
     pub seed: u64,
 }
 
-/// A cell looks small from so many times its size. Empirical, with 6000 rays to points and 4 from each position: with 1.5, 2, 2.5 and 4
-/// the errors of a room came out at 0.83, 0.62, 0.52 and 0.47%, of an office at 0.52, 0.47, 0.45 and 0.41%, for 9, 31 and 66% more time
-/// of the room's values. With as few rays as 1% asks for, more of them gain as much.
-const SMALL_FROM: f64 = 1.5;
+/// A cell looks small from so many times its size. Empirical, at 1%: with 1.5, 2 and 2.5 the square of what values are off by for believing
+/// cells made up 23, 14 and 13% of what is allowed in a game level, 16, 14 and 11% in a room, for 4 and 8% more rays; with 3.5 it grew again
+/// in the room, whose paths are then too noisy.
+const SMALL_FROM: f64 = 2.0;
 
 /// After so many bounces a path ends in the cell where it is, however large that looks.
 const MAX_BOUNCES: u32 = 16;
@@ -37,6 +37,9 @@ const MAX_BOUNCES: u32 = 16;
 /// A path of which this part or less is left ends in the next cell, however large that looks. Empirical: the error of an office with 300
 /// paths a point came out at 1.45, 1.37 and 1.36% with 1/2, 1/4 and 1/10, for ever 5% more rays of the solve.
 const LITTLE: f64 = 0.25;
+
+/// What meets backs with more than this part of its rays is covered.
+pub(super) const COVERED: f32 = 0.5;
 
 /// Rays to reflectors for each ray to lamps.
 const REFLECTOR_RAYS: f64 = 0.5;
@@ -56,16 +59,27 @@ pub(crate) struct Ends {
     /// By detour and channel: it brings `constant + weight * (what its cell sends)`.
     pub(super) constant: Vec<f64>,
     pub(super) weight: Vec<f64>,
-    /// The cells of reflectors that rays from detours see, each with the path that went on there.
+    /// The cells of reflectors that rays from detours see, each with the detour.
     pub(super) seen: Vec<(usize, u32)>,
     /// By what is seen and channel: it brings `weight * (what the cell sends)`.
     pub(super) seen_weight: Vec<f64>,
 }
 
+impl Ends {
+    /// By place, from which `count` paths started: whether so many met a back at once that it is covered.
+    pub(super) fn covered(&self, count: u32) -> Vec<bool> {
+        let is_covered = |backs: &[bool]| backs.iter().filter(|&&back| back).count() as f32 > COVERED * count as f32;
+        self.back.chunks(count as usize).map(is_covered).collect()
+    }
+}
+
 /// A path that went on from where its first ray arrived.
 pub(super) struct Detour {
     pub path: usize,
+    /// Where it ends.
     pub cell: u32,
+    /// Where it would have ended, had it not been told to take more bounces: where its first ray arrived, or [`NO_CELL`].
+    pub shortcut: u32,
 }
 
 /// Memory that is reused from batch to batch.
@@ -93,8 +107,8 @@ enum Arrival {
     Back,
     /// A cell that looks small.
     Cell(u32),
-    /// Something so near that its cell looks large.
-    Near(DVec3, SurfaceId),
+    /// Something so near that its cell looks large, or where no cell is wanted; the cell, if it looks small.
+    Onward(DVec3, SurfaceId, Option<u32>),
 }
 
 /// Casts light paths through a scene.
@@ -118,8 +132,18 @@ impl<'a> LightPaths<'a> {
     /// Adds the irradiance from lamps at each place, by `count` rays, place after place; `scratch` has what they see of reflectors then.
     pub(super) fn add_aimed(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
         self.lamps.add_sampled_irradiance(places, self.rays, count, &mut scratch.aimed, irradiance);
+        self.see_reflectors(places, count, scratch);
+    }
+
+    /// Fills in what the rays to reflectors see that go with `count` rays to lamps.
+    pub(super) fn see_reflectors(&self, places: &[Place], count: u32, scratch: &mut PathScratch) {
         let to_reflectors = (f64::from(count) * REFLECTOR_RAYS).ceil() as u32;
         self.reflectors.see(places, self.rays, to_reflectors, &mut scratch.reflector_rays, &mut scratch.seen);
+    }
+
+    /// The cell of a place.
+    pub(super) fn cell_at(&self, place: &Place) -> Option<u32> {
+        self.lattice.cell_at(place.surface, place.point).map(|(cell, _)| cell)
     }
 
     /// The cell of a point, if it looks small from so many metres away.
@@ -171,12 +195,12 @@ impl<'a> LightPaths<'a> {
                 Arrival::Nothing => {}
                 Arrival::Back => ends.back[path] = true,
                 Arrival::Cell(cell) => ends.cell[path] = cell,
-                Arrival::Near(point, surface) => {
+                Arrival::Onward(point, surface, small) => {
                     let (place, ray) = (path / count as usize, path % count as usize);
                     let seed = sampling::hash(places[place].seed, ray as u64 | 1 << 32);
                     walks.push(Place { point, surface, seed });
                     detour_of.push(ends.detours.len());
-                    ends.detours.push(Detour { path, cell: NO_CELL });
+                    ends.detours.push(Detour { path, cell: NO_CELL, shortcut: small.unwrap_or(NO_CELL) });
                 }
             }
         }
@@ -216,7 +240,7 @@ impl<'a> LightPaths<'a> {
         self.reflectors.see(walks, self.rays, 1, reflector_rays, seen);
         for seen in &*seen {
             let detour = detour_of[seen.by];
-            ends.seen.push((ends.detours[detour].path, seen.cell));
+            ends.seen.push((detour, seen.cell));
             ends.seen_weight.extend(ends.weight[detour * channels..][..channels].iter().map(|left| left * seen.weight));
         }
     }
@@ -238,10 +262,10 @@ impl<'a> LightPaths<'a> {
             match self.arrival(walks[index].surface, look, *hit, beyond) {
                 Arrival::Nothing | Arrival::Back => {}
                 Arrival::Cell(cell) => ends.detours[detour].cell = cell,
-                Arrival::Near(point, surface) if anywhere || little_is_left(detour) => {
+                Arrival::Onward(point, surface, _) if anywhere || little_is_left(detour) => {
                     ends.detours[detour].cell = self.lattice.cell_at(surface, point).map_or(NO_CELL, |(cell, _)| cell);
                 }
-                Arrival::Near(point, surface) => {
+                Arrival::Onward(point, surface, _) => {
                     walks[left] = Place { point, surface, seed: sampling::hash(walks[index].seed, 1 << 33) };
                     detour_of[left] = detour;
                     left += 1;
@@ -261,7 +285,7 @@ impl<'a> LightPaths<'a> {
         match self.small_cell(surface, point, hit.distance) {
             Some(_) if self.reflectors.are_aimed_at(from, surface) => Arrival::Nothing,
             Some(cell) if !beyond => Arrival::Cell(cell),
-            _ => Arrival::Near(point, surface),
+            small => Arrival::Onward(point, surface, small),
         }
     }
 

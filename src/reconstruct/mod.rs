@@ -3,6 +3,7 @@
 mod aim_tree;
 mod camera;
 mod default_view;
+mod excess;
 mod hemisphere;
 mod image;
 mod irradiance_record;
@@ -20,6 +21,7 @@ mod shared_irradiance;
 mod slopes;
 
 pub use camera::{Camera, CameraError, CameraRays, CameraRequest};
+pub(crate) use excess::ExcessGather;
 pub(crate) use hemisphere::HemisphereGather;
 pub use image::Image;
 pub(crate) use lattice::Lattice;

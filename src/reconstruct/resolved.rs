@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::lattice::Grid;
-use super::light_paths::{LightPaths, NO_CELL, PathScratch, Place};
+use super::light_paths::{COVERED, LightPaths, NO_CELL, PathScratch, Place};
 use crate::geometry::sampling;
 use crate::scene::{DistinctChannels, Scene};
 
@@ -38,7 +38,7 @@ impl Resolution {
 
     /// The same cells for the looks of an error estimate, which may be noisier than values.
     pub fn for_looks(&self) -> Self {
-        Self { side: self.side, rays: self.rays.div_ceil(2) }
+        Self { side: self.side, rays: self.rays.div_ceil(4) }
     }
 
     /// Whether the numbers are in range.
@@ -62,9 +62,6 @@ const MOST_TAKEN: f32 = 0.99;
 
 /// Positions whose paths are followed together.
 const BATCH: usize = 256;
-
-/// What meets backs with more than this part of its rays is covered.
-pub(super) const COVERED: f32 = 0.5;
 
 /// Points tried in a cell until one lies on the surface.
 const TRIES: u64 = 8;
@@ -125,6 +122,11 @@ impl Resolved {
     /// What a cell sends, by channel, at its position, which may be covered.
     pub fn at_position(&self, cell: u32) -> &[f32] {
         &self.values[cell as usize * self.channels..][..self.channels]
+    }
+
+    /// What a cell sends to a place, by channel: who is covered sees the covered parts of cells, all others what is not.
+    pub fn seen_from(&self, covered: bool, cell: u32) -> &[f32] {
+        if covered { self.at_position(cell) } else { self.of(cell) }
     }
 
     /// Whether it fits a number of cells and channels, and holds only numbers; in the dark noise may take them below 0.
@@ -290,8 +292,8 @@ impl Equations {
                 from.weight.extend(weights.zip(reflectance).map(|(weight, rho)| (rho * weight) as f32));
             };
             seen.iter().for_each(|seen| add(seen.by, seen.cell, &mut std::iter::repeat(seen.weight)));
-            for (&(path, cell), weights) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
-                add(path / count, cell, &mut weights.iter().map(|weight| weight / count as f64));
+            for (&(detour, cell), weights) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
+                add(ends.detours[detour].path / count, cell, &mut weights.iter().map(|weight| weight / count as f64));
             }
             from.tame(end, weight, count, channels);
             from

@@ -27,7 +27,7 @@ pub use report::{Counts, Energy, EnergyBalance, ErrorReport, IterationReport, Sk
 pub use solution::Solution;
 
 use error_driven::ErrorSearch;
-use error_estimate::{ErrorEstimate, ErrorSamples, Looking};
+use error_estimate::{ErrorEstimate, ErrorSamples, LookGather, Looking};
 use plan::{Plan, Verdict};
 use report::Powers;
 
@@ -38,8 +38,8 @@ use crate::links::oracle::{Decision, RefinementOracle};
 use crate::links::{LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::progress::{Observer, Progress, Stage};
 use crate::reconstruct::{
-    Effort, HemisphereGather, Lattice, LightPaths, LinkGather, Reconstruction, Reflector, Resolution, Resolved, Scratch, Way,
-    reflectors,
+    Effort, ExcessGather, HemisphereGather, Lattice, LightPaths, LinkGather, Reconstruction, Reflector, Resolution, Resolved,
+    Scratch, Way, reflectors,
 };
 use crate::scene::{DistinctChannels, Scene, SurfaceId};
 use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, Reflections, sampled_exposed_point, sweep_in_place};
@@ -108,13 +108,14 @@ fn solve_all_channels(
         };
         loop {
             solver.resolve(&plan);
-            solver.estimate_error(&plan);
+            solver.estimate_error(&mut plan);
             if let Some(limit) = solver.limit(ended, deadline) {
                 break 'rounds limit;
             }
             let (error, point_rays) = (solver.error, plan.point_rays());
             let gather_noise = || solver.sampled_gather_noise(point_rays);
-            match error.map_or(Verdict::Exhausted, |error| plan.judge(&error, gather_noise)) {
+            let judge = |error: ErrorEstimate| plan.judge(&error, || error.gather_noise.unwrap_or_else(gather_noise));
+            match error.map_or(Verdict::Exhausted, judge) {
                 Verdict::GoodEnough => break 'rounds StoppedBy::Error,
                 Verdict::Exhausted => break 'rounds StoppedBy::Exhausted,
                 Verdict::LookCloser => {}
@@ -432,7 +433,7 @@ impl<'a> Solver<'a> {
 
     /// Radiosities resolved once for each of `parts`, which pick the random numbers.
     fn resolved<const N: usize>(&self, resolution: Resolution, parts: [u64; N]) -> ResolvedLight<'a, N> {
-        // Those of values have the same cells as those of looks, most of the time.
+        // Those of looks have the same cells as those of values.
         let of_values = self.for_values.as_ref().filter(|own| own.resolution.side == resolution.side);
         let paths = of_values.map_or_else(|| Arc::new(self.light_paths(resolution.side)), |of_values| of_values.paths.clone());
         let seed = |part| sampling::hash(self.options.seed, 0x5e50_17ed_u64 + part);
@@ -445,23 +446,32 @@ impl<'a> Solver<'a> {
     }
 
     /// Estimates the error of the values that a user would get now.
-    fn estimate_error(&mut self, plan: &Plan) {
+    fn estimate_error(&mut self, plan: &mut Plan) {
         self.error = None;
         let Some(for_looks) = self.for_looks.as_ref().filter(|_| !self.observer.cancelled()) else { return };
         let start = Instant::now();
         self.progress(Stage::Error);
         let cancelled = || self.observer.cancelled();
+        let ResolvedLight { paths, resolved, .. } = for_looks;
+        let gathers = resolved.each_ref().map(|resolved| match &self.for_values {
+            Some(own) => LookGather::Excess(ExcessGather { paths, believed: &own.resolved[0], onward: resolved }),
+            None => LookGather::Truth(HemisphereGather { paths, resolved, bounces: plan.look_bounces() }),
+        });
         let looking = Looking {
             scene: self.scene,
             hierarchy: &self.hierarchy,
             radiosity: &self.radiosity,
-            paths: &for_looks.paths,
-            resolved: for_looks.resolved.each_ref(),
-            bounces: plan.look_bounces(),
+            gathers,
             seed: sampling::hash(self.options.seed, u64::MAX),
         };
         let mut samples = std::mem::take(&mut self.error_samples);
-        if samples.look(plan.error_points(), plan.look_rays(), &looking, &cancelled) {
+        let is_first = samples.is_empty();
+        let is_spread = samples.spread(plan.error_points(), plan.look_pilot_rays(), &looking, &cancelled);
+        if is_spread && is_first && self.for_values.is_some() {
+            let reconstruction = self.reconstruction_for_users(plan.pilot_rays());
+            samples.pilot(&reconstruction, &cancelled).iter().for_each(|pilot| plan.fit_rays(pilot));
+        }
+        if is_spread && samples.look(plan.look_rays(), &looking, &cancelled) {
             self.error = samples.estimate(&self.reconstruction_for_users(plan.point_rays()), &cancelled);
         }
         self.error_samples = samples;

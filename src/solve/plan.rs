@@ -1,6 +1,6 @@
 //! How hard to try for a requested error, and what to do when it is not reached.
 
-use super::error_estimate::ErrorEstimate;
+use super::error_estimate::{ErrorEstimate, Pilot, TWICE};
 use super::remedy::{Doubtful, Remedy};
 use super::{Gather, SolveOptions, Strategy};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
@@ -37,13 +37,14 @@ pub(super) struct Plan {
     point_rays: u32,
     gather: Gather,
     resolution: Resolution,
-    look_resolution: Resolution,
     error_points: usize,
     look_rays: u32,
     /// The work of the first looks, see [`Self::look_work`].
     first_look_work: f64,
     /// The noise of values as they are, once it is known.
     gather_noise: Option<f64>,
+    /// Whether rays to points were fitted to the scene.
+    is_fitted: bool,
     refinements: u32,
     looks: u32,
 }
@@ -70,6 +71,28 @@ const FEW_TIMES: f64 = 4.0;
 const RAY_FACTORS: [f64; 8] = [1.0, 1.25, 1.5, 2.0, 3.0, 4.0, 6.0, MOST_RAYS_FACTOR];
 const MOST_RAYS_FACTOR: f64 = 8.0;
 
+/// What is foreseen must do with this to spare: estimates scatter, and a step that falls short costs another.
+const SAFETY: f64 = 0.95;
+
+/// Looks may be so many times as many, or have so many times the rays.
+const LOOK_FACTORS: [f64; 8] = [1.0, 1.5, 2.0, 3.0, 4.0, 8.0, 16.0, 32.0];
+
+/// The part of the square of the requested error that may be noise of values, and the part of what that leaves, at least some of it, which
+/// may be a standard deviation by noise of looks.
+const NOISE_PART: f64 = 0.4;
+const LOOK_PART: f64 = 0.11;
+const LEAST_DOUBTED: f64 = 0.3;
+
+/// A pilot takes this part of the rays; the square of the noise falls with this power of their number.
+const PILOT_PART: u32 = 8;
+const LEAST_PILOT_RAYS: u32 = 12;
+const MOST_PILOT_RAYS: u32 = 48;
+const NOISE_POWER: f64 = 1.25;
+
+/// By what a pilot finds rays of looks become so many times fewer, and all rays so many times more than planned, at most.
+const FEWER: f64 = 2.0;
+const MORE: f64 = 4.0;
+
 /// Values that a user takes at least, as far as choices of rays go.
 const LEAST_VALUES: f64 = 2048.0;
 
@@ -77,16 +100,14 @@ const LEAST_VALUES: f64 = 2048.0;
 const RAYS_VALUES_POWER: f64 = -0.1;
 const POSITIONS_VALUES_POWER: f64 = 0.4;
 
-/// More rays to a look are worth it if its noise makes up this part of the scatter.
-const NOISY: f64 = 0.75;
-
 /// Below this error looks must not share the size of cells: on a Cornell box it makes some 0.3%.
 const CELLS_SHOW_BELOW: f64 = 0.0075;
 
 /// Points at which the error is sampled at first, and at most.
 const ERROR_POINTS: std::ops::RangeInclusive<usize> = 512..=32_768;
 
-/// The most rays of a look at a point.
+/// The fewest and the most rays of a look at a point.
+const LEAST_LOOK_RAYS: f64 = 64.0;
 const MAX_LOOK_RAYS: u32 = 4096;
 
 /// How tolerance and rays follow from the error: a power law through what the Cornell box needs for [`AIM`] times 2% and 1%.
@@ -109,9 +130,9 @@ const FEW_HEMISPHERE_RAYS_POWER: f64 = 1.6;
 const MANY_HEMISPHERE_RAYS_POWER: f64 = 2.0;
 
 /// Positions at which radiosities are resolved: so many for 2%, within these limits.
-const POSITIONS_AT_2_PERCENT: f64 = 14_000.0;
+const POSITIONS_AT_2_PERCENT: f64 = 10_000.0;
 const POSITIONS_POWER: f64 = 1.25;
-const LEAST_POSITIONS: f64 = 4096.0;
+const LEAST_POSITIONS: f64 = 2048.0;
 const MOST_POSITIONS: f64 = 262_144.0;
 /// The same where only looks need them.
 const LOOKS_POSITIONS_AT_2_PERCENT: f64 = 5000.0;
@@ -120,12 +141,13 @@ const LEAST_LOOKS_POSITIONS: f64 = 2048.0;
 
 /// Paths and rays to lamps from each position, powers of two: the fewer, the more surfaces have a position of their own.
 ///
-/// Half the positions with 8 of each did better than all with 4, and these better than twice as many with 2: with 6000 rays to points
-/// the errors of a room came out at 0.58, 0.83 and 1.31%, of a dining room at 0.50, 0.77 and 1.22%. A quarter with 16 gained no more.
-const POSITION_RAYS: std::ops::RangeInclusive<u32> = 4..=8;
+/// At 1% the square of what values are off by for believing cells made up 18% of what is allowed with 33,000 positions and 8 of each in a
+/// room, 20% in a dining room, 32% in a game level; with 0.7 times the positions and 16 of each 6, 13 and 27%, with 0.35 times and 32
+/// 35, 20 and 37%.
+const POSITION_RAYS: std::ops::RangeInclusive<u32> = 4..=16;
 
-/// Where radiosities are found too noisy or too coarse, times so much.
-const MORE_POSITIONS: f64 = 1.5;
+/// Where radiosities are found too noisy or too coarse, times so much: twice the positions alone made them no better in two of three rooms.
+const MORE_POSITIONS: f64 = 1.25;
 const MORE_POSITION_RAYS: u32 = 2;
 
 /// Up to so many surfaces that reflect, values are gathered over links: a link costs a form factor and a ray at least, at every
@@ -133,7 +155,7 @@ const MORE_POSITION_RAYS: u32 = 2;
 const FEW_SURFACES: usize = 64;
 
 /// The tolerance of the one refinement where values do without links.
-const COARSE_TOLERANCE: f64 = 2.4;
+const COARSE_TOLERANCE: f64 = 10.0;
 
 /// The most rays to a point.
 const MAX_POINT_RAYS: u32 = 1 << 16;
@@ -172,7 +194,7 @@ impl Plan {
         let positions = positions.clamp(least_positions, MOST_POSITIONS);
         let (least, most) = POSITION_RAYS.into_inner();
         let share = positions / (positions + scene.surfaces().len() as f64);
-        let rays = 2_u32.pow((f64::from(most) * share).log2().round().max(0.0) as u32).max(least);
+        let rays = 2_u32.pow((f64::from(most) * share).log2().ceil().max(0.0) as u32).max(least);
         let resolution = Resolution::of_positions(scene, positions as usize, rays);
         let mut plan = Self {
             options: options.clone(),
@@ -186,12 +208,12 @@ impl Plan {
                     as u32,
             ),
             error_points: *ERROR_POINTS.start(),
-            look_rays: (1.2 / options.error.powf(1.2)).clamp(64.0, f64::from(MAX_LOOK_RAYS)) as u32,
+            look_rays: (1.2 / options.error.powf(1.2)).clamp(LEAST_LOOK_RAYS, f64::from(MAX_LOOK_RAYS)) as u32,
             gather,
             resolution,
-            look_resolution: resolution.for_looks(),
             first_look_work: 0.0,
             gather_noise: None,
+            is_fitted: false,
             refinements: 0,
             looks: 0,
         };
@@ -262,7 +284,7 @@ impl Plan {
 
     /// How finely they are resolved for looks.
     pub fn look_resolution(&self) -> Resolution {
-        self.look_resolution
+        self.resolution.for_looks()
     }
 
     /// Points at which the error is looked at.
@@ -287,6 +309,35 @@ impl Plan {
         FEW_TIMES * self.first_look_work * 2_f64.powi(self.refinements as i32)
     }
 
+    /// Rays of values that tell how noisy those with more will be.
+    pub fn pilot_rays(&self) -> u32 {
+        (self.point_rays / PILOT_PART).max(LEAST_PILOT_RAYS)
+    }
+
+    /// Rays of each point that tell how many looks should take there.
+    pub fn look_pilot_rays(&self) -> u32 {
+        (self.look_rays / PILOT_PART).clamp(LEAST_PILOT_RAYS, MOST_PILOT_RAYS)
+    }
+
+    /// Chooses rays to points and of looks by what a pilot found with [`Self::pilot_rays`].
+    pub fn fit_rays(&mut self, pilot: &Pilot) {
+        let requested_sq = self.options.error.powi(2);
+        let (tried, planned) = (f64::from(self.pilot_rays()), f64::from(self.point_rays));
+        if self.may_take_more_rays() && !self.is_fitted {
+            let allowed = NOISE_PART * (self.values / LEAST_VALUES).powf(-NOISE_POWER * RAYS_VALUES_POWER) * requested_sq;
+            let wanted = tried * (pilot.noise_sq / allowed).powf(1.0 / NOISE_POWER);
+            self.point_rays = wanted.clamp(planned, planned * MORE).min(f64::from(MAX_POINT_RAYS)) as u32;
+            self.is_fitted = true;
+        }
+
+        // Looks may leave the more doubt, the less noise values have.
+        let noise_part = pilot.noise_sq * (tried / f64::from(self.point_rays)).powf(NOISE_POWER) / requested_sq;
+        let allowed = LOOK_PART * (1.0 - noise_part).max(LEAST_DOUBTED) * requested_sq;
+        let planned = f64::from(self.look_rays);
+        let wanted = (pilot.look_doubt / allowed).clamp(planned / FEWER, planned * MORE);
+        self.look_rays = wanted.clamp(LEAST_LOOK_RAYS, f64::from(MAX_LOOK_RAYS)) as u32;
+    }
+
     fn may_take_more_rays(&self) -> bool {
         self.options.point_rays.is_none() && self.point_rays < MAX_POINT_RAYS
     }
@@ -295,23 +346,37 @@ impl Plan {
         self.gather == Gather::Hemisphere && self.refinements < MAX_RESOLVES
     }
 
-    /// What may be done about values of which so much is known, and foreseen; better links are not among it.
+    /// What may be done that is foreseen; better links are not among it.
     fn remedies(&self, doubtful: &Doubtful) -> impl Iterator<Item = Remedy> {
         let (may_take_more_rays, may_resolve) = (self.may_take_more_rays(), self.may_resolve());
         let is_foreseen = self.gather == Gather::Hemisphere || doubtful.is_noise();
-        let rays = RAY_FACTORS.into_iter().filter(move |&rays| is_foreseen && (rays == 1.0 || may_take_more_rays));
-        let remedies = rays.flat_map(|rays| [false, true].map(|resolves| Remedy { rays, resolves }));
-        remedies.filter(move |remedy| if remedy.resolves { may_resolve } else { remedy.rays > 1.0 })
+        let rays = RAY_FACTORS.into_iter().filter(move |&rays| rays == 1.0 || (is_foreseen && may_take_more_rays));
+        let of_values = rays.flat_map(|rays| [false, true].map(|resolves| (rays, resolves)));
+        let of_values = of_values.filter(move |&(_, resolves)| !resolves || may_resolve);
+        let most_points = (*ERROR_POINTS.end() as f64 / self.error_points as f64).max(1.0);
+        let most_rays = (f64::from(MAX_LOOK_RAYS) / f64::from(self.look_rays)).max(1.0);
+        let of_looks = move || {
+            let points = LOOK_FACTORS.into_iter().filter(move |&points| points <= most_points);
+            let rays = move || LOOK_FACTORS.into_iter().filter(move |&rays| rays <= most_rays);
+            points.flat_map(move |points| rays().map(move |look_rays| (points, look_rays)))
+        };
+        of_values.flat_map(move |(rays, resolves)| {
+            of_looks().map(move |(points, look_rays)| Remedy { rays, resolves, points, look_rays })
+        })
     }
 
-    /// The work of a remedy, in rays: values are taken anew, here and by the user, and the second time that radiosities are resolved
-    /// anew, so are those of looks.
+    /// The work of a remedy, in rays: values are taken anew, here and by the user; where radiosities are resolved anew, so are those of
+    /// looks, and the looks themselves.
     fn remedy_work(&self, remedy: &Remedy) -> f64 {
-        let values = f64::from(self.point_rays) * (remedy.rays * self.error_points as f64 + (remedy.rays - 1.0) * self.values);
-        let positions = self.total_area / self.resolution.side.powi(2) + self.surfaces as f64;
-        let rays = f64::from(MORE_POSITION_RAYS * 2 * self.resolution.rays);
-        let times = if self.refinements > 0 { 2.0 } else { 1.0 };
-        values + if remedy.resolves { times * MORE_POSITIONS * positions * rays } else { 0.0 }
+        let twice = if self.gather == Gather::Hemisphere { 1.0 / TWICE as f64 } else { 0.0 };
+        let taken = (1.0 + twice) * self.error_points as f64;
+        let known = if remedy.only_looks() { taken } else { 0.0 };
+        let values = taken * remedy.points * remedy.rays - known + (remedy.rays - 1.0) * self.values;
+        let positions = MORE_POSITIONS * (self.total_area / self.resolution.side.powi(2) + self.surfaces as f64);
+        let rays = MORE_POSITION_RAYS * 2 * (self.resolution.rays + 2 * self.resolution.for_looks().rays);
+        let resolving = if remedy.resolves { positions * f64::from(rays) } else { 0.0 };
+        let known = if remedy.resolves { 0.0 } else { 1.0 };
+        f64::from(self.point_rays) * values + resolving + (remedy.points * remedy.look_rays - known) * self.look_work()
     }
 
     /// Bounces that the paths of looks take at least: one where values take the radiosities of cells too, so that the size of these is
@@ -337,28 +402,32 @@ impl Plan {
             return Verdict::Exhausted;
         }
 
-        // Look closer if that is the least work, as far as it can be foreseen; the next step may tell that it is not.
-        let doubtful = Doubtful::new(error, gather_noise, requested);
-        let look_work = |error_sq: f64| doubtful.estimate_more_looks(error_sq) * self.look_work();
-        let remedy_work = |remedy: &Remedy| self.remedy_work(remedy) + look_work(doubtful.left_by(remedy));
-        let by_work = |a: &Remedy, b: &Remedy| remedy_work(a).total_cmp(&remedy_work(b));
-        let remedy = self.remedies(&doubtful).min_by(by_work).filter(|remedy| remedy_work(remedy).is_finite());
-        let alternative = remedy.as_ref().map_or(self.worthwhile_work(), remedy_work);
-        let next_step = if error.look_scatter > NOISY { 1.0 } else { 0.5 } * self.look_work();
-        if look_work(doubtful.error_sq).max(next_step) <= alternative && self.error_points < *ERROR_POINTS.end() {
-            // Twice the rays cost what twice the points do, and take away more than half of the noise alone.
-            if error.look_scatter > NOISY && self.look_rays < MAX_LOOK_RAYS {
+        // The least work that should do. Where nothing is known of the work of better links, looks are worth some.
+        let doubtful = Doubtful::new(error, gather_noise);
+        let will_do = |remedy: &Remedy| doubtful.estimate_claim(remedy) <= SAFETY * requested;
+        let is_worth_it = |remedy: &Remedy| {
+            self.gather == Gather::Hemisphere || !remedy.only_looks() || self.remedy_work(remedy) <= self.worthwhile_work()
+        };
+        let by_work = |a: &Remedy, b: &Remedy| self.remedy_work(a).total_cmp(&self.remedy_work(b));
+        let remedy = self.remedies(&doubtful).filter(|remedy| will_do(remedy) && is_worth_it(remedy)).min_by(by_work);
+
+        // Where none will do, begin with what is worst.
+        let worst = Remedy {
+            rays: if doubtful.is_noise() { MOST_RAYS_FACTOR } else { 1.0 },
+            resolves: !doubtful.is_noise(),
+            ..Remedy::NONE
+        };
+        let remedy = remedy.unwrap_or(worst);
+        if remedy.only_looks() {
+            // Step by step: the next one may tell that it is enough, or that it will not do.
+            if remedy.look_rays > 1.0 {
                 self.look_rays = (2 * self.look_rays).min(MAX_LOOK_RAYS);
             } else {
                 self.error_points += self.error_points / 2;
             }
             return Verdict::LookCloser;
         }
-
-        // Else make values better. Where no remedy alone will do, begin with what is worst.
         self.gather_noise = None;
-        let worst = || Remedy { rays: if doubtful.is_noise() { MOST_RAYS_FACTOR } else { 1.0 }, resolves: !doubtful.is_noise() };
-        let remedy = remedy.unwrap_or_else(worst);
         if remedy.rays > 1.0 && self.may_take_more_rays() {
             self.point_rays = (f64::from(self.point_rays) * remedy.rays).min(f64::from(MAX_POINT_RAYS)) as u32;
             if !remedy.resolves {
@@ -368,10 +437,6 @@ impl Plan {
         if self.gather == Gather::Hemisphere {
             if !self.may_resolve() {
                 return Verdict::Exhausted;
-            }
-            // Looks follow one step behind: their paths take a bounce more, and those that were taken stay good for one step.
-            if self.refinements > 0 {
-                self.look_resolution = self.resolution.for_looks();
             }
             self.refinements += 1;
             self.resolution.side /= MORE_POSITIONS.sqrt();
@@ -395,12 +460,19 @@ impl Plan {
 mod tests {
     use glam::DVec3;
 
+    use super::super::error_estimate::Doubts;
     use super::*;
     use crate::geometry::Polygon;
     use crate::scene::{Material, Sides};
 
     /// What is found where both noise and looks may be at fault.
-    const DOUBTFUL: ErrorEstimate = ErrorEstimate { measured: 0.016, claimed: 0.023, look_scatter: 0.2 };
+    const DOUBTFUL: ErrorEstimate = ErrorEstimate {
+        measured: 0.016,
+        claimed: 0.023,
+        doubts: Doubts { looks: 9e-5, noise: 0.0 },
+        look_scatter: 0.2,
+        gather_noise: Some(0.0155),
+    };
 
     fn plan(expected_values: Option<u64>) -> Plan {
         let quad = |z: f64, u: DVec3| {
@@ -422,7 +494,7 @@ mod tests {
         assert_eq!(plan(Some(10)).point_rays(), few.point_rays());
 
         // What may be small enough is looked at more closely until it is known, before rays are added to a million points.
-        let looks = |mut plan: Plan| (0..MAX_LOOKS).take_while(|_| plan.judge(&DOUBTFUL, || 0.013) == Verdict::LookCloser).count();
+        let looks = |mut plan: Plan| (0..MAX_LOOKS).take_while(|_| plan.judge(&DOUBTFUL, || 0.0155) == Verdict::LookCloser).count();
         let (few, many) = (looks(few), looks(many));
         assert!(few < many, "{few} and {many}");
     }
