@@ -36,8 +36,7 @@ const BAKE_POINTS: usize = 138_000;
 fn jobs(problem: &Problem) -> Vec<Job> {
     let mut jobs = Vec::new();
     for error in LADDER {
-        let seeds = if error < 0.02 { 1 } else { 3 };
-        jobs.extend((0..seeds).map(|seed| Job { seed, ..Job::new("auto", "auto", error) }));
+        jobs.extend((0..3).map(|seed| Job { seed, ..Job::new("auto", "auto", error) }));
         if error >= 0.02 {
             let ways = ["links", "hemisphere"].into_iter().filter(|_| problem.both_ways);
             jobs.extend(ways.map(|gather| Job::new(gather, "auto", error)));
