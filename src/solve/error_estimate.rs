@@ -507,3 +507,73 @@ impl Picks {
 fn interest(reflected: f64, mean: f64) -> f64 {
     if mean > 0.0 { mean + reflected * reflected / mean } else { 1.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::reconstruct::{LightPaths, Resolution, Resolved};
+    use crate::scene::import::{ImportOptions, read_scene};
+    use crate::sweep::Exposure;
+    use crate::transmittance::Rays;
+    use crate::visibility::{Backend, OccluderMesh, build};
+
+    /// However unevenly points lie, they stand for all of the area that reflects; and they crowd in a spot that only cells know to be bright.
+    #[test]
+    fn points_stand_for_all_area_and_crowd_where_cells_are_bright() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.obj");
+        let scene = read_scene(&file, &ImportOptions::default()).unwrap().scene;
+        let hierarchy = Hierarchy::new(&scene);
+        let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+        let rays = Rays::new(&*visibility, &scene);
+        let mut exposure = Exposure::default();
+        exposure.grow(&scene, &hierarchy, &rays, 0);
+
+        // Leaves are all as dim as each other; cells know the light.
+        let mut radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
+        let surfaces = || (0..scene.surfaces().len() as u32).map(SurfaceId);
+        let reflects = |surface: &SurfaceId| scene.material_of(*surface).reflectance.iter().any(|&rho| rho > 0.0);
+        for surface in surfaces() {
+            let exitance = &scene.material_of(surface).exitance;
+            radiosity.of_mut(hierarchy.node_of(surface)).iter_mut().zip(exitance).for_each(|(b, exitance)| *b = exitance + 0.02);
+        }
+        let resolution = Resolution::of_positions(&scene, 2000, 16);
+        let paths = LightPaths::new(&scene, &rays, &hierarchy, &radiosity, resolution.side);
+        let resolved = [1, 2].map(|seed| Resolved::solve(&paths, &resolution, seed));
+        let gathers =
+            [0, 1].map(|_| LookGather::Excess(ExcessGather { paths: &paths, believed: &resolved[0], onward: &resolved[1] }));
+        let with = Looking { scene: &scene, hierarchy: &hierarchy, radiosity: &radiosity, gathers, seed: 7 };
+
+        let area: f64 = surfaces().filter(reflects).map(|surface| scene.surface(surface).polygon.area()).sum();
+        let count = 4096;
+        let by_leaves = with.spread_over_leaves(count, 3);
+        let by_cells = with.spread_places(count, 3);
+        for spread in [&by_leaves, &by_cells] {
+            let found = spread.iter().map(|of| of.stands_for).sum::<f64>() / count as f64;
+            assert!((found / area - 1.0).abs() < 0.02, "{found} for {area}");
+        }
+        let LookGather::Excess(gather) = &with.gathers[0] else { unreachable!() };
+        let brightness =
+            |spread: &[Spread]| spread.iter().map(|of| gather.estimate_reflected(&of.place)).sum::<f64>() / count as f64;
+        let (dim, bright) = (brightness(&by_leaves), brightness(&by_cells));
+        assert!(bright > 1.5 * dim, "{bright} and {dim}");
+    }
+
+    #[test]
+    fn noisy_points_take_more_rays_within_limits() {
+        let look = |noisiness: f64| Look {
+            place: Place { point: glam::DVec3::ZERO, surface: SurfaceId(0), seed: 0 },
+            stands_for: 1.0,
+            found: [vec![], vec![]],
+            rays: 0,
+            noisiness,
+        };
+        let looks: Vec<Look> = [1.0, 8.0, 0.0, 1e9].map(look).into();
+        let shares = RayShares::new(&looks[..2]);
+        assert!((shares.of(&looks[1]) / shares.of(&looks[0]) - 4.0).abs() < 1e-12);
+        assert!((shares.of(&looks[0]) + shares.of(&looks[1]) - 2.0).abs() < 1e-12);
+        assert_eq!((shares.of(&looks[2]), shares.of(&looks[3])), (LEAST_SHARE, MOST_SHARE));
+        assert_eq!(RayShares::new(&looks[2..3]).of(&looks[2]), 1.0);
+    }
+}
