@@ -38,7 +38,7 @@ impl Resolution {
 
     /// The same cells for the looks of an error estimate, which may be noisier than values.
     pub fn for_looks(&self) -> Self {
-        Self { side: self.side, rays: self.rays.div_ceil(4) }
+        Self { side: self.side, rays: self.rays.div_ceil(2) }
     }
 
     /// Whether the numbers are in range.
