@@ -53,8 +53,8 @@ fn form_factors_between_surfaces_are_unbiased_with_and_without_occlusion() {
             assert!((mean - exact).abs() <= STANDARD_ERRORS * error + 1e-7, "{name}, {strategy:?}: {mean} for {exact}, {error}");
             spread[index] = error;
         }
-        // The sums over 64 x 64 elements are better known than one pair of surfaces by 4 x 4 points.
-        assert!(exact == 0.0 || spread[0] < 0.3 * spread[1], "{name}: {spread:?}");
+        // The sums over 64 x 64 elements are better known than one pair of surfaces by 4 x 4 points, and well known.
+        assert!(exact == 0.0 || spread[0] < 0.5 * spread[1] && spread[0] < 0.01 * exact, "{name}: {spread:?}");
     }
 }
 

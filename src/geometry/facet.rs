@@ -17,6 +17,9 @@ pub(crate) struct Facet<'a> {
     pub radius: f64,
 }
 
+/// A quadrilateral is a parallelogram if its opposite edges differ by no more than so many times its radius.
+const SKEW: f64 = 1e-12;
+
 impl<'a> Facet<'a> {
     /// A piece of a polygon with this normal: area, centroid and radius follow from the vertices.
     pub fn of_part(vertices: &'a [DVec3], normal: DVec3) -> Self {
@@ -66,9 +69,15 @@ impl<'a> Facet<'a> {
 
     /// The point of the polygon at `(u, v)` in the unit square; uniform `(u, v)` give points uniform by area.
     ///
-    /// The polygon is a fan of triangles around vertex 0; `u` picks the triangle by area and is reused inside it.
+    /// A parallelogram is the square stretched, so that evenly spread `(u, v)` stay so. Other polygons are fans of triangles around
+    /// vertex 0; `u` picks the triangle by area and is reused inside it.
     pub fn point_at(&self, u: f64, v: f64) -> DVec3 {
         let origin = self.vertices[0];
+        if let &[_, b, c, d] = self.vertices
+            && (b + d - c).distance_squared(origin) <= (SKEW * self.radius).powi(2)
+        {
+            return origin + u * (b - origin) + v * (d - origin);
+        }
         let twice_area = |k: usize| (self.vertices[k] - origin).cross(self.vertices[k + 1] - origin).dot(self.normal);
 
         // Pick the triangle of the fan in which `u` falls, and stretch `u` over it.

@@ -18,7 +18,7 @@ mod render;
 mod resolved;
 mod sample;
 mod shared_irradiance;
-mod slopes;
+mod variation;
 
 pub use camera::{Camera, CameraError, CameraRays, CameraRequest};
 pub(crate) use excess::ExcessGather;

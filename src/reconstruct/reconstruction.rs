@@ -42,10 +42,19 @@ pub(crate) struct Effort {
 /// much chance gained no more.
 const LEAST_CHANCE: f64 = 0.5;
 
+/// The part of the rays, and the least of them, of a value where one of these rays ends: a fourth, a 16th and a 32nd do equally well.
+const BEYOND: u32 = 32;
+const LEAST_BEYOND: u32 = 8;
+
 impl Effort {
     /// What a value at a point takes that a user asks for.
     pub fn of_values(rays: u32, seed: u64) -> Self {
         Self { rays, least_chance: LEAST_CHANCE, seed }
+    }
+
+    /// What a value takes where one of many rays ends.
+    pub(super) fn beyond(self) -> Self {
+        Self { rays: (self.rays / BEYOND).max(LEAST_BEYOND), ..self }
     }
 }
 

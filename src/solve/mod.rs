@@ -497,8 +497,8 @@ impl<'a> Solver<'a> {
 
     /// Takes values at points over the hemisphere, or else over links.
     fn reconstruction<'b>(&'b self, hemisphere: Option<HemisphereGather<'b>>, effort: Effort) -> Reconstruction<'b> {
-        let Self { scene, hierarchy, links, radiosity, rays, .. } = self;
-        let over_links = || Way::Links(LinkGather::new(scene, hierarchy, links, radiosity, rays));
+        let Self { scene, hierarchy, links, radiosity, exposure, rays, .. } = self;
+        let over_links = || Way::Links(LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays));
         Reconstruction { scene, hierarchy, way: hemisphere.map_or_else(over_links, Way::Hemisphere), effort }
     }
 

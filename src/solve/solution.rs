@@ -81,10 +81,10 @@ impl Solution {
 
     /// Takes values at points; `paths` are [`Solution::light_paths`].
     pub(crate) fn reconstruction<'a>(&'a self, rays: &'a Rays<'a>, paths: &'a LightPaths<'a>) -> Reconstruction<'a> {
-        let Self { scene, hierarchy, links, radiosity, .. } = self;
+        let Self { scene, hierarchy, links, radiosity, exposure, .. } = self;
         let way = match &self.resolved {
             Some(resolved) => Way::Hemisphere(HemisphereGather { paths, resolved, bounces: 0 }),
-            None => Way::Links(LinkGather::new(scene, hierarchy, links, radiosity, rays)),
+            None => Way::Links(LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays)),
         };
         let effort = Effort::of_values(self.point_rays, self.options.seed);
         Reconstruction { scene, hierarchy, way, effort }

@@ -1,26 +1,28 @@
-//! How radiosity varies over an element, to first order: by what its siblings have.
+//! How radiosity varies over an element: over a leaf to first order, by what its siblings have; over others by what their leaves have.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::geometry::Frame;
-use crate::hierarchy::{Hierarchy, NodeId};
+use crate::hierarchy::{Hierarchy, Node, NodeId};
 use crate::sweep::Radiosity;
 
 /// A plane through the siblings' radiosities is steep enough to be known if the spread of their centroids, across, is this part of
 /// that along.
 const LEAST_SPREAD: f64 = 1e-3;
 
-/// The slopes of all elements.
-pub(super) struct Slopes {
+/// How radiosity varies over all elements.
+pub(super) struct Variation {
     channels: usize,
     /// Elements come after clusters.
     first: usize,
     /// In W/m^3, by element and channel, in the element's plane.
     slopes: Vec<DVec3>,
+    /// The standard deviation from the element's mean, over its area, in W/m^2, by element and channel.
+    deviations: Vec<f64>,
 }
 
-impl Slopes {
+impl Variation {
     /// Children of one element lie on a plane of least squares.
     pub fn new(hierarchy: &Hierarchy, radiosity: &Radiosity) -> Self {
         let (channels, first) = (radiosity.channels(), hierarchy.cluster_count());
@@ -31,14 +33,50 @@ impl Slopes {
                 fit(hierarchy, radiosity, parent, slopes);
             }
         });
-        Self { channels, first, slopes }
+        let deviations = deviations(hierarchy, radiosity, &slopes);
+        Self { channels, first, slopes, deviations }
     }
 
     /// The radiosity at a point of a leaf less that of the leaf, by channel.
     pub fn rise(&self, leaf: NodeId, from_centroid: DVec3) -> impl Iterator<Item = f64> {
-        let at = (leaf.index() - self.first) * self.channels;
-        self.slopes[at..at + self.channels].iter().map(move |slope| slope.dot(from_centroid))
+        self.of(&self.slopes, leaf).iter().map(move |slope| slope.dot(from_centroid))
     }
+
+    /// The standard deviation of the radiosity over an element, by channel, in W/m^2.
+    pub fn deviation(&self, element: NodeId) -> &[f64] {
+        self.of(&self.deviations, element)
+    }
+
+    fn of<'a, T>(&self, all: &'a [T], element: NodeId) -> &'a [T] {
+        &all[(element.index() - self.first) * self.channels..][..self.channels]
+    }
+}
+
+/// The standard deviations over all elements, by channel: what varies from leaf to leaf, and over these.
+fn deviations(hierarchy: &Hierarchy, radiosity: &Radiosity, slopes: &[DVec3]) -> Vec<f64> {
+    let (channels, first) = (radiosity.channels(), hierarchy.cluster_count());
+    let elements = || (first..hierarchy.len()).map(|index| NodeId(index as u32));
+    let at = |element: NodeId| (element.index() - first) * channels;
+
+    // Mean squares, children before parents. Over a square a unit slope has the square of its radius over 6.
+    let mut of = vec![0.0; slopes.len()];
+    for element in elements().rev() {
+        let Node { radius, area, .. } = *hierarchy.node(element);
+        for channel in 0..channels {
+            of[at(element) + channel] = if hierarchy.is_leaf(element) {
+                radiosity.of(element)[channel].powi(2) + slopes[at(element) + channel].length_squared() * radius * radius / 6.0
+            } else {
+                let of_child = |child| hierarchy.area(child) * of[at(child) + channel];
+                hierarchy.children(element).map(of_child).sum::<f64>() / area
+            };
+        }
+    }
+
+    for element in elements() {
+        let squares = of[at(element)..][..channels].iter_mut().zip(radiosity.of(element));
+        squares.for_each(|(of, mean)| *of = (*of - mean * mean).max(0.0).sqrt());
+    }
+    of
 }
 
 /// The slopes of the plane through the radiosities of the children of `parent`, at their centroids.
@@ -97,14 +135,14 @@ mod tests {
             radiosity.of_mut(child)[0] = at(hierarchy.node(child).centroid);
         }
 
-        let slopes = Slopes::new(&hierarchy, &radiosity);
+        let variation = Variation::new(&hierarchy, &radiosity);
         for child in hierarchy.children(split) {
             let centroid = hierarchy.node(child).centroid;
             for &corner in hierarchy.facet(child).vertices {
-                let found = slopes.rise(child, corner - centroid).next().unwrap();
+                let found = variation.rise(child, corner - centroid).next().unwrap();
                 assert!((found - (at(corner) - at(centroid))).abs() < 1e-12, "{found}");
             }
         }
-        assert_eq!(slopes.rise(whole, DVec3::X).next(), Some(0.0));
+        assert_eq!(variation.rise(whole, DVec3::X).next(), Some(0.0));
     }
 }
