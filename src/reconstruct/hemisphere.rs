@@ -50,7 +50,7 @@ impl HemisphereGather<'_> {
 
     /// Adds the irradiance from lamps and reflectors at each place, by `count` aimed rays.
     fn add_aimed(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
-        self.paths.add_aimed(places, count, scratch, irradiance);
+        self.paths.add_aimed(places, 1, count, scratch, irradiance);
         self.add_seen(places, scratch, irradiance);
     }
 

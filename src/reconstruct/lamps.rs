@@ -27,6 +27,9 @@ const MOSTLY_EMITTING: f64 = 0.2;
 /// That holds only if no more than this part of the rays is lost.
 const OFTEN_LOST: f64 = 0.5;
 
+/// From so many lamps on they are many.
+pub(crate) const MANY_LAMPS: usize = 17;
+
 /// Rays that tell how many are lost.
 const PROBES: u32 = 256;
 
@@ -105,11 +108,17 @@ impl<'a> Lamps<'a> {
         self.scene.material_of(surface).emits() && brightest(self.scene, surface) >= self.dimmest
     }
 
+    /// Whether rays to all of them would cost more than what they bring: then they are drawn nearly everywhere.
+    pub fn are_many(&self) -> bool {
+        self.surfaces.len() >= MANY_LAMPS
+    }
+
     /// Adds the irradiance from all lamps at each place, by `count` rays; without bias for any number of rays. `irradiance` has the
-    /// channels of the first place first.
+    /// channels of the first place first. Of the places `together` in a row draw lamps as one place with all of their rays would.
     pub fn add_sampled_irradiance(
         &self,
         places: &[Place],
+        together: usize,
         rays: &Rays<'_>,
         count: u32,
         aimed: &mut AimedRays,
@@ -119,10 +128,14 @@ impl<'a> Lamps<'a> {
         aimed.segments.clear();
         aimed.drawn.clear();
         for (index, place) in places.iter().enumerate() {
+            let number = index % together;
+            let random = sampling::unit(sampling::hash(places[index - number].seed, 5));
+            let start = (number as f64 + random) / together as f64;
+            let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
             if count as usize >= self.surfaces.len() {
-                self.aim_at_all(place, index, count, aimed);
+                self.aim_at_all(place, index, numbers, aimed);
             } else {
-                self.aim_at_some(tree, place, index, count, aimed);
+                self.aim_at_some(tree, place, index, numbers, aimed);
             }
         }
         rays.occluded(&aimed.segments, &mut aimed.occluded);
@@ -138,23 +151,28 @@ impl<'a> Lamps<'a> {
         }
     }
 
-    /// Spreads the rays of a place over the pieces of all lamps by what they carry, systematically from a random start.
-    fn aim_at_all(&self, place: &Place, index: usize, count: u32, aimed: &mut AimedRays) {
+    /// Spreads the rays of a place over the pieces of all lamps by what they carry, systematically: one for each of `numbers`, rising in
+    /// [0, 1).
+    fn aim_at_all(&self, place: &Place, index: usize, numbers: impl ExactSizeIterator<Item = f64>, aimed: &mut AimedRays) {
         aimed.pieces.clear();
         let normal = self.scene.surface(place.surface).polygon.facet().normal;
         for &lamp in &self.surfaces {
             self.cut(place.point, normal, lamp, None, &mut aimed.pieces);
         }
-        let start = sampling::unit(sampling::hash(place.seed, 5));
-        let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
-        self.aim(place, index, 1.0 / f64::from(count), numbers, aimed);
+        self.aim(place, index, 1.0 / numbers.len() as f64, numbers, aimed);
     }
 
-    /// Draws a lamp from the tree for each ray of a place, systematically from a random start, and a piece of that lamp.
-    fn aim_at_some(&self, tree: &AimTree, place: &Place, index: usize, count: u32, aimed: &mut AimedRays) {
+    /// Draws a lamp from the tree for each ray of a place by one of `numbers`, rising in [0, 1), and a piece of that lamp.
+    fn aim_at_some(
+        &self,
+        tree: &AimTree,
+        place: &Place,
+        index: usize,
+        numbers: impl ExactSizeIterator<Item = f64> + Clone,
+        aimed: &mut AimedRays,
+    ) {
         let normal = self.scene.surface(place.surface).polygon.facet().normal;
-        let start = sampling::unit(sampling::hash(place.seed, 5));
-        let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
+        let count = numbers.len() as f64;
         let mut lamps = std::mem::take(&mut aimed.lamps);
         lamps.clear();
         let unoccluded = |number: u32| {
@@ -167,7 +185,7 @@ impl<'a> Lamps<'a> {
         for same in lamps.chunk_by(|a, b| a.number == b.number) {
             aimed.pieces.clear();
             self.cut(place.point, normal, SurfaceId(same[0].number), None, &mut aimed.pieces);
-            let weight = 1.0 / (f64::from(count) * same[0].probability);
+            let weight = 1.0 / (count * same[0].probability);
             self.aim(place, index, weight, same.iter().map(|drawn| drawn.rest), aimed);
         }
         aimed.lamps = lamps;
@@ -313,12 +331,12 @@ mod tests {
         // With more rays than lamps all lamps are looked at; 16 rays choose among them, a thousand times.
         let mut expected = vec![0.0; 20];
         let mut aimed = AimedRays::default();
-        lamps.add_sampled_irradiance(&places(1), &rays, 50_000, &mut aimed, &mut expected);
+        lamps.add_sampled_irradiance(&places(1), 1, &rays, 50_000, &mut aimed, &mut expected);
         let (mut sum, mut sum_sq) = (vec![0.0; 20], vec![0.0; 20]);
         let rounds = 1000;
         for round in 0..rounds {
             let mut found = vec![0.0; 20];
-            lamps.add_sampled_irradiance(&places(100 + round), &rays, 16, &mut aimed, &mut found);
+            lamps.add_sampled_irradiance(&places(100 + round), 1, &rays, 16, &mut aimed, &mut found);
             found.iter().zip(sum.iter_mut().zip(sum_sq.iter_mut())).for_each(|(h, (sum, sum_sq))| {
                 *sum += h;
                 *sum_sq += h * h;
@@ -392,7 +410,7 @@ mod tests {
             let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
             let rays = Rays::new(&*visibility, &scene);
             let (lamps, aimed) = (Lamps::new(&scene, &rays), &mut AimedRays::default());
-            lamps.add_sampled_irradiance(&places(1), &rays, 24, aimed, &mut [0.0; 20]);
+            lamps.add_sampled_irradiance(&places(1), 1, &rays, 24, aimed, &mut [0.0; 20]);
             let cast = rays.segments().count();
             assert!(cast + rays.spared() <= 20 * 24, "{count} lamps: {cast} rays");
         }
@@ -413,5 +431,24 @@ mod tests {
         let sigma = (expected * (1.0 - expected) / f64::from(PROBES)).sqrt();
         assert!((lost - expected).abs() <= 3.0 * sigma, "{lost} instead of {expected} +- {sigma}");
         assert!(Lamps::new(&scene, &rays).contains(SurfaceId(0)));
+    }
+
+    #[test]
+    fn places_together_draw_the_lamps_of_one_place_with_all_of_their_rays() {
+        let scene = lamps_over_a_floor(1000);
+        let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+        let rays = Rays::new(&*visibility, &scene);
+        let lamps = Lamps::new(&scene, &rays);
+        assert!(lamps.are_many());
+        let drawn = |places: &[Place], together: usize, count: u32| {
+            let mut aimed = AimedRays::default();
+            lamps.add_sampled_irradiance(places, together, &rays, count, &mut aimed, &mut vec![0.0; places.len()]);
+            let mut drawn: Vec<u32> = aimed.drawn.iter().map(|drawn| drawn.lamp.0).collect();
+            drawn.sort_unstable();
+            drawn
+        };
+        for place in places(3) {
+            assert_eq!(drawn(&[place; 4], 4, 4), drawn(&[place], 1, 16));
+        }
     }
 }

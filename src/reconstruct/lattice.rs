@@ -127,6 +127,13 @@ impl Lattice {
         Some((grid.cell_at(point), grid.cell[0].max(grid.cell[1])))
     }
 
+    /// The point of the surface at `(u, v)` in the unit square over the cell that `point` lies in; it may lie beside the surface. `None` if
+    /// the surface has no cells.
+    pub(super) fn point_beside(&self, surface: SurfaceId, point: DVec3, u: f64, v: f64) -> Option<DVec3> {
+        let grid = self.grids[surface.index()].as_ref()?;
+        Some(grid.point_in((grid.cell_at(point) - grid.first) as usize, u, v))
+    }
+
     /// The cells of a surface: the number of each, its corner and its two edges from there, in metres.
     pub(super) fn cells_of(&self, surface: SurfaceId) -> impl Iterator<Item = (u32, DVec3, [DVec3; 2])> {
         self.grids[surface.index()].iter().flat_map(|grid| {

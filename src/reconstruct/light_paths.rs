@@ -130,9 +130,22 @@ impl<'a> LightPaths<'a> {
     }
 
     /// Adds the irradiance from lamps at each place, by `count` rays, place after place; `scratch` has what they see of reflectors then.
-    pub(super) fn add_aimed(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
-        self.lamps.add_sampled_irradiance(places, self.rays, count, &mut scratch.aimed, irradiance);
+    /// Of the places `together` in a row draw lamps as one place with all of their rays would.
+    pub(super) fn add_aimed(
+        &self,
+        places: &[Place],
+        together: usize,
+        count: u32,
+        scratch: &mut PathScratch,
+        irradiance: &mut [f64],
+    ) {
+        self.lamps.add_sampled_irradiance(places, together, self.rays, count, &mut scratch.aimed, irradiance);
         self.see_reflectors(places, count, scratch);
+    }
+
+    /// Whether lamps are many.
+    pub(super) fn has_many_lamps(&self) -> bool {
+        self.lamps.are_many()
     }
 
     /// Fills in what the rays to reflectors see that go with `count` rays to lamps.
@@ -226,7 +239,7 @@ impl<'a> LightPaths<'a> {
         let channels = self.scene.channels();
         irradiance.clear();
         irradiance.resize(walks.len() * channels, 0.0);
-        self.lamps.add_sampled_irradiance(walks, self.rays, 1, aimed, irradiance);
+        self.lamps.add_sampled_irradiance(walks, 1, self.rays, 1, aimed, irradiance);
         for ((walk, &detour), irradiance) in walks.iter().zip(&*detour_of).zip(irradiance.chunks(channels)) {
             let material = self.scene.material_of(walk.surface);
             let exitance = self.unlamped_exitance(walk.surface);

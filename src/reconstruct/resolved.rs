@@ -10,6 +10,10 @@
 //! That is the radiosity equation with random rows instead of integrals, each unbiased. Its solution is noisy at a single position,
 //! which gathers over many positions average out; biased is it only where a path comes back to its own position, which few do.
 //!
+//! Where lamps are many, some are near, and what they bring varies much over a cell. There aimed rays start from all quarters of the cell
+//! instead of its position. (In a game level at 2%, with as many rays, that left a third of the square of what values are off by for
+//! believing cells; at 1% a quarter, most of which was of one seed in eight.)
+//!
 //! The light that lamp rays bring is left out of what a cell sends.
 
 use rayon::prelude::*;
@@ -59,6 +63,9 @@ pub(crate) struct Resolved {
 
 /// What a cell takes from all others, reflected, is less than this part of the brightest of them.
 const MOST_TAKEN: f32 = 0.99;
+
+/// The quarters of a cell.
+const QUARTERS: u32 = 4;
 
 /// Positions whose paths are followed together.
 const BATCH: usize = 256;
@@ -253,7 +260,7 @@ impl Equations {
             let (indices, places): (Vec<usize>, Vec<Place>) = cells.iter().enumerate().filter_map(position).unzip();
             let mut irradiance = vec![0.0; places.len() * channels];
             paths.follow(&places, resolution.rays, 0, scratch);
-            paths.add_aimed(&places, resolution.rays, scratch, &mut irradiance);
+            add_aimed(paths, &places, resolution.rays, scratch, &mut irradiance);
             let PathScratch { ends, seen, .. } = &*scratch;
 
             // What is sent by the place itself, and by the ends of paths that arrive there at once.
@@ -373,6 +380,44 @@ impl Equations {
             }
         });
     }
+}
+
+/// Adds the irradiance from lamps over the cell of each position, by `count` rays, position after position; `scratch` has what they see of
+/// reflectors then.
+fn add_aimed(paths: &LightPaths<'_>, positions: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+    if !paths.has_many_lamps() || count < QUARTERS {
+        paths.add_aimed(positions, 1, count, scratch, irradiance);
+        return;
+    }
+    let together = QUARTERS as usize;
+    let quarters: Vec<Place> = positions
+        .iter()
+        .flat_map(|&position| (0..QUARTERS).map(move |quarter| spot_in_quarter(paths, position, quarter)))
+        .collect();
+    let channels = paths.scene.channels();
+    let mut of_quarters = vec![0.0; quarters.len() * channels];
+    paths.add_aimed(&quarters, together, count / QUARTERS, scratch, &mut of_quarters);
+
+    // What quarters find is a quarter of what their cell does.
+    let part = 1.0 / f64::from(QUARTERS);
+    for (irradiance, of_quarters) in irradiance.chunks_mut(channels).zip(of_quarters.chunks(together * channels)) {
+        for of_quarter in of_quarters.chunks(channels) {
+            irradiance.iter_mut().zip(of_quarter).for_each(|(h, of_quarter)| *h += part * of_quarter);
+        }
+    }
+    for seen in &mut scratch.seen {
+        (seen.by, seen.weight) = (seen.by / together, part * seen.weight);
+    }
+}
+
+/// A random place in a quarter of the cell of a position; the position itself if that lies beside the surface.
+fn spot_in_quarter(paths: &LightPaths<'_>, position: Place, quarter: u32) -> Place {
+    let seed = sampling::hash(position.seed, 0x90 + u64::from(quarter));
+    let within = |number: u32, draw| 0.5 * (f64::from(number) + sampling::unit(sampling::hash(seed, draw)));
+    let (u, v) = (within(quarter % 2, 1), within(quarter / 2, 2));
+    let facet = paths.scene.surface(position.surface).polygon.facet();
+    let spot = paths.lattice.point_beside(position.surface, position.point, u, v).filter(|&spot| facet.contains(spot));
+    Place { point: spot.unwrap_or(position.point), seed, ..position }
 }
 
 /// For every cell the nearest one of its surface that has a position which is not covered: itself, for most.

@@ -4,7 +4,7 @@ use super::error_estimate::{ErrorEstimate, Pilot, TWICE};
 use super::remedy::{Doubtful, Remedy};
 use super::{Gather, SolveOptions, Strategy};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
-use crate::reconstruct::Resolution;
+use crate::reconstruct::{MANY_LAMPS, Resolution};
 use crate::scene::{Scene, SurfaceId};
 
 /// What a round left to be done.
@@ -146,6 +146,10 @@ const LEAST_LOOKS_POSITIONS: f64 = 2048.0;
 /// 35, 20 and 37%.
 const POSITION_RAYS: std::ops::RangeInclusive<u32> = 4..=16;
 
+/// The same where lamps are many and these rays start from all quarters of a cell: in a game level at 1% with 16 what values are off by for
+/// believing cells made up 17% of what is allowed, with 8 of them 21%, for a quarter less time.
+const POSITION_RAYS_FOR_MANY_LAMPS: std::ops::RangeInclusive<u32> = 4..=8;
+
 /// Where radiosities are found too noisy or too coarse, times so much: twice the positions alone made them no better in two of three rooms.
 const MORE_POSITIONS: f64 = 1.25;
 const MORE_POSITION_RAYS: u32 = 2;
@@ -192,7 +196,8 @@ impl Plan {
         let positions_for_values = if gather == Gather::Hemisphere { for_values(POSITIONS_VALUES_POWER) } else { 1.0 };
         let positions = positions_at_2_percent * (0.02 / options.error).powf(positions_power) * positions_for_values;
         let positions = positions.clamp(least_positions, MOST_POSITIONS);
-        let (least, most) = POSITION_RAYS.into_inner();
+        let emitting = surfaces().filter(|(_, material)| material.emits()).count();
+        let (least, most) = if emitting < MANY_LAMPS { POSITION_RAYS } else { POSITION_RAYS_FOR_MANY_LAMPS }.into_inner();
         let share = positions / (positions + scene.surfaces().len() as f64);
         let rays = 2_u32.pow((f64::from(most) * share).log2().ceil().max(0.0) as u32).max(least);
         let resolution = Resolution::of_positions(scene, positions as usize, rays);
