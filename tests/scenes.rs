@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use patchlight::inspect::{DEFAULT_POINTS, inspect};
-use patchlight::scene::SceneSummary;
 use patchlight::scene::import::{ImportOptions, Imported, read_scene};
-use patchlight::visibility::{Backend, NO_PLANE, OccluderMesh, Ray, build};
+use patchlight::scene::{SceneSummary, SurfaceId};
+use patchlight::visibility::{Backend, NO_PLANE, OccluderMesh, Ray, Segment, build};
 
 #[path = "../examples/generate_scenes/chang_shih.rs"]
 mod chang_shih;
@@ -27,6 +27,8 @@ mod paper_rooms;
 mod room;
 #[path = "../examples/generate_scenes/scenes.rs"]
 mod scenes;
+#[path = "../examples/generate_scenes/two_rooms.rs"]
+mod two_rooms;
 
 fn folder() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes"))
@@ -110,6 +112,30 @@ fn the_five_rooms_have_the_papers_numbers_of_polygons_and_are_closed() {
         assert_eq!((summary.faces, summary.surfaces, inspection.escaped), (polygons, polygons, 0), "{name}");
         assert!(summary.emitters >= 2, "{name}");
     }
+}
+
+/// From no point of the other room a ray to the lamp gets through.
+#[test]
+fn of_the_two_rooms_one_sees_no_lamp() {
+    let (imported, summary, inspection) = read("two_rooms.obj");
+    assert_eq!((summary.faces, summary.emitters, inspection.escaped, inspection.met_back), (40, 1, 0, 0));
+    let scene = &imported.scene;
+    let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(scene)).unwrap();
+    let lamp = (0..scene.surfaces().len() as u32).map(SurfaceId).find(|&id| scene.material_of(id).emits()).unwrap();
+    let lamp = scene.surface(lamp);
+    let corners: Vec<[f64; 3]> = lamp.polygon.vertices().collect();
+    let (mut segments, steps) = (Vec::new(), 12);
+    for to in &corners {
+        for step in 0..steps * steps * steps {
+            let along = |number: usize, from: f64, to: f64| from + (to - from) * (number as f64 + 0.5) / steps as f64;
+            let x = along(step % steps, 4.2, 8.2);
+            let from = [x, along(step / steps % steps, 0.0, 2.6), along(step / steps / steps, 0.0, 4.0)];
+            segments.push(Segment { from, to: *to, from_plane: NO_PLANE, to_plane: lamp.plane() });
+        }
+    }
+    let mut occluded = vec![false; segments.len()];
+    visibility.occluded(&segments, &mut occluded);
+    assert!(occluded.iter().all(|&occluded| occluded));
 }
 
 #[test]

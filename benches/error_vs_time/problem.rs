@@ -46,7 +46,7 @@ pub fn all(root: &Path, folder: &Path, wanted: &[String], peers: Option<&Peers>)
     problems.retain(|problem| is_wanted(&problem.name));
     let own_scene = |name: &str| (name.replace('_', " "), root.join(format!("scenes/{name}.obj")));
     let by_others = |name: &str| (format!("{name} (by others)"), root.join(format!("../shared/scenes/{name}/scene.obj")));
-    let scenes = ["full_office", "room", "dining_room", "hevea"].map(own_scene).into_iter();
+    let scenes = ["full_office", "room", "dining_room", "hevea", "two_rooms"].map(own_scene).into_iter();
     for (name, scene) in scenes.chain(["corridor", "oa_czest1dm"].map(by_others)) {
         if is_wanted(&name) && scene.is_file() {
             eprintln!("{name}: looking for its reference");

@@ -13,6 +13,7 @@ mod model;
 mod paper_rooms;
 mod room;
 mod scenes;
+mod two_rooms;
 
 use std::io::{Error, ErrorKind};
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! The list of the scenes.
 
-use super::{chang_shih, cornell, furnace, paper_rooms, room};
+use super::{chang_shih, cornell, furnace, paper_rooms, room, two_rooms};
 
 /// Name and content of every file.
 pub fn all() -> Vec<(String, String)> {
@@ -8,6 +8,7 @@ pub fn all() -> Vec<(String, String)> {
         ("cornell", cornell::cornell()),
         ("furnace", furnace::furnace()),
         ("room", room::room()),
+        ("two_rooms", two_rooms::two_rooms()),
         ("full_office", paper_rooms::full_office()),
         ("dining_room", paper_rooms::dining_room()),
         ("east_room", paper_rooms::east_room()),
