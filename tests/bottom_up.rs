@@ -53,8 +53,9 @@ fn form_factors_between_surfaces_are_unbiased_with_and_without_occlusion() {
             assert!((mean - exact).abs() <= STANDARD_ERRORS * error + 1e-7, "{name}, {strategy:?}: {mean} for {exact}, {error}");
             spread[index] = error;
         }
-        // The sums over 64 x 64 elements are better known than one pair of surfaces by 4 x 4 points, and well known.
-        assert!(exact == 0.0 || spread[0] < 0.5 * spread[1] && spread[0] < 0.01 * exact, "{name}: {spread:?}");
+        // The sums over 64 x 64 elements are better known than one pair of surfaces by 4 x 4 points, and well known: 0.29 times at
+        // worst, by 64 seeds; the ratio of two errors from 16 scatters by a quarter.
+        assert!(exact == 0.0 || spread[0] < 0.375 * spread[1] && spread[0] < 0.01 * exact, "{name}: {spread:?}");
     }
 }
 

@@ -98,6 +98,14 @@ struct Piece {
     chance: f64,
 }
 
+impl Piece {
+    /// A piece to which no rays are laid yet; `None` if none are worth anything.
+    fn new(node: NodeId, part: Option<Part>, form_factor: f64, worth: f64, near: bool, expected: f64) -> Option<Self> {
+        let piece = Self { node, part, form_factor, of_whole: form_factor, worth, near, expected, rays: 0, chance: 1.0 };
+        (worth > 0.0).then_some(piece)
+    }
+}
+
 /// A point on a surface, with what is asked of it again and again.
 struct Receiver<'a> {
     point: DVec3,
@@ -250,17 +258,7 @@ impl<'a> LinkGather<'a> {
         let form_factor = cosine.clamp(0.0, 1.0) * shown / (PI * distance_sq.max(cluster.radius * cluster.radius));
         let brightest = receiver.reflectance.iter().zip(self.radiosity.of(node)).map(|(rho, b)| rho * b).fold(0.0, f64::max);
         let worth = form_factor.min(1.0) * brightest;
-        (worth > 0.0).then_some(Piece {
-            node,
-            part: None,
-            form_factor,
-            of_whole: form_factor,
-            worth,
-            near,
-            expected,
-            rays: 0,
-            chance: 1.0,
-        })
+        Piece::new(node, None, form_factor, worth, near, expected)
     }
 
     /// A source, or a part of one, as seen from the point; `None` if nothing of it can arrive.
@@ -272,17 +270,7 @@ impl<'a> LinkGather<'a> {
         let scatters = self.radiosity.of(node).iter().zip(self.variation.deviation(node)).map(scatter);
         let worth = form_factor * receiver.reflectance.iter().zip(scatters).map(|(rho, scatter)| rho * scatter).fold(0.0, f64::max);
         let near = facet.radius * facet.radius > NEAR * NEAR * receiver.point.distance_squared(facet.centroid);
-        (worth > 0.0).then_some(Piece {
-            node,
-            part,
-            form_factor,
-            of_whole: form_factor,
-            worth,
-            near,
-            expected,
-            rays: 0,
-            chance: 1.0,
-        })
+        Piece::new(node, part, form_factor, worth, near, expected)
     }
 
     /// Splits what is worth more than its share, until no piece is.
