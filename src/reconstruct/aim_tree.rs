@@ -34,9 +34,9 @@ type Lanes = [f32; WIDTH];
 
 /// Up to four groups of sources; places that are left over have no power.
 struct Node {
-    /// The middle of each group's box, and the square of its radius.
+    /// The middle of each group's box, and its radius.
     centre: [Lanes; 3],
-    radius_sq: Lanes,
+    radius: Lanes,
     /// All normals are within an angle of `axis`, the spread, in [0, pi].
     axis: [Lanes; 3],
     cos_spread: Lanes,
@@ -59,7 +59,7 @@ pub(super) enum Below {
 impl Node {
     const EMPTY: Self = Self {
         centre: [[0.0; WIDTH]; 3],
-        radius_sq: [1.0; WIDTH],
+        radius: [1.0; WIDTH],
         axis: [[0.0; WIDTH]; 3],
         cos_spread: [1.0; WIDTH],
         sin_spread: [0.0; WIDTH],
@@ -92,13 +92,16 @@ pub(super) struct Drawn {
     /// The number of the source.
     pub number: u32,
     pub probability: f64,
+    /// Which number drew it.
+    pub ray: u32,
     /// What is left of the number that drew it: uniform in [0, 1) again.
     pub rest: f64,
 }
 
-/// A place and its normal, in the frame of a tree.
+/// Places of one normal, in the frame of a tree: all are within `reach` of `point`.
 struct Receiver {
     point: [f32; 3],
+    reach: f32,
     normal: [f32; 3],
 }
 
@@ -154,32 +157,38 @@ impl AimTree {
             node.centre[axis][child] = centre[axis] as f32;
             node.axis[axis][child] = group.axis[axis] as f32;
         }
-        node.radius_sq[child] = ((radius * radius) as f32).max(f32::MIN_POSITIVE);
+        node.radius[child] = (radius as f32).max(f32::MIN_POSITIVE.sqrt());
         (node.cos_spread[child], node.sin_spread[child]) = (cos as f32, sin as f32);
         node.power[child] = ((group.power / self.power) as f32).max(f32::MIN_POSITIVE);
         node.below[child] = below;
     }
 
-    /// Draws a source for a point with a normal by each of `numbers`, rising in [0, 1), and appends them to `drawn`; none where no
-    /// source on the way can bring anything. Every node on the way is looked at once, however many numbers pass through it.
-    /// `unoccluded` is the irradiance that a source would bring if nothing were in between, in W/m^2 in its brightest channel.
+    /// Draws a source for points with a normal by each of `numbers`, rising in [0, 1), and appends them to `drawn`; none where no
+    /// source on the way can bring anything to any of them. Every node on the way is looked at once, however many numbers pass through it.
+    /// `unoccluded` is the mean irradiance that a source would bring to the points if nothing were in between, in W/m^2 in its brightest
+    /// channel.
     pub fn draw(
         &self,
-        point: DVec3,
+        points: impl ExactSizeIterator<Item = DVec3> + Clone,
         normal: DVec3,
         unoccluded: impl Fn(u32) -> f64,
         numbers: impl Iterator<Item = f64>,
         starts: &mut Vec<Start>,
         drawn: &mut Vec<Drawn>,
     ) {
-        let receiver =
-            Receiver { point: ((point - self.centre) / self.radius).as_vec3().to_array(), normal: normal.as_vec3().to_array() };
+        let middle = points.clone().sum::<DVec3>() / points.len() as f64;
+        let reach = points.map(|point| point.distance(middle)).fold(0.0, f64::max);
+        let receiver = Receiver {
+            point: ((middle - self.centre) / self.radius).as_vec3().to_array(),
+            reach: (reach / self.radius) as f32,
+            normal: normal.as_vec3().to_array(),
+        };
         let in_units_of_bounds = PI * self.radius * self.radius / self.power;
         starts.clear();
         self.collect_starts(0, &receiver, &|number| in_units_of_bounds * unoccluded(number), starts);
 
         let first = drawn.len();
-        drawn.extend(numbers.map(|rest| Drawn { number: 0, probability: 1.0, rest }));
+        drawn.extend((0..).zip(numbers).map(|(ray, rest)| Drawn { number: 0, probability: 1.0, ray, rest }));
         let kept = self.share_out(starts, &receiver, &mut drawn[first..]);
         drawn.truncate(first + kept);
     }
@@ -246,8 +255,8 @@ impl AimTree {
 }
 
 impl Node {
-    /// What each child can send to a place, up to a common factor: power, cosines at most, distance squared at least, but not below
-    /// the size of the child. And the square of how near it is: its radius over its distance.
+    /// What each child can send to places, up to a common factor: power, cosines at most, distance squared at least, but not below
+    /// the size of the child and the reach of the places. And the square of how near it is: that size over its distance.
     fn bound_sent(&self, receiver: &Receiver) -> (Lanes, Lanes) {
         // One array a quantity and selections instead of branches, so that the children go through the arithmetic side by side.
         let (mut distance_sq, mut to_receiver, mut to_axis) = ([0.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]);
@@ -264,16 +273,18 @@ impl Node {
         // point, and at the sources by the spread too.
         let (mut sent, mut nearness_sq) = ([0.0; WIDTH], [0.0; WIDTH]);
         for k in 0..WIDTH {
-            let far_sq = largest(distance_sq[k], self.radius_sq[k]);
-            let sin_sq_half = self.radius_sq[k] / far_sq;
+            let radius = self.radius[k] + receiver.reach;
+            let radius_sq = radius * radius;
+            let far_sq = largest(distance_sq[k], radius_sq);
+            let sin_sq_half = radius_sq / far_sq;
             let half = (sin_sq_half.sqrt(), (1.0 - sin_sq_half).sqrt());
             let per_distance = 1.0 / far_sq.sqrt();
             let at_receiver = less(angle(to_receiver[k] * per_distance), half);
             let at_sources = less(less(angle(to_axis[k] * per_distance), half), (self.sin_spread[k], self.cos_spread[k]));
             let cosines = largest(at_receiver.1 + SLACK, 0.0) * largest(at_sources.1 + SLACK, 0.0);
-            let is_inside = distance_sq[k] <= self.radius_sq[k];
+            let is_inside = distance_sq[k] <= radius_sq;
             sent[k] = self.power[k] * if is_inside { 1.0 } else { cosines } / far_sq;
-            nearness_sq[k] = self.radius_sq[k] / largest(distance_sq[k], f32::MIN_POSITIVE);
+            nearness_sq[k] = radius_sq / largest(distance_sq[k], f32::MIN_POSITIVE);
         }
         (sent, nearness_sq)
     }

@@ -27,9 +27,6 @@ const MOSTLY_EMITTING: f64 = 0.2;
 /// That holds only if no more than this part of the rays is lost.
 const OFTEN_LOST: f64 = 0.5;
 
-/// From so many lamps on they are many.
-pub(crate) const MANY_LAMPS: usize = 17;
-
 /// Rays that tell how many are lost.
 const PROBES: u32 = 256;
 
@@ -108,11 +105,6 @@ impl<'a> Lamps<'a> {
         self.scene.material_of(surface).emits() && brightest(self.scene, surface) >= self.dimmest
     }
 
-    /// Whether rays to all of them would cost more than what they bring: then they are drawn nearly everywhere.
-    pub fn are_many(&self) -> bool {
-        self.surfaces.len() >= MANY_LAMPS
-    }
-
     /// Adds the irradiance from all lamps at each place, by `count` rays; without bias for any number of rays. `irradiance` has the
     /// channels of the first place first. Of the places `together` in a row draw lamps as one place with all of their rays would.
     pub fn add_sampled_irradiance(
@@ -127,15 +119,18 @@ impl<'a> Lamps<'a> {
         let Some(tree) = &self.tree else { return };
         aimed.segments.clear();
         aimed.drawn.clear();
-        for (index, place) in places.iter().enumerate() {
-            let number = index % together;
-            let random = sampling::unit(sampling::hash(places[index - number].seed, 5));
-            let start = (number as f64 + random) / together as f64;
-            let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
+        for (first, places) in places.chunks(together).enumerate().map(|(group, places)| (group * together, places)) {
+            // Numbers at even steps from a random start, for the places in turn: `start` tells by how many steps the first place is late.
+            let random = sampling::hash(places[0].seed, 5);
+            let start = (sampling::hash(random, 1) % places.len() as u64) as f64 + sampling::unit(random);
             if count as usize >= self.surfaces.len() {
-                self.aim_at_all(place, index, numbers, aimed);
+                for (number, place) in places.iter().enumerate() {
+                    let start = (number as f64 + start) / places.len() as f64 % 1.0;
+                    let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
+                    self.aim_at_all(place, first + number, numbers, aimed);
+                }
             } else {
-                self.aim_at_some(tree, place, index, numbers, aimed);
+                self.aim_at_some(tree, places, first, count, start, aimed);
             }
         }
         rays.occluded(&aimed.segments, &mut aimed.occluded);
@@ -162,31 +157,35 @@ impl<'a> Lamps<'a> {
         self.aim(place, index, 1.0 / numbers.len() as f64, numbers, aimed);
     }
 
-    /// Draws a lamp from the tree for each ray of a place by one of `numbers`, rising in [0, 1), and a piece of that lamp.
-    fn aim_at_some(
-        &self,
-        tree: &AimTree,
-        place: &Place,
-        index: usize,
-        numbers: impl ExactSizeIterator<Item = f64> + Clone,
-        aimed: &mut AimedRays,
-    ) {
-        let normal = self.scene.surface(place.surface).polygon.facet().normal;
-        let count = numbers.len() as f64;
+    /// Draws a lamp from the tree for each of the `count` rays of each place, all with one normal, and a piece of that lamp. `first` is the
+    /// index of the first place, which is late by `start` steps.
+    fn aim_at_some(&self, tree: &AimTree, places: &[Place], first: usize, count: u32, start: f64, aimed: &mut AimedRays) {
+        let normal = self.scene.surface(places[0].surface).polygon.facet().normal;
+        let rays = count * places.len() as u32;
+        let numbers = (0..rays).map(|ray| (f64::from(ray) + start.fract()) / f64::from(rays));
         let mut lamps = std::mem::take(&mut aimed.lamps);
         lamps.clear();
+        let points = places.iter().map(|place| place.point);
         let unoccluded = |number: u32| {
             let lamp = SurfaceId(number);
-            point_to_polygon(place.point, normal, &self.scene.surface(lamp).polygon.facet()) * brightest(self.scene, lamp)
+            let facet = self.scene.surface(lamp).polygon.facet();
+            let form_factors = points.clone().map(|point| point_to_polygon(point, normal, &facet)).sum::<f64>();
+            form_factors / places.len() as f64 * brightest(self.scene, lamp)
         };
-        tree.draw(place.point, normal, unoccluded, numbers, &mut aimed.starts, &mut lamps);
+        tree.draw(points.clone(), normal, unoccluded, numbers, &mut aimed.starts, &mut lamps);
 
         // Rays that draw the same lamp come one after the other.
         for same in lamps.chunk_by(|a, b| a.number == b.number) {
-            aimed.pieces.clear();
-            self.cut(place.point, normal, SurfaceId(same[0].number), None, &mut aimed.pieces);
-            let weight = 1.0 / (count * same[0].probability);
-            self.aim(place, index, weight, same.iter().map(|drawn| drawn.rest), aimed);
+            let weight = 1.0 / (f64::from(count) * same[0].probability);
+            for (number, place) in places.iter().enumerate() {
+                let own = same.iter().filter(|drawn| drawn.ray as usize % places.len() == (number + start as usize) % places.len());
+                if own.clone().next().is_none() {
+                    continue;
+                }
+                aimed.pieces.clear();
+                self.cut(place.point, normal, SurfaceId(same[0].number), None, &mut aimed.pieces);
+                self.aim(place, first + number, weight, own.map(|drawn| drawn.rest), aimed);
+            }
         }
         aimed.lamps = lamps;
     }
@@ -328,27 +327,32 @@ mod tests {
         let rays = Rays::new(&*visibility, &scene);
         let lamps = Lamps::new(&scene, &rays);
 
-        // With more rays than lamps all lamps are looked at; 16 rays choose among them, a thousand times.
+        // With more rays than lamps all lamps are looked at; 16 rays choose among them, a thousand times: those of each place, or those of
+        // four places together, which lie meters apart.
         let mut expected = vec![0.0; 20];
         let mut aimed = AimedRays::default();
         lamps.add_sampled_irradiance(&places(1), 1, &rays, 50_000, &mut aimed, &mut expected);
-        let (mut sum, mut sum_sq) = (vec![0.0; 20], vec![0.0; 20]);
-        let rounds = 1000;
-        for round in 0..rounds {
-            let mut found = vec![0.0; 20];
-            lamps.add_sampled_irradiance(&places(100 + round), 1, &rays, 16, &mut aimed, &mut found);
-            found.iter().zip(sum.iter_mut().zip(sum_sq.iter_mut())).for_each(|(h, (sum, sum_sq))| {
-                *sum += h;
-                *sum_sq += h * h;
-            });
-        }
-        for (place, expected) in expected.iter().enumerate() {
-            let n = rounds as f64;
-            let mean = sum[place] / n;
-            let sigma = ((sum_sq[place] / n - mean * mean) / n).sqrt();
-            // What is expected has noise of its own, less than 0.3% with 50 rays to a lamp on average.
-            assert!((mean - expected).abs() <= 4.5 * sigma + 0.003 * expected, "place {place}: {mean} +- {sigma}, not {expected}");
-            assert!(sigma * n.sqrt() < mean, "place {place}: a single look scatters by {}", sigma * n.sqrt() / mean);
+        for together in [1, 4] {
+            let (mut sum, mut sum_sq) = (vec![0.0; 20], vec![0.0; 20]);
+            let rounds = 1000;
+            for round in 0..rounds {
+                let mut found = vec![0.0; 20];
+                lamps.add_sampled_irradiance(&places(100 + round), together, &rays, 16, &mut aimed, &mut found);
+                found.iter().zip(sum.iter_mut().zip(sum_sq.iter_mut())).for_each(|(h, (sum, sum_sq))| {
+                    *sum += h;
+                    *sum_sq += h * h;
+                });
+            }
+            for (place, expected) in expected.iter().enumerate() {
+                let n = rounds as f64;
+                let mean = sum[place] / n;
+                let sigma = ((sum_sq[place] / n - mean * mean) / n).sqrt();
+                // What is expected has noise of its own, less than 0.3% with 50 rays to a lamp on average.
+                let off = (mean - expected).abs();
+                assert!(off <= 4.5 * sigma + 0.003 * expected, "{together}, place {place}: {mean} +- {sigma}, not {expected}");
+                let scatter = sigma * n.sqrt() / mean;
+                assert!(scatter < 1.0 || together > 1, "place {place}: a single look scatters by {scatter}");
+            }
         }
     }
 
@@ -367,7 +371,7 @@ mod tests {
             };
             let mut drawn = Vec::new();
             let numbers = (0..64).map(|k| (f64::from(k) + 0.5) / 64.0);
-            lamps.tree.as_ref().unwrap().draw(point, normal, sends, numbers, &mut Vec::new(), &mut drawn);
+            lamps.tree.as_ref().unwrap().draw(std::iter::once(point), normal, sends, numbers, &mut Vec::new(), &mut drawn);
 
             // Every ray stands for at most a few times all that arrives.
             let all: f64 = lamps.surfaces.iter().map(|lamp| sends(lamp.0)).sum();
@@ -439,7 +443,6 @@ mod tests {
         let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
         let rays = Rays::new(&*visibility, &scene);
         let lamps = Lamps::new(&scene, &rays);
-        assert!(lamps.are_many());
         let drawn = |places: &[Place], together: usize, count: u32| {
             let mut aimed = AimedRays::default();
             lamps.add_sampled_irradiance(places, together, &rays, count, &mut aimed, &mut vec![0.0; places.len()]);

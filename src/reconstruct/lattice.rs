@@ -134,6 +134,19 @@ impl Lattice {
         Some(grid.point_in((grid.cell_at(point) - grid.first) as usize, u, v))
     }
 
+    /// The mean area in m^2 of a surface's cells. `None` if it has none.
+    pub(super) fn cell_area(&self, surface: SurfaceId) -> Option<f64> {
+        self.grids[surface.index()].as_ref().map(|grid| grid.cell[0] * grid.cell[1])
+    }
+
+    /// Where a point of the surface lies in the unit square over its cell. `None` if the surface has no cells.
+    pub(super) fn within_cell(&self, surface: SurfaceId, point: DVec3) -> Option<[f64; 2]> {
+        let grid = self.grids[surface.index()].as_ref()?;
+        let from_corner = point - grid.point_in((grid.cell_at(point) - grid.first) as usize, 0.0, 0.0);
+        let along = |axis: DVec3, size: f64| (from_corner.dot(axis) / size).clamp(0.0, 1.0);
+        Some([along(grid.across, grid.cell[0]), along(grid.along, grid.cell[1])])
+    }
+
     /// The cells of a surface: the number of each, its corner and its two edges from there, in metres.
     pub(super) fn cells_of(&self, surface: SurfaceId) -> impl Iterator<Item = (u32, DVec3, [DVec3; 2])> {
         self.grids[surface.index()].iter().flat_map(|grid| {

@@ -52,6 +52,8 @@ pub(super) const NO_CELL: u32 = u32::MAX;
 pub(crate) struct Ends {
     /// By path; [`NO_CELL`] for detours too.
     pub(super) cell: Vec<u32>,
+    /// By path, where in that cell.
+    pub(super) point: Vec<DVec3>,
     /// By path, whether the first thing that it met was a back.
     pub(super) back: Vec<bool>,
     /// The paths that went on, in their order.
@@ -105,8 +107,8 @@ enum Arrival {
     /// Nothing, or what rays are aimed at.
     Nothing,
     Back,
-    /// A cell that looks small.
-    Cell(u32),
+    /// A cell that looks small, and where in it.
+    Cell(u32, DVec3),
     /// Something so near that its cell looks large, or where no cell is wanted; the cell, if it looks small.
     Onward(DVec3, SurfaceId, Option<u32>),
 }
@@ -141,11 +143,6 @@ impl<'a> LightPaths<'a> {
     ) {
         self.lamps.add_sampled_irradiance(places, together, self.rays, count, &mut scratch.aimed, irradiance);
         self.see_reflectors(places, count, scratch);
-    }
-
-    /// Whether lamps are many.
-    pub(super) fn has_many_lamps(&self) -> bool {
-        self.lamps.are_many()
     }
 
     /// Fills in what the rays to reflectors see that go with `count` rays to lamps.
@@ -188,6 +185,7 @@ impl<'a> LightPaths<'a> {
         let paths = places.len() * count as usize;
         ends.cell.clear();
         ends.cell.resize(paths, NO_CELL);
+        ends.point.resize(paths, DVec3::ZERO);
         ends.back.clear();
         ends.back.resize(paths, false);
         ends.detours.clear();
@@ -207,7 +205,7 @@ impl<'a> LightPaths<'a> {
             match self.arrival(places[path / count as usize].surface, look, *hit, bounces > 0) {
                 Arrival::Nothing => {}
                 Arrival::Back => ends.back[path] = true,
-                Arrival::Cell(cell) => ends.cell[path] = cell,
+                Arrival::Cell(cell, point) => (ends.cell[path], ends.point[path]) = (cell, point),
                 Arrival::Onward(point, surface, small) => {
                     let (place, ray) = (path / count as usize, path % count as usize);
                     let seed = sampling::hash(places[place].seed, ray as u64 | 1 << 32);
@@ -274,7 +272,7 @@ impl<'a> LightPaths<'a> {
             let detour = detour_of[index];
             match self.arrival(walks[index].surface, look, *hit, beyond) {
                 Arrival::Nothing | Arrival::Back => {}
-                Arrival::Cell(cell) => ends.detours[detour].cell = cell,
+                Arrival::Cell(cell, _) => ends.detours[detour].cell = cell,
                 Arrival::Onward(point, surface, _) if anywhere || little_is_left(detour) => {
                     ends.detours[detour].cell = self.lattice.cell_at(surface, point).map_or(NO_CELL, |(cell, _)| cell);
                 }
@@ -297,7 +295,7 @@ impl<'a> LightPaths<'a> {
         let point = DVec3::from(ray.origin) + hit.distance * direction;
         match self.small_cell(surface, point, hit.distance) {
             Some(_) if self.reflectors.are_aimed_at(from, surface) => Arrival::Nothing,
-            Some(cell) if !beyond => Arrival::Cell(cell),
+            Some(cell) if !beyond => Arrival::Cell(cell, point),
             small => Arrival::Onward(point, surface, small),
         }
     }

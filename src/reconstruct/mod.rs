@@ -18,13 +18,13 @@ mod render;
 mod resolved;
 mod sample;
 mod shared_irradiance;
+mod spots;
 mod variation;
 
 pub use camera::{Camera, CameraError, CameraRays, CameraRequest};
 pub(crate) use excess::ExcessGather;
 pub(crate) use hemisphere::HemisphereGather;
 pub use image::Image;
-pub(crate) use lamps::MANY_LAMPS;
 pub(crate) use lattice::Lattice;
 pub(crate) use light_paths::{LightPaths, PathScratch, Place};
 pub(crate) use over_links::LinkGather;

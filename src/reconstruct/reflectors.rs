@@ -177,7 +177,7 @@ impl<'a> Reflectors<'a> {
         let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
         let unoccluded = |number: u32| self.bound_brought(&self.targets[number as usize], place.point, normal);
         memory.drawn.clear();
-        tree.draw(place.point, normal, unoccluded, numbers, &mut memory.starts, &mut memory.drawn);
+        tree.draw(std::iter::once(place.point), normal, unoccluded, numbers, &mut memory.starts, &mut memory.drawn);
 
         let spread = sampling::shifted_sobol_2d(seed);
         for (ray, drawn) in (0..).zip(&memory.drawn) {

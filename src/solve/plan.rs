@@ -4,7 +4,7 @@ use super::error_estimate::{ErrorEstimate, Pilot, TWICE};
 use super::remedy::{Doubtful, Remedy};
 use super::{Gather, SolveOptions, Strategy};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
-use crate::reconstruct::{MANY_LAMPS, Resolution};
+use crate::reconstruct::Resolution;
 use crate::scene::{Scene, SurfaceId};
 
 /// What a round left to be done.
@@ -130,7 +130,7 @@ const FEW_HEMISPHERE_RAYS_POWER: f64 = 1.6;
 const MANY_HEMISPHERE_RAYS_POWER: f64 = 2.0;
 
 /// Positions at which radiosities are resolved: so many for 2%, within these limits.
-const POSITIONS_AT_2_PERCENT: f64 = 10_000.0;
+const POSITIONS_AT_2_PERCENT: f64 = 7_000.0;
 const POSITIONS_POWER: f64 = 1.25;
 const LEAST_POSITIONS: f64 = 2048.0;
 const MOST_POSITIONS: f64 = 262_144.0;
@@ -146,8 +146,9 @@ const LEAST_LOOKS_POSITIONS: f64 = 2048.0;
 /// 35, 20 and 37%.
 const POSITION_RAYS: std::ops::RangeInclusive<u32> = 4..=16;
 
-/// The same where lamps are many and these rays start from all quarters of a cell: in a game level at 1% with 16 what values are off by for
-/// believing cells made up 17% of what is allowed, with 8 of them 21%, for a quarter less time.
+/// The same where lamps are so many: in a game level at 1% with 16 what values are off by for believing cells made up 17% of what is
+/// allowed, with 8 of them 21%, for a quarter less time.
+const MANY_LAMPS: usize = 17;
 const POSITION_RAYS_FOR_MANY_LAMPS: std::ops::RangeInclusive<u32> = 4..=8;
 
 /// Where radiosities are found too noisy or too coarse, times so much: twice the positions alone made them no better in two of three rooms.
