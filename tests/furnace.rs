@@ -16,7 +16,7 @@ mod triangles;
 use kirchhoff::kirchhoff;
 use patchlight::geometry::Polygon;
 use patchlight::scene::Scene;
-use patchlight::solve::{SolveOptions, Strategy, Sweep};
+use patchlight::solve::{Gather, SolveOptions, Strategy, Sweep};
 use rooms::{cube, point_of, points_of, solve, values};
 use triangles::Random;
 
@@ -152,7 +152,8 @@ fn a_leaf_that_is_covered_in_part_has_the_mean_of_its_exposed_part() {
     let (mut sum, mut area) = (0.0, 0.0);
     for seed in [0, 1, 4, 5] {
         let furnace = kirchhoff(seed, 3);
-        let (evaluator, _) = solve(furnace.scene.clone(), &SolveOptions::default());
+        let over_links = SolveOptions { gather: Gather::Links, ..SolveOptions::default() };
+        let (evaluator, _) = solve(furnace.scene.clone(), &over_links);
         let solution = evaluator.solution();
         let mut random = Random(seed);
         for node in solution.hierarchy().ids().filter(|&node| solution.hierarchy().is_leaf(node)) {

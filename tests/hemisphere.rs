@@ -15,6 +15,7 @@ use patchlight::form_factor::point_form_factor;
 use patchlight::output::{Provenance, read_solution_from, write_solution};
 use patchlight::pipeline::Evaluator;
 use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfaceId;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::solve::{Gather, RunOptions, SolveOptions, SolveReport, StoppedBy};
 use rooms::{Room, crowded, cube, points_of, solve, straight, two_squares, values, with_point_rays};
@@ -206,6 +207,50 @@ fn inside_of_a_box_it_is_dark_however_bright_the_floor_around_it() {
     let worst = dark.iter().copied().fold(0.0, f64::max);
     println!("{worst} under the cap, {floor} on the floor");
     assert!(floor > 2.5 && worst < 0.01 * floor, "{worst} {floor}");
+}
+
+#[test]
+fn a_white_room_absorbs_what_its_lamp_sends() {
+    // The lamp shines down from a box close to a wall. A tenth of all light that arrives anywhere is absorbed.
+    let room = || {
+        let mut room = Room::default();
+        let (white, lamp) = (room.material(&[0.9], &[0.0]), room.material(&[0.9], &[10.0]));
+        room.cuboid([0.0; 3], straight(4.0, 4.0, 2.5), true, |_, _| white);
+        room.cuboid([3.6, 1.5, 2.2], straight(0.35, 0.5, 0.1), false, |_, face| if face == 0 { lamp } else { white });
+        room.scene()
+    };
+    let sent = 10.0 * 0.35 * 0.5;
+
+    // All surfaces are rectangles: a random point in each cell of a fine grid over every one.
+    let (cells, mut random) = (60, Random(12));
+    let (mut points, mut areas, mut emitted) = (Vec::new(), Vec::new(), Vec::new());
+    let scene = room();
+    for (index, surface) in scene.surfaces().iter().enumerate() {
+        let exitance = scene.material_of(SurfaceId(index as u32)).exitance[0];
+        let corners: Vec<[f64; 3]> = surface.polygon.vertices().collect();
+        for cell in 0..cells * cells {
+            let along = [cell % cells, cell / cells].map(|place| (f64::from(place) + random.unit()) / f64::from(cells));
+            let on_edge = |axis: usize, to: usize, part: f64| part * (corners[to][axis] - corners[0][axis]);
+            let position = [0, 1, 2].map(|axis| corners[0][axis] + on_edge(axis, 1, along[0]) + on_edge(axis, 3, along[1]));
+            points.push(SurfacePoint { position, normal: surface.polygon.normal() });
+            areas.push(surface.polygon.area() / f64::from(cells * cells));
+            emitted.push(exitance);
+        }
+    }
+
+    let seeds = 4;
+    let mut sum = 0.0;
+    for seed in 0..seeds {
+        let (evaluator, report) = solve(room(), &SolveOptions { error: 0.02, seed, ..SolveOptions::default() });
+        assert_eq!(evaluator.solution().gather(), Gather::Hemisphere, "links would be off by too much");
+        let reflected = values(&evaluator, &points).into_iter().zip(&emitted).map(|(value, emitted)| value - emitted);
+        let absorbed: f64 = reflected.zip(&areas).map(|(reflected, area)| area * reflected * (0.1 / 0.9)).sum();
+        println!("seed {seed}: {absorbed} W of {sent} W, claimed {:?}", report.error.estimate);
+        assert!((absorbed / sent - 1.0).abs() < 0.01, "{absorbed} of {sent}");
+        sum += absorbed;
+    }
+    let mean = sum / seeds as f64 / sent;
+    assert!((mean - 1.0).abs() < 0.005, "{mean} of what is sent");
 }
 
 #[test]

@@ -27,9 +27,21 @@ static SOBOL_2D: LazyLock<Box<[[u32; 2]]>> = LazyLock::new(|| {
 });
 
 /// Indices repeat after so many points.
-const SOBOL_2D_POINTS: u32 = 1 << 13;
+pub(crate) const SOBOL_2D_POINTS: u32 = 1 << 13;
 
 const SHIFT_BITS: u32 = 24;
+
+/// How far along a curve a cell lies that goes through one quarter of a square of 2^16 columns and rows after the other (Morton 1966).
+pub(crate) fn along_curve(column: u32, row: u32) -> u32 {
+    let spread = |mut bits: u32| {
+        bits &= 0xffff;
+        for (shift, mask) in [(8, 0x00ff_00ff), (4, 0x0f0f_0f0f), (2, 0x3333_3333), (1, 0x5555_5555)] {
+            bits = (bits | bits << shift) & mask;
+        }
+        bits
+    };
+    spread(column) | spread(row) << 1
+}
 
 /// Points `0..` of a Sobol sequence in two dimensions, all shifted by the same random bits, which `seed` picks: each is uniform in the
 /// unit square by itself, together they are spread as evenly as the sequence is. Ten times cheaper than a scrambling of its own.
@@ -47,12 +59,12 @@ pub(crate) fn shifted_sobol_2d(seed: u64) -> impl Fn(u32) -> [f64; 2] {
 pub(crate) fn neighbours_in_order(count: u32) -> Vec<u32> {
     // Along a curve through the quarters of the square, quarters of these, and so on: shifting bits moves quarters as a whole.
     let points = &**SOBOL_2D;
-    let along_curve = |index: &u32| {
+    let place_on_curve = |index: &u32| {
         let [u, v] = points[(index & (SOBOL_2D_POINTS - 1)) as usize];
         (0..SHIFT_BITS).rev().fold(0_u64, |code, bit| code << 2 | u64::from(u >> bit & 1) << 1 | u64::from(v >> bit & 1))
     };
     let mut order: Vec<u32> = (0..count).collect();
-    order.sort_by_cached_key(along_curve);
+    order.sort_by_cached_key(place_on_curve);
     order
 }
 
@@ -67,6 +79,12 @@ pub(crate) fn sobol_4d(index: u32, seed: u64) -> [f64; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_curve_goes_through_one_quarter_after_the_other() {
+        assert_eq!([[2, 2], [3, 2], [2, 3], [3, 3]].map(|[column, row]| along_curve(column, row)), [12, 13, 14, 15]);
+        assert_eq!(along_curve(65535, 65535), u32::MAX);
+    }
 
     #[test]
     fn every_eight_neighbours_share_a_part_of_the_square_whatever_the_seed() {

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::light_paths::NO_CELL;
 use super::reflectors::Reflector;
-use crate::geometry::Facet;
+use crate::geometry::{Facet, sampling};
 use crate::scene::{Scene, SurfaceId};
 
 /// Surfaces beyond this many, the smallest ones, have no cell.
@@ -132,6 +132,13 @@ impl Lattice {
     pub(super) fn point_beside(&self, surface: SurfaceId, point: DVec3, u: f64, v: f64) -> Option<DVec3> {
         let grid = self.grids[surface.index()].as_ref()?;
         Some(grid.point_in((grid.cell_at(point) - grid.first) as usize, u, v))
+    }
+
+    /// How far along a curve through neighbours the cell of a point lies, among those of its surface; 0 if that has no cells.
+    pub(super) fn along_curve(&self, surface: SurfaceId, point: DVec3) -> u32 {
+        let Some(grid) = &self.grids[surface.index()] else { return 0 };
+        let index = grid.cell_at(point) - grid.first;
+        sampling::along_curve(index % grid.columns, index / grid.columns)
     }
 
     /// The mean area in m^2 of a surface's cells. `None` if it has none.

@@ -81,8 +81,8 @@ pub struct Energy {
     pub residual: f64,
     /// Sent by all surfaces: emitted and reflected.
     pub sent: f64,
-    /// In a closed scene, where all that is sent arrives: the part of it that a sweep loses, or makes if negative. `None` where rays
-    /// leave the scene.
+    /// In a closed scene, where all that is sent arrives: the part of it that a sweep over the links loses, or makes if negative; values
+    /// over the hemisphere do without these. `None` where rays leave the scene.
     pub imbalance: Option<f64>,
     /// At most so much more would be reflected if all dormant pairs were links, interreflection included; proved, for the light that the
     /// links carry.
