@@ -21,9 +21,8 @@
 //! estimate sees: else a few points would make up most of the scatter.
 //!
 //! The result is an estimate with a confidence limit from its own scatter over the points. What it does not see: an error on so
-//! small an area that no point falls on it, what all points share (in strongly reflecting rooms over links: BENCHMARKS.md, two rooms), and
-//! what light paths as such have wrong: leaks of the rays, and the size of the cells
-//! in its effect two bounces away.
+//! small an area that no point falls on it, what all points share (noise of the cells' own, most where much is reflected), and what light
+//! paths as such have wrong: leaks of the rays, and the size of the cells in its effect two bounces away.
 
 use rayon::prelude::*;
 

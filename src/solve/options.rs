@@ -138,7 +138,7 @@ impl FromStr for Sweep {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Gather {
-    /// The way that promises the requested error for less.
+    /// The way that promises the requested error for less: the hemisphere where many surfaces reflect, or few reflect nearly all.
     #[default]
     Auto,
     /// Over the links above the point: for few sources.
