@@ -3,6 +3,7 @@
 mod aim_tree;
 mod camera;
 mod default_view;
+mod equations;
 mod excess;
 mod hemisphere;
 mod image;
