@@ -266,7 +266,7 @@ impl<'a> LinkGather<'a> {
         let form_factor = point_to_polygon(receiver.point, receiver.normal, facet);
         let doubt = doubt(expected);
         let shrunk = if part.is_some() { facet.radius / self.hierarchy.node(node).radius } else { 1.0 };
-        let scatter = |(b, deviation): (&f64, &f64)| (b * doubt).hypot(2.0 * deviation * shrunk);
+        let scatter = |(b, deviation): (&f64, &f64)| ((b * doubt).powi(2) + (2.0 * deviation * shrunk).powi(2)).sqrt();
         let scatters = self.radiosity.of(node).iter().zip(self.variation.deviation(node)).map(scatter);
         let worth = form_factor * receiver.reflectance.iter().zip(scatters).map(|(rho, scatter)| rho * scatter).fold(0.0, f64::max);
         let near = facet.radius * facet.radius > NEAR * NEAR * receiver.point.distance_squared(facet.centroid);
