@@ -42,11 +42,6 @@ impl Resolution {
         Self { side: (area / positions.max(1) as f64).sqrt(), rays }
     }
 
-    /// The same cells for the looks of an error estimate, which may be noisier than values.
-    pub fn for_looks(&self) -> Self {
-        Self { side: self.side, rays: self.rays.div_ceil(2) }
-    }
-
     /// Whether the numbers are in range.
     pub fn is_valid(&self) -> bool {
         self.side.is_finite() && self.side > 0.0 && self.rays > 0
