@@ -67,7 +67,7 @@ pub(super) fn claim(error_sq: f64, deviation: f64) -> f64 {
 }
 
 /// The claim lies so many standard deviations above the measured square.
-const CONFIDENCE_SIGMAS: f64 = 2.0;
+pub(super) const CONFIDENCE_SIGMAS: f64 = 2.0;
 
 /// The claim allows this factor for what scatter does not tell: errors on little area are missed by most sets of points.
 /// Empirical: of 118 claims on scenes with a known solution 2 fail with it, 6 without.

@@ -446,6 +446,11 @@ impl Plan {
             ..Remedy::NONE
         };
         let remedy = remedy.unwrap_or(worst);
+
+        // Resolving anew takes much, and what looks found may be chance.
+        let closer = doubtful.closer_look();
+        let looks_first = remedy.resolves && doubtful.may_be_chance() && self.remedy_work(&closer) < self.remedy_work(&remedy);
+        let remedy = if looks_first { closer } else { remedy };
         if remedy.only_looks() {
             // Step by step: the next one may tell that it is enough, or that it will not do.
             if remedy.look_rays > 1.0 {

@@ -5,7 +5,7 @@
 //! points are many. What is claimed follows from all four, so what each remedy will let be claimed is foreseen, and the least work
 //! that should do is found among all of them.
 
-use super::error_estimate::{Doubts, ErrorEstimate, claim};
+use super::error_estimate::{CONFIDENCE_SIGMAS, Doubts, ErrorEstimate, claim};
 
 /// Of what is not noise of the gather at points, resolving anew leaves this part of the square, and of its doubt.
 const LEFT_BY_RESOLVING: f64 = 0.5;
@@ -49,6 +49,20 @@ impl<'a> Doubtful<'a> {
 
     pub fn is_noise(&self) -> bool {
         self.noise_sq > self.other_sq
+    }
+
+    /// Whether all that is not noise of the gather at points may be a chance of the looks.
+    pub fn may_be_chance(&self) -> bool {
+        self.other_sq < CONFIDENCE_SIGMAS * self.error.doubts.looks
+    }
+
+    /// The next step to know better: more rays where looks are noisy, else more points.
+    pub fn closer_look(&self) -> Remedy {
+        if self.error.look_scatter > 0.5 {
+            Remedy { look_rays: 2.0, ..Remedy::NONE }
+        } else {
+            Remedy { points: 1.5, ..Remedy::NONE }
+        }
     }
 
     /// What may be claimed after a remedy, as far as it can be foreseen.
