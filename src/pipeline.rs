@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use std::time::Instant;
 
-use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, PointBounds, RadiosityBounds};
+use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceBounds, PointBounds, RadiosityBounds};
 use crate::progress::Observer;
 use crate::reconstruct::{self, Camera, CameraError, Image, SurfacePoint, Values};
 use crate::scene::Scene;
@@ -157,10 +157,13 @@ impl Evaluator {
 
     /// Once `stop` says so, the rest is bounded as cheaply as can be.
     fn bound_until(&self, rule: FormFactorRule, stop: &(dyn Fn() -> bool + Sync)) -> (RadiosityBounds, BoundsReport) {
+        self.pool.install(|| bounds::bound_radiosities(&self.bounds_input(rule, stop)))
+    }
+
+    fn bounds_input<'a>(&'a self, rule: FormFactorRule, stop: &'a (dyn Fn() -> bool + Sync)) -> BoundsInput<'a> {
         let Solution { scene, hierarchy, links, radiosity, .. } = &self.solution;
         let work = self.solution.options().bounds_work_of(scene.surfaces().len());
-        let input = BoundsInput { scene, hierarchy, links, radiosity: radiosity.values(), rule, work, stop };
-        self.pool.install(|| bounds::bound_radiosities(&input))
+        BoundsInput { scene, hierarchy, links, radiosity: radiosity.values(), rule, work, stop }
     }
 
     /// The range of the radiosities of every node over its centre and vertices, by light that travels once from the radiosities as they
@@ -179,6 +182,17 @@ impl Evaluator {
     pub fn importance(&self, interest: &Interest) -> Result<Importance, PipelineError> {
         let initial = InitialImportance::of(interest, &self.solution.scene, &*self.visibility)?;
         Ok(self.solution.importance(&initial))
+    }
+
+    /// Bounds the importance of every node for what `interest` asks for, over the links of the solution; with what is said at
+    /// [`Evaluator::bound`]. R is what [`Evaluator::importance`] begins with, spread evenly over each leaf.
+    ///
+    /// # Errors
+    /// [`PipelineError::Interest`] if the scene has nothing of that.
+    pub fn bound_importance(&self, interest: &Interest, rule: FormFactorRule) -> Result<ImportanceBounds, PipelineError> {
+        let Solution { scene, hierarchy, exposure, .. } = &self.solution;
+        let initial = InitialImportance::of(interest, scene, &*self.visibility)?.of_leaves(hierarchy, exposure, scene.channels());
+        Ok(self.pool.install(|| bounds::bound_importance(&self.bounds_input(rule, &|| false), &initial)))
     }
 
     /// Lower and upper radiosities at points, in their order, if it was solved with [`Bounds::Guaranteed`].

@@ -106,6 +106,66 @@ fn importance_of_a_square_is_light_that_it_would_send() {
 }
 
 #[test]
+fn importance_of_a_square_lies_within_its_bounds_and_near_them() {
+    // As above, at every point; r is the area of all surfaces, the blocker's too, to that of the lower square.
+    for blocker in [false, true] {
+        let exact = TwoSquares::new(blocker);
+        let mut widest = [f64::INFINITY; 2];
+        for side in [4, 16] {
+            let options = SolveOptions { element_area: Some(f64::from(side * side).recip()), ..by_links(Strategy::Uniform) };
+            let (evaluator, _) = solve(rooms::two_squares(blocker), &options);
+            let solution = evaluator.solution();
+            let lower = Interest::Material(solution.scene().material_of(SurfaceId(0)).name.clone());
+            let bounds = evaluator.bound_importance(&lower, FormFactorRule::QuasiConcave).unwrap();
+            assert_eq!(bounds.certainty, Certainty::Guaranteed);
+            let r = solution.hierarchy().area(NodeId::ROOT);
+            let mut width = 0.0_f64;
+            for square in [0, 1] {
+                for k in 0..24 * 24 {
+                    let x = [k % 24, k / 24].map(|k| (f64::from(k) + 0.5) / 24.0);
+                    let leaf = leaf_under(solution, square as u32, x);
+                    let importance = r * 0.5 * exact.at(square, x) / [0.5, 0.7][square];
+                    let (least, most) = (bounds.lower(leaf)[0], bounds.upper(leaf)[0]);
+                    assert!(least <= importance && importance <= most, "{square} {x:?}: {importance} not in [{least}, {most}]");
+                    width = width.max((most - least) / importance);
+                }
+            }
+
+            // <r, B>, by what the lower square emits.
+            let wanted = r * exact.mean(0);
+            let [least, most] = bounds.wanted[0];
+            println!("blocker {blocker}, {side} elements a side: {wanted:.4} in [{least:.4}, {most:.4}], width at most {width:.3}");
+            assert!(least <= wanted && wanted <= most);
+            let of_wanted = (most - least) / wanted;
+            assert!(width < 0.6 * widest[0] && of_wanted < 0.6 * widest[1], "{width}, {of_wanted}");
+            widest = [width, of_wanted];
+        }
+    }
+}
+
+#[test]
+fn importance_in_a_furnace_with_boxes_lies_within_its_bounds() {
+    // Of a unit of exitance anywhere 1 + rho + rho^2 + ... arrives; clusters are linked, and black boxes would be as important.
+    let rho = 0.6;
+    let mut room = Room::default();
+    let grey = room.material(&[rho], &[1.0]);
+    room.cuboid([0.0; 3], straight(4.0, 4.0, 3.0), true, |_, _| grey);
+    for k in 0..27 {
+        let at = |digit: i32, step: f64| 0.4 + step * f64::from(digit);
+        let corner = [at(k % 3, 1.2), at(k / 3 % 3, 1.2), at(k / 9, 0.8)];
+        room.cuboid(corner, straight(0.2, 0.3, 0.25), false, |_, _| grey);
+    }
+    let (evaluator, _) = solve(room.scene(), &SolveOptions { error: 0.2, ..SolveOptions::default() });
+    let bounds = evaluator.bound_importance(&Interest::Total, FormFactorRule::QuasiConcave).unwrap();
+    assert_eq!(bounds.certainty, Certainty::Guaranteed);
+    for node in evaluator.solution().hierarchy().ids() {
+        let (least, most) = (bounds.lower(node)[0], bounds.upper(node)[0]);
+        let rounding = 1e-12;
+        assert!(least * (1.0 - rounding) <= 2.5 && 2.5 <= most * (1.0 + rounding), "{node:?}: [{least}, {most}]");
+    }
+}
+
+#[test]
 fn what_has_none_of_what_is_wanted_is_an_error() {
     let options = |importance| SolveOptions { importance, ..by_links(Strategy::ErrorDriven) };
     let run = |importance| pipeline::solve(room(), &options(importance), &RunOptions::default(), &Silent).map(drop);

@@ -79,9 +79,9 @@ impl Peers {
 
     fn reference_of(&self, problem: &Problem, folder: &Path, samples: u32) -> (Vec<[f64; 3]>, f64, String) {
         let points = problem.points_file(folder);
-        let more = if samples > REFERENCE_SAMPLES { format!("_{samples}") } else { String::new() };
         let halves = [977, 978].map(|seed| {
-            let values = folder.join(format!("{}_reference_{seed}{more}.csv", problem.file_name()));
+            let values =
+                folder.join(format!("{}_{}_points_{samples}_samples_{seed}.csv", problem.file_name(), problem.points.len()));
             if !values.is_file() {
                 timed(&mut self.mitsuba(problem, &points, &values, samples, seed));
             }

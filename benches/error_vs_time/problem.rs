@@ -14,7 +14,7 @@ use super::run;
 use super::two_squares::TwoSquares;
 
 /// Points of scenes that have none of their own.
-const POINTS: usize = 1000;
+const POINTS: usize = 2000;
 
 /// A point: position and normal.
 type Point = [f64; 6];

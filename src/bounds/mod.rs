@@ -9,6 +9,8 @@
 //! - apart from these, what pairs without a link hold back at most, whatever else is known (`held_back`);
 //! - what that says in all: errors in the usual norms, and on what kind of evidence the light travels (`radiosity_bounds`).
 //!
+//! The same systems bound importance (`importance_bounds`): it is the radiosity of what one wants to know.
+//!
 //! Beside them, for refinement: which links the gap comes from (`attribution`, `link_gaps`); and, for comparison, ranges that are
 //! narrower and no bounds (`ranges`).
 //!
@@ -24,6 +26,7 @@ mod blockers;
 mod bounded_pairs;
 mod enclosure;
 mod held_back;
+mod importance_bounds;
 mod link_gaps;
 mod overlap;
 mod pair;
@@ -39,6 +42,8 @@ mod worst_first;
 use serde::Serialize;
 
 pub(crate) use held_back::bound_held_back;
+pub use importance_bounds::ImportanceBounds;
+pub(crate) use importance_bounds::bound_importance;
 pub(crate) use link_gaps::{KnownPairs, LinkGap, LinkGaps, link_gaps};
 pub use point_bounds::PointBounds;
 pub(crate) use radiosity_bounds::{BoundsInput, bound_radiosities};

@@ -164,15 +164,20 @@ fn report(input: &BoundsInput<'_>, system: &System<'_>, pairs: &[BoundedPair], i
     }
     channels.iter_mut().for_each(|error| error.l2 = error.l2.sqrt());
 
-    let weakest = pairs.iter().map(|(.., f)| f.certainty).max().unwrap_or(Certainty::Guaranteed);
     BoundsReport {
-        certainty: if has_overlap(input.scene) { Certainty::Estimate } else { weakest },
+        certainty: certainty(input, pairs),
         relative_error: if width_sq == 0.0 { 0.0 } else { (width_sq / reflected_sq).sqrt() },
         channels,
         evidence: evidence_shares(input, pairs, iterate),
         enclosed_share: enclosed_area / area,
         sweeps,
     }
+}
+
+/// How far all pairs together can be trusted.
+pub(super) fn certainty(input: &BoundsInput<'_>, pairs: &[BoundedPair]) -> Certainty {
+    let weakest = pairs.iter().map(|(.., f)| f.certainty).max().unwrap_or(Certainty::Guaranteed);
+    if has_overlap(input.scene) { Certainty::Estimate } else { weakest }
 }
 
 /// Adds up the power that arrives over pairs, channels together, by what their bounds rest on.

@@ -146,7 +146,7 @@ impl System<'_> {
     }
 
     /// Inner nodes take the extremes of their leaves.
-    fn pull(&self, iterate: &mut Iterate) {
+    pub fn pull(&self, iterate: &mut Iterate) {
         let channels = self.channels;
         let mut is_leaf = vec![false; self.parents.len()];
         self.leaves.iter().for_each(|leaf| is_leaf[leaf.node as usize] = true);
