@@ -28,7 +28,9 @@ fn sizes(measured: &Measured) {
         "h",
         "links",
         "L1 measured",
-        "estimated",
+        "estimated (5.7)",
+        "ratio",
+        "estimated at most (5.5)",
         "ratio",
         "from bounds (5.7)",
         "ratio",
@@ -42,12 +44,14 @@ fn sizes(measured: &Measured) {
     for row in &measured.sizes {
         let (of, estimated, bound) = (row.measured, row.estimated, row.bound);
         println!(
-            "| 1/{} | {} | {} | {} | {:.2} | {} | {:.1} | {} | {:.1} | {} | {} | {} | {} |",
+            "| 1/{} | {} | {} | {} | {:.2} | {} | {:.2} | {} | {:.1} | {} | {:.1} | {} | {} | {} | {} |",
             row.per_side,
             row.links,
             percent(of.l1),
             percent(estimated.l1),
             estimated.l1 / of.l1,
+            percent(2.0 * estimated.l1),
+            2.0 * estimated.l1 / of.l1,
             percent(bound.l1),
             bound.l1 / of.l1,
             percent(2.0 * bound.l1),

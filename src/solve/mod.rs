@@ -7,7 +7,6 @@ mod interest;
 mod linked_once;
 mod options;
 mod plan;
-mod remedy;
 mod report;
 mod solution;
 

@@ -5,7 +5,7 @@
 //! points are many. What is claimed follows from all four, so what each remedy will let be claimed is foreseen, and the least work
 //! that should do is found among all of them.
 
-use super::error_estimate::{CONFIDENCE_SIGMAS, Doubts, ErrorEstimate, claim};
+use crate::solve::error_estimate::{CONFIDENCE_SIGMAS, Doubts, ErrorEstimate, claim};
 
 /// Of what is not noise of the gather at points, resolving anew leaves this part of the square, and of its doubt.
 const LEFT_BY_RESOLVING: f64 = 0.5;
