@@ -372,4 +372,12 @@ mod tests {
         let (few, many) = (looks(few), looks(many));
         assert!(few < many, "{few} and {many}");
     }
+
+    #[test]
+    fn what_may_be_chance_is_looked_at_before_radiosities_are_resolved_anew() {
+        // 2% are requested, and too much is found that is not noise of values: within two standard deviations of nothing, or beyond.
+        let error = |looks| ErrorEstimate { measured: 0.025, claimed: 0.04, doubts: Doubts { looks, noise: 0.0 }, ..DOUBTFUL };
+        assert_eq!(plan(None).judge(&error(4e-4), || 0.005), Verdict::LookCloser);
+        assert_eq!(plan(None).judge(&error(1e-4), || 0.005), Verdict::Resolve);
+    }
 }
