@@ -121,6 +121,8 @@ const POSITION_RAYS_FOR_MANY_LAMPS: std::ops::RangeInclusive<u32> = 4..=8;
 /// scattered by a factor common to all of 0.8% with 12,700 positions of 16 paths, and of 0.3% as this plans for 2%.)
 const LITTLE_ABSORPTION: f64 = 0.25;
 const MOST_POSITION_RAYS: u32 = 256;
+/// No more than so many times as many: no number would be enough where next to nothing is absorbed (a cube of reflectance 0.999 took 36 s).
+const MOST_FOR_BOUNCES: f64 = 4.0;
 
 /// Looks take this part of the paths and rays of each position, where little is absorbed more. (With half of them six rooms took a tenth
 /// more time, and claims were the same. In two white rooms with a quarter 7 of 14 claims at 5% and 2% were wrong.)
@@ -172,7 +174,7 @@ impl Plan {
         let values = options.expected_values.map_or(LEAST_VALUES, |values| LEAST_VALUES.max(values as f64));
         let for_values = |power: f64| (values / LEAST_VALUES).powf(power);
         let positions_for_values = if gather == Gather::Hemisphere { for_values(POSITIONS_VALUES_POWER) } else { 1.0 };
-        let for_bounces = (LITTLE_ABSORPTION / (1.0 - reflectance)).max(1.0);
+        let for_bounces = (LITTLE_ABSORPTION / (1.0 - reflectance)).clamp(1.0, MOST_FOR_BOUNCES);
         let positions = positions_at_2_percent * (0.02 / options.error).powf(positions_power) * positions_for_values * for_bounces;
         let positions = positions.clamp(least_positions, MOST_POSITIONS);
         let emitting = surfaces().filter(|(_, material)| material.emits()).count();
