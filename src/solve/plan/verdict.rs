@@ -69,8 +69,7 @@ impl Plan {
         let rays = RAY_FACTORS.into_iter().filter(move |&rays| rays == 1.0 || (is_foreseen && may_take_more_rays));
         let of_values = rays.flat_map(|rays| [false, true].map(|resolves| (rays, resolves)));
         let of_values = of_values.filter(move |&(_, resolves)| !resolves || may_resolve);
-        let most_points = (*ERROR_POINTS.end() as f64 / self.error_points as f64).max(1.0);
-        let most_rays = (f64::from(MAX_LOOK_RAYS) / f64::from(self.look_rays)).max(1.0);
+        let (most_points, most_rays) = self.most_looks();
         let of_looks = move || {
             let points = LOOK_FACTORS.into_iter().filter(move |&points| points <= most_points);
             let rays = move || LOOK_FACTORS.into_iter().filter(move |&rays| rays <= most_rays);
@@ -79,6 +78,13 @@ impl Plan {
         of_values.flat_map(move |(rays, resolves)| {
             of_looks().map(move |(points, look_rays)| Remedy { rays, resolves, points, look_rays })
         })
+    }
+
+    /// So many times the points, and so many times the rays of each look, are the most that there may be.
+    fn most_looks(&self) -> (f64, f64) {
+        let most_points = (*ERROR_POINTS.end() as f64 / self.error_points as f64).max(1.0);
+        let most_rays = (f64::from(MAX_LOOK_RAYS) / f64::from(self.look_rays)).max(1.0);
+        (most_points, most_rays)
     }
 
     /// The work of a remedy, in rays: values are taken anew, here and by the user; where radiosities are resolved anew, so are those of
@@ -130,8 +136,10 @@ impl Plan {
         let remedy = remedy.unwrap_or(worst);
 
         // Resolving anew takes much, and what looks found may be chance.
-        let closer = doubtful.closer_look();
-        let looks_first = remedy.resolves && doubtful.may_be_chance() && self.remedy_work(&closer) < self.remedy_work(&remedy);
+        let (closer, (most_points, most_rays)) = (doubtful.closer_look(), self.most_looks());
+        let is_allowed = closer.points <= most_points && closer.look_rays <= most_rays && self.looks < MAX_LOOKS / 2;
+        let looks_first =
+            remedy.resolves && doubtful.may_be_chance() && is_allowed && self.remedy_work(&closer) < self.remedy_work(&remedy);
         let remedy = if looks_first { closer } else { remedy };
         if remedy.only_looks() {
             // Step by step: the next one may tell that it is enough, or that it will not do.
