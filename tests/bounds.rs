@@ -23,7 +23,7 @@ use patchlight::reconstruct::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
 use patchlight::solve::{Bounds, RunOptions, SolveOptions, SolveReport, Strategy};
 use patchlight::visibility::{self, Backend, OccluderMesh, Segment, Visibility};
-use rooms::{Room, cube, icosphere, points_of, solve, straight, values};
+use rooms::{Room, cube, icosphere, points_of, room_of_boxes, solve, straight, values};
 use triangles::Random;
 use two_squares::TwoSquares;
 
@@ -433,18 +433,6 @@ fn what_a_default_run_links_is_bounded_too() {
     let (bounds, report) = evaluator.bound(FormFactorRule::QuasiConcave);
     check_kirchhoff("default", &furnace, &evaluator, &bounds, &mut Random(3));
     assert_eq!(report.certainty, Certainty::Guaranteed);
-}
-
-/// A room with 27 boxes floating in it, so that clusters gather and emit; materials by the number of the box, that of the room being 27.
-fn room_of_boxes(mut material: impl FnMut(&mut Room, usize) -> u32) -> Scene {
-    let mut room = Room::default();
-    room.cuboid([0.0; 3], straight(4.0, 4.0, 3.0), true, |room, _| material(room, 27));
-    for k in 0..27 {
-        let at = |digit: usize, step: f64| 0.4 + step * f64::from(digit as u8);
-        let corner = [at(k % 3, 1.2), at(k / 3 % 3, 1.2), at(k / 9, 0.8)];
-        room.cuboid(corner, straight(0.2, 0.3, 0.25), false, |room, _| material(room, k));
-    }
-    room.scene()
 }
 
 #[test]

@@ -145,17 +145,9 @@ fn importance_of_a_square_lies_within_its_bounds_and_near_them() {
 
 #[test]
 fn importance_in_a_furnace_with_boxes_lies_within_its_bounds() {
-    // Of a unit of exitance anywhere 1 + rho + rho^2 + ... arrives; clusters are linked, and black boxes would be as important.
-    let rho = 0.6;
-    let mut room = Room::default();
-    let grey = room.material(&[rho], &[1.0]);
-    room.cuboid([0.0; 3], straight(4.0, 4.0, 3.0), true, |_, _| grey);
-    for k in 0..27 {
-        let at = |digit: i32, step: f64| 0.4 + step * f64::from(digit);
-        let corner = [at(k % 3, 1.2), at(k / 3 % 3, 1.2), at(k / 9, 0.8)];
-        room.cuboid(corner, straight(0.2, 0.3, 0.25), false, |_, _| grey);
-    }
-    let (evaluator, _) = solve(room.scene(), &SolveOptions { error: 0.2, ..SolveOptions::default() });
+    // Of a unit of exitance anywhere 1 + rho + rho^2 + ... arrives, and clusters are linked.
+    let scene = rooms::room_of_boxes(|room, _| room.material(&[0.6], &[1.0]));
+    let (evaluator, _) = solve(scene, &SolveOptions { error: 0.2, ..SolveOptions::default() });
     let bounds = evaluator.bound_importance(&Interest::Total, FormFactorRule::QuasiConcave).unwrap();
     assert_eq!(bounds.certainty, Certainty::Guaranteed);
     for node in evaluator.solution().hierarchy().ids() {

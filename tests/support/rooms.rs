@@ -121,6 +121,18 @@ pub fn two_squares(blocker: bool) -> Scene {
     room.scene()
 }
 
+/// A room with 27 boxes floating in it, so that clusters gather and emit; materials by the number of the box, that of the room being 27.
+pub fn room_of_boxes(mut material: impl FnMut(&mut Room, usize) -> u32) -> Scene {
+    let mut room = Room::default();
+    room.cuboid([0.0; 3], straight(4.0, 4.0, 3.0), true, |room, _| material(room, 27));
+    for k in 0..27 {
+        let at = |digit: usize, step: f64| 0.4 + step * f64::from(digit as u8);
+        let corner = [at(k % 3, 1.2), at(k / 3 % 3, 1.2), at(k / 9, 0.8)];
+        room.cuboid(corner, straight(0.2, 0.3, 0.25), false, |room, _| material(room, k));
+    }
+    room.scene()
+}
+
 /// Triangles of a sphere-like polyhedron around 0 with corners at distance `radius`: an icosahedron, each side halved `halvings` times.
 pub fn icosphere(radius: f64, halvings: u32) -> Vec<[[f64; 3]; 3]> {
     let golden = 0.5 * (1.0 + 5f64.sqrt());
