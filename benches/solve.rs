@@ -12,7 +12,7 @@ use patchlight::pipeline;
 use patchlight::progress::Silent;
 use patchlight::scene::Scene;
 use patchlight::scene::import::{ImportOptions, read_scene};
-use patchlight::solve::{RunOptions, SolveOptions, SolveReport, Strategy, Sweep};
+use patchlight::solve::{LinkOptions, RunOptions, SolveOptions, SolveReport, Strategy, Sweep, UniformOptions};
 
 fn scene(name: &str) -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
@@ -57,14 +57,17 @@ fn gather_push_pull(criterion: &mut Criterion) {
     for (name, sweep) in [("jacobi", Sweep::Jacobi), ("in-place", Sweep::InPlace)] {
         let options = SolveOptions {
             strategy: Strategy::Uniform,
-            element_area: Some(area / 300.0),
-            rays_per_link: 1,
-            rays_per_light_link: 1,
-            leaf_rays: Some(0),
             point_rays: Some(1),
             error: 0.9,
-            sweep,
-            sweep_tolerance: 1e-15,
+            uniform: UniformOptions { element_area: Some(area / 300.0) },
+            links: LinkOptions {
+                rays_per_link: 1,
+                rays_per_light_link: 1,
+                leaf_rays: Some(0),
+                sweep,
+                sweep_tolerance: 1e-15,
+                ..LinkOptions::default()
+            },
             ..SolveOptions::default()
         };
         let report = solve(&scene, &options);

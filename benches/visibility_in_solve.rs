@@ -118,16 +118,15 @@ fn solve(scene: &Scene, options: &SolveOptions, backend: &dyn Fn() -> Box<dyn Vi
     pipeline::solve_asking(backend(), scene.clone(), options, &run, &Silent).expect("options that are legal").1
 }
 
-fn measure(name: &str, scene: &Scene, error: f64) {
-    let mesh = OccluderMesh::of_scene(scene);
-    let backend = || build(Backend::Auto, &mesh).expect("a backend");
-    let options = SolveOptions { error, ..SolveOptions::default() };
-
-    // Record.
-    let report = solve(scene, &options, &backend);
+/// What a solve asks; of long ones every so many calls.
+fn record(
+    scene: &Scene,
+    options: &SolveOptions,
+    backend: &dyn Fn() -> Box<dyn Visibility>,
+    every: usize,
+) -> (Questions<Segment>, Questions<Ray>) {
     let record = Arc::new(Mutex::new(Record::default()));
-    let every = report.counts.rays.div_ceil(KEPT).max(1) as usize;
-    solve(scene, &options, &|| Box::new(Recorder { backend: backend(), every, record: Arc::clone(&record) }));
+    solve(scene, options, &|| Box::new(Recorder { backend: backend(), every, record: Arc::clone(&record) }));
     let (mut occluded, mut first_hits) = (Vec::new(), Vec::new());
     for call in std::mem::take(&mut record.lock().expect("recorded without a panic").calls) {
         match call {
@@ -135,16 +134,29 @@ fn measure(name: &str, scene: &Scene, error: f64) {
             Call::FirstHits(rays) => first_hits.push(rays),
         }
     }
-    let (segments, rays): (Questions<Segment>, Questions<Ray>) = (Questions::of(occluded), Questions::of(first_hits));
+    (Questions::of(occluded), Questions::of(first_hits))
+}
 
-    // Draw, as the benchmark of the backends does.
+/// Segments as the benchmark of the backends draws them, and rays along these.
+fn draw(scene: &Scene, mesh: &OccluderMesh) -> (Vec<Segment>, Vec<Ray>) {
     let has_two_sides = |triangle: usize| scene.surfaces()[mesh.surfaces[triangle] as usize].twin().is_some();
-    let drawn_segments = facing_segments(&mesh, DRAWN, GROUP, has_two_sides);
+    let segments = facing_segments(mesh, DRAWN, GROUP, has_two_sides);
     let along = |segment: &Segment| {
         let direction = triangles::unit(triangles::sub(segment.to, segment.from));
         Ray { origin: segment.from, direction, origin_plane: segment.from_plane }
     };
-    let drawn_rays: Vec<Ray> = drawn_segments.iter().map(along).collect();
+    let rays = segments.iter().map(along).collect();
+    (segments, rays)
+}
+
+fn measure(name: &str, scene: &Scene, error: f64) {
+    let mesh = OccluderMesh::of_scene(scene);
+    let backend = || build(Backend::Auto, &mesh).expect("a backend");
+    let options = SolveOptions { error, ..SolveOptions::default() };
+    let counts = solve(scene, &options, &backend).counts;
+    let every = counts.rays.div_ceil(KEPT).max(1) as usize;
+    let (segments, rays) = record(scene, &options, &backend, every);
+    let (drawn_segments, drawn_rays) = draw(scene, &mesh);
 
     // Measure, round after round.
     let asked = backend();
@@ -163,25 +175,31 @@ fn measure(name: &str, scene: &Scene, error: f64) {
     }
 
     // Tell.
-    let counts = report.counts;
     let numbers = [counts.rays - counts.first_hit_rays, counts.first_hit_rays];
     let sizes = [segments.all.len() / segments.calls.len().max(1), rays.all.len() / rays.calls.len().max(1)];
     for (kind, what) in ["segments", "first hits"].into_iter().enumerate() {
-        let of = |rate: &dyn Fn(&Rates) -> f64| median(rounds.iter().map(|round| rate(&round[kind])).collect());
+        let of_kind: Vec<Rates> = rounds.iter().map(|round| round[kind]).collect();
         println!(
-            "{name:>11} {error:>5} {what:<10} {:>9} a solve, {:>4} a call | \
-             solve {:>5.2}  calls {:>5.2}  batches {:>5.2}  drawn {:>5.2} | \
-             solve / batches {:.2}  / drawn {:.2}",
+            "{name:>11} {error:>5} {what:<10} {:>9} a solve, {:>4} a call | {}",
             numbers[kind],
             sizes[kind],
-            of(&|r| r.solve),
-            of(&|r| r.calls),
-            of(&|r| r.batches),
-            of(&|r| r.drawn),
-            of(&|r| r.solve / r.batches),
-            of(&|r| r.solve / r.drawn)
+            medians(&of_kind)
         );
     }
+}
+
+/// Medians over the rounds, in words.
+fn medians(rounds: &[Rates]) -> String {
+    let of = |rate: &dyn Fn(&Rates) -> f64| median(rounds.iter().map(rate).collect());
+    format!(
+        "solve {:>5.2}  calls {:>5.2}  batches {:>5.2}  drawn {:>5.2} | solve / batches {:.2}  / drawn {:.2}",
+        of(&|r| r.solve),
+        of(&|r| r.calls),
+        of(&|r| r.batches),
+        of(&|r| r.drawn),
+        of(&|r| r.solve / r.batches),
+        of(&|r| r.solve / r.drawn)
+    )
 }
 
 fn main() {

@@ -1,10 +1,10 @@
 //! Is a scene what its author meant? Rays from its surfaces tell.
 //!
-//! From points on the fronts, uniform by area, rays leave by the cosine law. If the first thing that such a ray meets is the back of
-//! a face without a second side, light ends there that should be reflected: most often the face is wound the wrong way. A point that
-//! sees hardly anything but backs lies inside of a closed object, as a floor does under a box: that is no mistake, and its rays do not
-//! count. Rays that meet nothing measure how open the scene is. Shares are sampled: about 1/sqrt(rays) of accuracy, no guarantee. The points come from
-//! an Owen-scrambled Sobol sequence (B. Burley, JCGT 9(4), 2020), so the same scene gives the same answer.
+//! Rays leave random points of the fronts in cosine-distributed directions. A ray that first meets the back of a one-sided face
+//! tells that light is lost there that should be reflected: most often the face is wound the wrong way. A point from which nearly
+//! all rays meet backs lies inside of a closed object, like the floor under a box: that is no mistake, and its rays do not count.
+//! Rays that meet nothing measure how open the scene is. Shares are sampled, to about 1/sqrt(rays), without a guarantee. The points
+//! come from an Owen-scrambled Sobol sequence (B. Burley, JCGT 9(4), 2020), so the same scene gives the same answer.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,28 +16,28 @@ use crate::scene::Scene;
 use crate::scene::import::{Diagnostic, DiagnosticKind};
 use crate::visibility::{Hit, Ray, Visibility};
 
-/// So many points tell shares to about one percent.
+/// Points by default: shares are then right to about one percent.
 pub const DEFAULT_POINTS: u32 = 1 << 11;
 
 /// Rays from each point.
 const RAYS_PER_POINT: u32 = 16;
 
-/// A point of which so many rays meet backs lies inside of something.
-const RAYS_OF_COVERED: u32 = 15;
+/// A point lies inside of something if so many of its rays, or more, meet backs.
+const RAYS_OF_INSIDE: u32 = 15;
 
-/// A share below this is the noise of edges and contacts, not worth a word.
+/// Shares below this are not reported: edges and contacts cause such by rounding.
 const SHARE_WORTH_TELLING: f64 = 0.005;
 
-/// So many of the worst faces are named.
+/// The most faces that are named.
 const NAMED_FACES: usize = 5;
 
 /// What the rays met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspection {
-    /// How many points were looked from.
+    /// How many points rays were cast from.
     pub points: u32,
     /// How many of them lie inside of closed objects.
-    pub covered: u32,
+    pub inside: u32,
     /// How many rays left the other points.
     pub rays: u32,
     /// How many of these rays left the scene.
@@ -48,7 +48,7 @@ pub struct Inspection {
     pub back_faces: Vec<(u32, u32)>,
 }
 
-/// Looks from `points` points (at least one) on the surfaces of `scene` into the scene that `visibility` was built of.
+/// Casts rays from `points` points (at least one) on the surfaces of `scene`; `visibility` must be of that scene.
 pub fn inspect(scene: &Scene, visibility: &dyn Visibility, points: u32) -> Inspection {
     let points = points.clamp(1, u32::MAX / RAYS_PER_POINT);
 
@@ -61,6 +61,7 @@ pub fn inspect(scene: &Scene, visibility: &dyn Visibility, points: u32) -> Inspe
         })
         .collect();
 
+    // Rays from points at even steps through the areas.
     let sample = |index, dimension, seed| f64::from(sobol_burley::sample(index, dimension, seed));
     let mut queries = Vec::with_capacity((points * RAYS_PER_POINT) as usize);
     for point in 0..points {
@@ -70,7 +71,7 @@ pub fn inspect(scene: &Scene, visibility: &dyn Visibility, points: u32) -> Inspe
         let origin = facet.point_at(sample(point, 0, 0), sample(point, 1, 0));
         let frame = Frame::around(facet.normal);
 
-        // A point of the unit disk lifted to the hemisphere follows the cosine law (Malley's method).
+        // Points of the unit disk, lifted to the hemisphere, are cosine-distributed directions (Malley's method).
         queries.extend((0..RAYS_PER_POINT).map(|ray| {
             let (radius, angle) = (sample(ray, 0, point + 1).sqrt(), std::f64::consts::TAU * sample(ray, 1, point + 1));
             let height = (1.0 - radius * radius).max(0.0).sqrt();
@@ -81,19 +82,19 @@ pub fn inspect(scene: &Scene, visibility: &dyn Visibility, points: u32) -> Inspe
     let mut hits = vec![None; queries.len()];
     visibility.first_hits(&queries, &mut hits);
 
-    // The surface whose back a ray met first, if it did.
+    // What they meet; `back` is the surface whose back a ray meets first.
     let back = |ray: &Ray, hit: &Option<Hit>| {
         let surface = &scene.surfaces()[hit.as_ref()?.surface as usize];
         let behind = surface.polygon.facet().normal.dot(DVec3::from(ray.direction)) > 0.0;
         (surface.twin.is_none() && behind).then_some(surface)
     };
-    let mut inspection = Inspection { points, covered: 0, rays: 0, escaped: 0, met_back: 0, back_faces: Vec::new() };
+    let mut inspection = Inspection { points, inside: 0, rays: 0, escaped: 0, met_back: 0, back_faces: Vec::new() };
     let mut met: BTreeMap<u32, u32> = BTreeMap::new();
     let per_point = RAYS_PER_POINT as usize;
     for (rays, hits) in queries.chunks(per_point).zip(hits.chunks(per_point)) {
         let backs: Vec<_> = rays.iter().zip(hits).filter_map(|(ray, hit)| back(ray, hit)).collect();
-        if backs.len() >= RAYS_OF_COVERED as usize {
-            inspection.covered += 1;
+        if backs.len() >= RAYS_OF_INSIDE as usize {
+            inspection.inside += 1;
             continue;
         }
         inspection.rays += RAYS_PER_POINT;
@@ -109,7 +110,7 @@ pub fn inspect(scene: &Scene, visibility: &dyn Visibility, points: u32) -> Inspe
 }
 
 impl Inspection {
-    /// What a user should hear of it. `lines` holds the line of each face in `file`, see
+    /// What a user should be told. `lines` holds the line of each face in `file`, see
     /// [`Imported::lines`](crate::scene::import::Imported::lines).
     pub fn suspicions(&self, file: &Path, lines: &[u32]) -> Vec<Diagnostic> {
         let share = |count: u32| f64::from(count) / f64::from(self.rays.max(1));
@@ -132,10 +133,10 @@ impl Inspection {
             }
         }
 
-        let covered = f64::from(self.covered) / f64::from(self.points);
-        if covered >= SHARE_WORTH_TELLING {
-            let text = format!("{:.1}% of the area lies inside of closed objects, where no light comes", 100.0 * covered);
-            diagnostics.push(Diagnostic::new(DiagnosticKind::Covered, text).at(file, 0));
+        let inside = f64::from(self.inside) / f64::from(self.points);
+        if inside >= SHARE_WORTH_TELLING {
+            let text = format!("{:.1}% of the area lies inside of closed objects, where no light comes", 100.0 * inside);
+            diagnostics.push(Diagnostic::new(DiagnosticKind::Inside, text).at(file, 0));
         }
         if share(self.escaped) >= SHARE_WORTH_TELLING {
             let text = format!("the scene is open: {} of the rays from its surfaces leave it", percent(self.escaped));
@@ -152,7 +153,7 @@ mod tests {
     use crate::scene::{Material, Sides};
     use crate::visibility::{Backend, OccluderMesh, build};
 
-    /// The inside of a unit cube; the faces in `turned` look outwards, those in `missing` are not there.
+    /// The inside of a unit cube; the faces in `turned` face outwards, those in `missing` are not there.
     fn cube(turned: &[usize], missing: &[usize], sides: Sides) -> Scene {
         let corner = |bits: usize| [bits & 1, bits >> 1 & 1, bits >> 2].map(|bit| bit as f64);
         let inwards = [[0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3], [0, 1, 3, 2], [4, 6, 7, 5]];

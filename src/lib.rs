@@ -10,19 +10,23 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod bounds;
+mod cells;
+mod error;
 pub mod form_factor;
 pub mod geometry;
 pub mod hierarchy;
 pub mod inspect;
 pub mod links;
 pub mod output;
+mod paths;
+pub mod picture;
 pub mod pipeline;
 pub mod progress;
-pub mod reconstruct;
 pub mod scene;
 pub mod solve;
 pub mod sweep;
 pub mod transmittance;
+pub mod values;
 pub mod visibility;
 
 /// The examples of README.md, compiled.

@@ -5,14 +5,15 @@ use thiserror::Error;
 use std::time::Instant;
 
 use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceBounds, PointBounds, RadiosityBounds};
+use crate::picture::{self, Camera, CameraError, Image};
 use crate::progress::Observer;
-use crate::reconstruct::{self, Camera, CameraError, Image, SurfacePoint, Values};
-use crate::scene::Scene;
+use crate::scene::{Scene, SurfacePoint};
 use crate::solve::{
     self, Bounds, InitialImportance, Interest, InterestError, OptionsError, RunOptions, Solution, SolveOptions, SolveReport,
 };
 use crate::sweep::Importance;
 use crate::transmittance::Rays;
+use crate::values::{self, Values};
 use crate::visibility::{self, Visibility, VisibilityError};
 
 /// Why a stage could not start or finish.
@@ -103,8 +104,8 @@ fn solve_in(
     let start = Instant::now();
     let importance = InitialImportance::of(&options.importance, &scene, &*visibility)?;
     let rays = Rays::new(&*visibility, &scene);
-    let rays = if options.skips.rays { rays } else { rays.asking_in_clear_scenes() };
-    let rays = if options.skips.clear { rays } else { rays.asking_between_clear_planes() };
+    let rays = if options.links.skips.rays { rays } else { rays.asking_in_clear_scenes() };
+    let rays = if options.links.skips.clear { rays } else { rays.asking_between_clear_planes() };
     let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, importance, &rays, observer));
     let mut evaluator = Evaluator { solution, bounds: None, visibility, pool };
     if options.bounds == Bounds::Guaranteed {
@@ -217,7 +218,8 @@ impl Evaluator {
     pub fn values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Values> {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
         let paths = self.solution.light_paths(&rays);
-        let values = self.pool.install(|| reconstruct::values_at(&self.solution.reconstruction(&rays, &paths), points, observer));
+        let gather = self.solution.gather_at_points(&rays, paths.as_ref());
+        let values = self.pool.install(|| values::values_at(&gather, points, observer));
         let mut values = values?;
         if let Some(bounds) = self.bounds_at(points) {
             bounds.confine(&mut values.radiosity);
@@ -233,8 +235,9 @@ impl Evaluator {
         let through = camera.rays()?;
         let rays = Rays::new(&*self.visibility, self.solution.scene());
         let paths = self.solution.light_paths(&rays);
-        let reconstruction = self.solution.reconstruction(&rays, &paths);
-        let render = || reconstruct::render(&reconstruction, &rays, &through, camera.width, camera.height, observer);
+        let gather = self.solution.gather_at_points(&rays, paths.as_ref());
+        let image = Image::black(camera.width, camera.height, self.solution.scene().channels());
+        let render = || picture::render(&gather, &rays, &through, image, observer);
         Ok(self.pool.install(render))
     }
 
@@ -244,11 +247,10 @@ impl Evaluator {
     /// # Errors
     /// As [`Evaluator::render`].
     pub fn render_width(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
-        let through = camera.rays()?;
+        camera.validate()?;
         let Some(bounds) = &self.bounds else { return Ok(None) };
         let Solution { scene, hierarchy, .. } = &self.solution;
         let rays = Rays::new(&*self.visibility, scene);
-        let image = Image::black(camera.width, camera.height, scene.channels());
-        Ok(self.pool.install(|| bounds.render_width(scene, hierarchy, &rays, &through, image, observer)))
+        Ok(self.pool.install(|| picture::render_width(bounds, scene, hierarchy, &rays, camera, observer))?)
     }
 }

@@ -15,9 +15,9 @@ use patchlight::bounds::Certainty;
 use patchlight::form_factor::exact_area_form_factor;
 use patchlight::geometry::Polygon;
 use patchlight::hierarchy::NodeId;
-use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{Bounds, Solution, SolveOptions, Strategy};
+use patchlight::solve::{Bounds, ChangShih98Options, Solution, SolveOptions, Strategy};
 use rooms::{Room, cube, solve, two_squares as facing_squares, values};
 use triangles::Random;
 use two_squares::TwoSquares;
@@ -26,7 +26,13 @@ const BOTH: [Strategy; 2] = [Strategy::BottomUp98, Strategy::TopDown98];
 
 /// Linking alone, with little effort on everything else.
 fn options(strategy: Strategy, form_factor_tolerance: f64) -> SolveOptions {
-    SolveOptions { strategy, form_factor_tolerance, point_rays: Some(1), error: 0.9, ..SolveOptions::default() }
+    SolveOptions {
+        strategy,
+        point_rays: Some(1),
+        error: 0.9,
+        chang_shih98: ChangShih98Options { form_factor_tolerance, ..ChangShih98Options::default() },
+        ..SolveOptions::default()
+    }
 }
 
 /// Mean and its standard error.
@@ -72,7 +78,9 @@ fn scene_of(geometry: &serde_json::Value) -> Scene {
 
 /// From surface 0 to surface 1, with so large a tolerance that surfaces are linked as they are.
 fn form_factor(scene: &Scene, strategy: Strategy, seed: u64) -> f64 {
-    let (evaluator, _) = solve(scene.clone(), &SolveOptions { seed, bottom_area: 1.0 / 64.0, ..options(strategy, 1.0) });
+    let mut options = SolveOptions { seed, ..options(strategy, 1.0) };
+    options.chang_shih98.bottom_area = 1.0 / 64.0;
+    let (evaluator, _) = solve(scene.clone(), &options);
     let solution = evaluator.solution();
     let [receiver, source] = [0, 1].map(|surface| solution.hierarchy().node_of(SurfaceId(surface)));
     let links: Vec<f64> = (solution.links().of(receiver).iter())
@@ -105,7 +113,8 @@ fn a_finer_tolerance_comes_nearer_to_the_exact_form_factors_of_elements() {
     for strategy in BOTH {
         let mut before = (0, f64::INFINITY);
         for tolerance in [1.0, 0.1, 0.02] {
-            let options = SolveOptions { bottom_area: 1.0 / 64.0, ..options(strategy, tolerance) };
+            let mut options = options(strategy, tolerance);
+            options.chang_shih98.bottom_area = 1.0 / 64.0;
             let (evaluator, report) = solve(scene.clone(), &options);
             let solution = evaluator.solution();
             let hierarchy = solution.hierarchy();
@@ -142,7 +151,9 @@ fn a_furnace_is_off_by_no_more_than_its_form_factors() {
     const RHO: f64 = 0.3;
     for strategy in BOTH {
         for seed in 0..8 {
-            let options = SolveOptions { seed, bottom_area: 1.0 / 64.0, sweep_tolerance: 1e-9, ..options(strategy, 0.1) };
+            let mut options = SolveOptions { seed, ..options(strategy, 0.1) };
+            options.chang_shih98.bottom_area = 1.0 / 64.0;
+            options.links.sweep_tolerance = 1e-9;
             let (evaluator, report) = solve(cube(&[RHO], &[1.0]), &options);
             let solution = evaluator.solution();
             let (leaves, below) = leaves_below(solution);
@@ -170,7 +181,12 @@ fn a_furnace_is_off_by_no_more_than_its_form_factors() {
 fn values_at_points_are_within_the_claim() {
     for strategy in BOTH {
         for blocker in [false, true] {
-            let options = SolveOptions { strategy, error: 0.05, bottom_area: 1.0 / 64.0, ..SolveOptions::default() };
+            let options = SolveOptions {
+                strategy,
+                error: 0.05,
+                chang_shih98: ChangShih98Options { bottom_area: 1.0 / 64.0, ..ChangShih98Options::default() },
+                ..SolveOptions::default()
+            };
             let (evaluator, report) = solve(facing_squares(blocker), &options);
             let exact = TwoSquares::new(blocker);
             let mut random = Random(98);
@@ -193,8 +209,13 @@ fn values_at_points_are_within_the_claim() {
 #[test]
 fn bounds_can_be_proved_over_these_links() {
     for strategy in BOTH {
-        let options =
-            SolveOptions { strategy, bounds: Bounds::Guaranteed, bottom_area: 1.0 / 16.0, error: 0.5, ..SolveOptions::default() };
+        let options = SolveOptions {
+            strategy,
+            bounds: Bounds::Guaranteed,
+            error: 0.5,
+            chang_shih98: ChangShih98Options { bottom_area: 1.0 / 16.0, ..ChangShih98Options::default() },
+            ..SolveOptions::default()
+        };
         let (evaluator, report) = solve(facing_squares(false), &options);
         let exact = TwoSquares::new(false);
         let power = exact.mean(0) + exact.mean(1);
@@ -212,7 +233,7 @@ fn what_makes_no_sense_is_refused() {
     let refused = |key: &str, value: &str| SolveOptions::default().set(key, value).unwrap_err().to_string();
     for (key, values, range) in [
         ("form_factor_tolerance", &["0", "-1", "1.5", "NaN"][..], "above 0, at most 1"),
-        ("bottom_area", &["0", "0.0001", "2", "NaN", "-1"], "1/1024 to 1"),
+        ("bottom_area", &["0", "0.0001", "2", "NaN", "-1"], "0.0009765625 to 1"),
         ("bottom_samples", &["0", "9"], "1 to 8"),
     ] {
         for value in values {

@@ -16,10 +16,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use patchlight::pipeline;
 use patchlight::progress::Silent;
-use patchlight::reconstruct::SurfacePoint;
 use patchlight::scene::Scene;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::import::{ImportOptions, read_scene};
-use patchlight::solve::{Gather, RunOptions, SolveOptions, Strategy};
+use patchlight::solve::{Holzschuch94Options, LinkOptions, RunOptions, SolveOptions, Solver, Strategy};
 use patchlight::visibility::{Backend, Hit, OccluderMesh, Ray, Segment, Visibility, build};
 use triangles::Random;
 
@@ -69,20 +69,23 @@ fn runs() -> Vec<(&'static str, &'static str, SolveOptions)> {
     vec![
         ("cornell to 5%", "cornell", error(0.05)),
         ("cornell to 2%", "cornell", error(0.02)),
-        ("cornell to 5%, over the hemisphere", "cornell", SolveOptions { gather: Gather::Hemisphere, ..error(0.05) }),
+        ("cornell to 5%, over cells", "cornell", SolveOptions { solver: Solver::Cells, ..error(0.05) }),
         ("full office to 10%", "full_office", error(0.1)),
         ("room to 10%", "room", error(0.1)),
-        ("room to 20%, over links", "room", SolveOptions { gather: Gather::Links, ..error(0.2) }),
+        ("room to 20%, over links", "room", SolveOptions { solver: Solver::Links, ..error(0.2) }),
         (
             "full office, lazily with reduction",
             "full_office",
             SolveOptions {
                 strategy: Strategy::Lazy94Reduction,
-                tolerance: Some(2.0),
-                iterations: 4,
-                rays_per_link: 16,
-                rays_per_light_link: 16,
-                leaf_rays: Some(0),
+                links: LinkOptions {
+                    tolerance: Some(2.0),
+                    rays_per_link: 16,
+                    rays_per_light_link: 16,
+                    leaf_rays: Some(0),
+                    ..LinkOptions::default()
+                },
+                holzschuch94: Holzschuch94Options { iterations: 4, ..Holzschuch94Options::default() },
                 ..error(0.5)
             },
         ),

@@ -19,7 +19,9 @@ use patchlight::pipeline;
 use patchlight::progress::Silent;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{Gather, RunOptions, Solution, SolveOptions, SolveReport, StoppedBy, Strategy};
+use patchlight::solve::{
+    LinkOptions, RunOptions, Solution, SolveOptions, SolveReport, Solver, StoppedBy, Strategy, UniformOptions,
+};
 use rooms::{Room, channels, crowded, straight, turned};
 use triangles::{Random, add, cross, times};
 
@@ -104,11 +106,9 @@ fn solve(scene: Scene, options: &SolveOptions, run: &RunOptions) -> (Solution, S
 fn quick(strategy: Strategy, tolerance: f64) -> SolveOptions {
     SolveOptions {
         strategy,
-        tolerance: Some(tolerance),
-        min_element: 1e-3,
         point_rays: Some(1),
-        leaf_rays: Some(0),
         error: 0.5,
+        links: LinkOptions { tolerance: Some(tolerance), min_element: 1e-3, leaf_rays: Some(0), ..LinkOptions::default() },
         ..SolveOptions::default()
     }
 }
@@ -168,7 +168,7 @@ fn cornell() -> Scene {
 fn check(name: &str, scene: &Scene, options: &SolveOptions) -> Coverage {
     let (solution, report) = solve(scene.clone(), options, &RunOptions::default());
     let found = coverage(&solution);
-    println!("{name}, {:?}, tolerance {:?}: {found:?}, {} links", options.strategy, options.tolerance, report.counts.links);
+    println!("{name}, {:?}, tolerance {:?}: {found:?}, {} links", options.strategy, options.links.tolerance, report.counts.links);
     assert_eq!(found.linked + found.dormant + found.black + found.coplanar + found.behind, found.leaves * found.leaves);
     found
 }
@@ -194,7 +194,8 @@ fn each_pair_once_whatever_the_strategy_and_the_tolerance() {
         }
         let area: f64 = scene.surfaces().iter().map(|surface| surface.polygon.area()).sum();
         for elements in [1.0, 300.0] {
-            let options = SolveOptions { element_area: Some(area / elements), ..quick(Strategy::Uniform, 1.0) };
+            let options =
+                SolveOptions { uniform: UniformOptions { element_area: Some(area / elements) }, ..quick(Strategy::Uniform, 1.0) };
             check(name, scene, &options);
         }
     }
@@ -204,9 +205,13 @@ fn each_pair_once_whatever_the_strategy_and_the_tolerance() {
 fn each_pair_once_where_links_are_made_once() {
     for (name, scene) in [("cornell", cornell()), ("furnished", furnished(5)), ("soup", soup(4))] {
         for strategy in [Strategy::BottomUp98, Strategy::TopDown98] {
-            let once = SolveOptions { bottom_area: 1.0 / 64.0, bottom_samples: 2, ..quick(strategy, 1.0) };
+            let mut once = quick(strategy, 1.0);
+            once.chang_shih98.bottom_area = 1.0 / 64.0;
+            once.chang_shih98.bottom_samples = 2;
             for form_factor_tolerance in [1.0, 0.1, 0.02] {
-                let found = check(name, &scene, &SolveOptions { form_factor_tolerance, ..once.clone() });
+                let mut options = once.clone();
+                options.chang_shih98.form_factor_tolerance = form_factor_tolerance;
+                let found = check(name, &scene, &options);
                 assert!(found.linked > 0 && found.dormant == 0 && found.leaves > scene.surfaces().len());
             }
             let limited = SolveOptions { max_links: Some(50), error: 0.01, ..once };
@@ -221,7 +226,12 @@ fn each_pair_once_where_links_are_made_once() {
 fn each_pair_once_when_rounds_follow_rounds() {
     // Several rounds with their own tolerances split links that an earlier round has made.
     for (name, scene) in [("cornell", cornell()), ("furnished", furnished(3)), ("soup", soup(3))] {
-        let options = SolveOptions { error: 0.1, min_element: 1e-3, point_rays: Some(16), ..SolveOptions::default() };
+        let options = SolveOptions {
+            error: 0.1,
+            point_rays: Some(16),
+            links: LinkOptions { min_element: 1e-3, ..LinkOptions::default() },
+            ..SolveOptions::default()
+        };
         let found = check(name, &scene, &options);
         assert!(found.leaves > scene.surfaces().len());
     }
@@ -233,7 +243,12 @@ fn limits_are_kept_and_each_pair_is_covered_once() {
         for scene in [furnished(4), crowded(16, 8)] {
             let area: f64 = scene.surfaces().iter().map(|surface| surface.polygon.area()).sum();
             let element_area = Some(area / 1000.0);
-            let hard = SolveOptions { error: 0.05, element_area, gather: Gather::Links, ..quick(strategy, 0.01) };
+            let hard = SolveOptions {
+                error: 0.05,
+                solver: Solver::Links,
+                uniform: UniformOptions { element_area },
+                ..quick(strategy, 0.01)
+            };
             for max_links in [1, 50, 2000] {
                 let options = SolveOptions { max_links: Some(max_links), ..hard.clone() };
                 let (solution, report) = solve(scene.clone(), &options, &RunOptions::default());

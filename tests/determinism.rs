@@ -10,10 +10,12 @@ use std::path::Path;
 
 use patchlight::pipeline::solve;
 use patchlight::progress::Silent;
-use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{Gather, RunOptions, SolveOptions, SolveReport, Strategy, Sweep};
+use patchlight::solve::{
+    ChangShih98Options, LinkOptions, RunOptions, SolveOptions, SolveReport, Solver, Strategy, Sweep, UniformOptions,
+};
 use rooms::{crowded, points_of};
 use triangles::Random;
 
@@ -50,12 +52,25 @@ fn check(scene: &Scene, options: &SolveOptions, threads: &[usize]) {
 fn one_two_three_and_seven_threads_give_the_same_bytes() {
     let options = [
         SolveOptions { error: 0.05, ..SolveOptions::default() },
-        SolveOptions { error: 0.1, sweep: Sweep::InPlace, ..SolveOptions::default() },
+        SolveOptions {
+            error: 0.1,
+            links: LinkOptions { sweep: Sweep::InPlace, ..LinkOptions::default() },
+            ..SolveOptions::default()
+        },
         SolveOptions { error: 0.1, strategy: Strategy::Hanrahan91, ..SolveOptions::default() },
-        SolveOptions { strategy: Strategy::Uniform, element_area: Some(0.02), ..SolveOptions::default() },
-        SolveOptions { error: 0.1, strategy: Strategy::ErrorDriven, tolerance: Some(2.0), ..SolveOptions::default() },
+        SolveOptions {
+            strategy: Strategy::Uniform,
+            uniform: UniformOptions { element_area: Some(0.02) },
+            ..SolveOptions::default()
+        },
+        SolveOptions {
+            error: 0.1,
+            strategy: Strategy::ErrorDriven,
+            links: LinkOptions { tolerance: Some(2.0), ..LinkOptions::default() },
+            ..SolveOptions::default()
+        },
         SolveOptions { max_links: Some(3000), ..SolveOptions::default() },
-        SolveOptions { error: 0.05, gather: Gather::Hemisphere, ..SolveOptions::default() },
+        SolveOptions { error: 0.05, solver: Solver::Cells, ..SolveOptions::default() },
     ];
     for options in options {
         check(&cornell(), &options, &[2, 3, 7]);
@@ -65,7 +80,12 @@ fn one_two_three_and_seven_threads_give_the_same_bytes() {
 #[test]
 fn threads_change_nothing_where_links_are_made_once() {
     for strategy in [Strategy::BottomUp98, Strategy::TopDown98] {
-        let options = SolveOptions { error: 0.2, strategy, bottom_area: 1.0 / 64.0, ..SolveOptions::default() };
+        let options = SolveOptions {
+            error: 0.2,
+            strategy,
+            chang_shih98: ChangShih98Options { bottom_area: 1.0 / 64.0, ..ChangShih98Options::default() },
+            ..SolveOptions::default()
+        };
         check(&cornell(), &options, &[2, 5]);
     }
 }
@@ -73,7 +93,11 @@ fn threads_change_nothing_where_links_are_made_once() {
 #[test]
 fn threads_change_nothing_with_clusters() {
     for sweep in [Sweep::Jacobi, Sweep::InPlace] {
-        check(&crowded(200, 3), &SolveOptions { error: 0.1, sweep, ..SolveOptions::default() }, &[2, 3, 7]);
+        check(
+            &crowded(200, 3),
+            &SolveOptions { error: 0.1, links: LinkOptions { sweep, ..LinkOptions::default() }, ..SolveOptions::default() },
+            &[2, 3, 7],
+        );
     }
 }
 
@@ -110,8 +134,8 @@ fn strategies_agree_on_the_power_that_is_absorbed() {
         let found = absorbed(SolveOptions {
             error: 0.05,
             strategy,
-            element_area: Some(0.02),
-            rays_per_link: 32,
+            uniform: UniformOptions { element_area: Some(0.02) },
+            links: LinkOptions { rays_per_link: 32, ..LinkOptions::default() },
             ..SolveOptions::default()
         });
         println!("{strategy:?}: {found} W absorbed; default: {default} W");

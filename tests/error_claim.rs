@@ -15,9 +15,9 @@ mod two_squares;
 use claims::most_failures;
 use patchlight::pipeline::{self, PipelineError};
 use patchlight::progress::{Observer, Silent};
-use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{Gather, RunOptions, SolveOptions, SolveReport, StoppedBy, Strategy};
+use patchlight::solve::{RunOptions, SolveOptions, SolveReport, Solver, StoppedBy, Strategy};
 use rooms::{Room, cube, points_of, solve, straight, two_squares, values};
 use triangles::Random;
 use two_squares::TwoSquares;
@@ -97,12 +97,12 @@ fn check(runs: &[(&Known, SolveOptions)]) {
         let claimed = report.error.estimate;
         println!(
             "{name}, {:?}, requested {}, seed {}, max_links {:?}: error {error:.6}, claimed {claimed:.6}, measured {:.6}, {:?}",
-            options.gather, options.error, options.seed, options.max_links, report.error.measured, report.stopped_by
+            options.solver, options.error, options.seed, options.max_links, report.error.measured, report.stopped_by
         );
         assert!(!report.converged || claimed <= options.error, "{name}: {report:?}");
         assert_eq!(report.converged, report.stopped_by == StoppedBy::Error);
         if error > claimed {
-            let way = options.gather;
+            let way = options.solver;
             failed.push(format!("{name}, {way:?}, requested {}, seed {}: {error:.6} > {claimed:.6}", options.error, options.seed));
         }
     }
@@ -116,8 +116,8 @@ fn claims_cover_the_truth() {
     for known in &scenes {
         for (error, seeds) in [(0.2, 0..3), (0.1, 0..3), (0.05, 0..3), (0.02, 0..1)] {
             for seed in seeds {
-                for gather in [Gather::Links, Gather::Hemisphere] {
-                    runs.push((known, SolveOptions { error, seed, gather, ..SolveOptions::default() }));
+                for solver in [Solver::Links, Solver::Cells] {
+                    runs.push((known, SolveOptions { error, seed, solver, ..SolveOptions::default() }));
                 }
             }
         }

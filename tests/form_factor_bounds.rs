@@ -101,6 +101,7 @@ fn bounds_hold_for_random_pairs_and_are_tight() {
     slacks.sort_by(f64::total_cmp);
     let at_90_percent = slacks[(0.9 * (slacks.len() - 1) as f64) as usize];
     println!("all: slack at 90% {at_90_percent:.4}");
+    // So near that links need not be much smaller for their bounds than for their error (empirical).
     assert!(at_90_percent <= 0.15, "the upper bounds are {at_90_percent} above what is attained, at the 90% quantile");
 }
 
@@ -139,6 +140,7 @@ fn form_factors_are_quasi_concave_over_the_receiver() {
         let ends = at(start).min(at(end));
         let t = random.unit();
         let between = at(add(start, scaled(t, sub(end, start))));
+        // But for rounding, which is larger where terms cancel.
         assert!(between >= ends * (1.0 - 1e-9) - ROUNDING, "{between} between ends of at least {ends}");
         checked += usize::from(ends > 0.0);
     }
@@ -193,7 +195,7 @@ fn the_cases_at_points_lie_within_the_bounds_of_every_element_around() {
                 );
                 checked += 1;
             }
-            // Small elements know it well, away from where it jumps.
+            // Small elements know it well, away from where it jumps: form factors change by less than 100 times the way.
             let [least, most] = bound_form_factor(&squares_around(point, normal, size)[0], &source);
             if size == 1e-6 && case["name"] != "pt_vertical_wall_1e-3_from_edge" {
                 assert!(most - least <= 1e-4, "{}: [{least}, {most}]", case["name"]);
@@ -210,6 +212,7 @@ fn the_means_of_the_cases_lie_within_the_means_of_the_bounds() {
         let polygons = &case["geometry"]["polygons"];
         let [first, second] = ["P1", "P2"].map(|name| Polygon::new(&vectors(&polygons[name])).unwrap());
         let exact = value(case);
+        // The case is read as it is meant: the exact path is good to 1e-10.
         assert!((exact_area_form_factor(&first, &second) / first.area() - exact).abs() <= 1e-9 * exact + 1e-14);
         let mut widths = Vec::new();
         for cuts in [1_usize, 2, 4, 8, 16] {
@@ -226,6 +229,7 @@ fn the_means_of_the_cases_lie_within_the_means_of_the_bounds() {
             checked += 1;
         }
         println!("{}: relative widths {widths:.4?}", case["name"].as_str().unwrap());
+        // Sixteen times as fine, and at least half as wide.
         assert!(widths[4] < 0.5 * widths[0] || widths[0] < 1e-6, "{}: {widths:?}", case["name"]);
     }
     assert_eq!(checked, 16 * 5);

@@ -16,7 +16,7 @@ mod triangles;
 use kirchhoff::kirchhoff;
 use patchlight::geometry::Polygon;
 use patchlight::scene::Scene;
-use patchlight::solve::{Gather, SolveOptions, Strategy, Sweep};
+use patchlight::solve::{LinkOptions, SolveOptions, Solver, Strategy, Sweep, UniformOptions};
 use rooms::{cube, point_of, points_of, solve, values};
 use triangles::Random;
 
@@ -24,13 +24,16 @@ use triangles::Random;
 fn exact(sweep: Sweep, element_area: f64) -> SolveOptions {
     SolveOptions {
         strategy: Strategy::Uniform,
-        element_area: Some(element_area),
-        form_factor_accuracy: 0.0,
-        leaf_rays: Some(0),
-        sweep,
-        sweep_tolerance: 1e-13,
         point_rays: Some(64),
         error: 0.5,
+        uniform: UniformOptions { element_area: Some(element_area) },
+        links: LinkOptions {
+            form_factor_accuracy: 0.0,
+            leaf_rays: Some(0),
+            sweep,
+            sweep_tolerance: 1e-13,
+            ..LinkOptions::default()
+        },
         ..SolveOptions::default()
     }
 }
@@ -49,6 +52,7 @@ fn a_uniform_furnace_is_uniform() {
                 let nodes = solution.hierarchy().ids();
                 let worst = nodes.map(|node| (solution.radiosity().of(node)[0] / expected - 1.0).abs()).fold(0.0, f64::max);
                 println!("rho {rho}, {sweep:?}, elements of {element_area}: {worst:e} after {} sweeps", report.counts.iterations);
+                // What rows of form factors lack of 1 counts rho / (1 - rho) times: for 0.99 they may lack 1e-11.
                 assert!(worst <= 1e-9, "rho {rho}, {sweep:?}, elements of {element_area}: off by {worst:e}");
 
                 // Values at points are f32: they must be the truth rounded, which is a number of f32 itself.
@@ -69,11 +73,14 @@ fn the_links_of_a_surface_take_up_all_its_light() {
         for tolerance in [1.0, 0.1, 0.05] {
             let options = SolveOptions {
                 strategy,
-                tolerance: Some(tolerance),
-                min_element: 1e-4,
-                element_area: Some(0.1 * f64::sqrt(tolerance)),
-                form_factor_accuracy: 0.0,
-                leaf_rays: Some(0),
+                links: LinkOptions {
+                    tolerance: Some(tolerance),
+                    min_element: 1e-4,
+                    form_factor_accuracy: 0.0,
+                    leaf_rays: Some(0),
+                    ..LinkOptions::default()
+                },
+                uniform: UniformOptions { element_area: Some(0.1 * f64::sqrt(tolerance)) },
                 ..SolveOptions::default()
             };
             let (evaluator, report) = solve(cube(&[0.9, 0.5], &[1.0, 3.0]), &options);
@@ -84,6 +91,7 @@ fn the_links_of_a_surface_take_up_all_its_light() {
                 exchanged[surface.index()] += hierarchy.area(receiver) * link.occluded_form_factor();
             }
             println!("{strategy:?}, tolerance {tolerance}: {} elements, {exchanged:?}", report.counts.elements);
+            // Exact form factors are good to 1e-10.
             assert!(exchanged.iter().all(|sum| (sum - 1.0).abs() <= 1e-9), "{strategy:?}, tolerance {tolerance}: {exchanged:?}");
         }
     }
@@ -91,13 +99,15 @@ fn the_links_of_a_surface_take_up_all_its_light() {
 
 #[test]
 fn both_sweeps_need_few_iterations() {
-    // The error falls by rho a sweep (THEORY B6, test 7); in place by less.
+    // What is left to come falls by rho a Jacobi sweep, as all that arrives is reflected by rho; in place by more.
     for rho in [0.5f64, 0.9, 0.99] {
         let count = |sweep| {
-            let options = SolveOptions { sweep_tolerance: 1e-9, ..exact(sweep, 0.25) };
+            let mut options = exact(sweep, 0.25);
+            options.links.sweep_tolerance = 1e-9;
             solve(cube(&[rho], &[1.0]), &options).1.counts.iterations
         };
         let (jacobi, in_place) = (count(Sweep::Jacobi), count(Sweep::InPlace));
+        // As many as that takes, and a few for the first and the last.
         let most = (1e-9f64.ln() / rho.ln()).ceil() as u64 + 5;
         assert!(jacobi <= most && in_place < jacobi, "rho {rho}: {jacobi} and {in_place} sweeps of at most {most}");
     }
@@ -152,7 +162,7 @@ fn a_leaf_that_is_covered_in_part_has_the_mean_of_its_exposed_part() {
     let (mut sum, mut area) = (0.0, 0.0);
     for seed in [0, 1, 4, 5] {
         let furnace = kirchhoff(seed, 3);
-        let over_links = SolveOptions { gather: Gather::Links, ..SolveOptions::default() };
+        let over_links = SolveOptions { solver: Solver::Links, ..SolveOptions::default() };
         let (evaluator, _) = solve(furnace.scene.clone(), &over_links);
         let solution = evaluator.solution();
         let mut random = Random(seed);
@@ -169,6 +179,7 @@ fn a_leaf_that_is_covered_in_part_has_the_mean_of_its_exposed_part() {
         }
     }
     println!("leaves that are covered in part, {area:.2} m^2 of them: off by {:+.4} on average", sum / area);
+    // Were the covered part in the mean, an eighth or more would be missing.
     assert!(area > 0.5 && (sum / area).abs() < 0.1, "{sum} {area}");
 }
 
@@ -203,7 +214,8 @@ fn one_channel(scene: &Scene, channel: usize) -> Scene {
 #[test]
 fn many_channels_are_as_many_runs_of_one_bit_for_bit() {
     let furnace = kirchhoff(5, 3);
-    let options = SolveOptions { sweep_tolerance: 1e-15, ..exact(Sweep::Jacobi, 0.3) };
+    let mut options = exact(Sweep::Jacobi, 0.3);
+    options.links.sweep_tolerance = 1e-15;
     // So small a tolerance is met by all channels only when none changes any more: the sweeps of one cannot end earlier than another's.
     let (all, _) = solve(furnace.scene.clone(), &options);
     for channel in 0..3 {

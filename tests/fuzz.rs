@@ -18,7 +18,7 @@ mod triangles;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::time::{Duration, Instant};
 
-use patchlight::solve::Gather;
+use patchlight::solve::Solver;
 use triangles::Random;
 
 const OBJ: &[u8] = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0.25\nv 0 1 0\nv 0.5 0.5 2\nusemtl a\nf 1 2 3 4\nf -1 -2 -3\nusemtl b\n\
@@ -52,7 +52,7 @@ struct Target {
 }
 
 fn targets() -> [Target; 3] {
-    let solutions = [Gather::Links, Gather::Hemisphere].map(|gather| harness::small_solution(gather).to_vec());
+    let solutions = [Solver::Links, Solver::Cells].map(|solver| harness::small_solution(solver).to_vec());
     [
         Target { name: "obj", few: 400, feed: harness::read_obj, seeds: vec![OBJ.to_vec(), Vec::new()] },
         Target { name: "solution", few: 200, feed: harness::read_solution, seeds: solutions.into() },

@@ -13,7 +13,9 @@ use patchlight::hierarchy::NodeId;
 use patchlight::pipeline::{self, Evaluator, PipelineError};
 use patchlight::progress::Silent;
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{Bounds, Interest, InterestError, RunOptions, Solution, SolveOptions, SolveReport, Strategy};
+use patchlight::solve::{
+    Bounds, Interest, InterestError, LinkOptions, RunOptions, Solution, SolveOptions, SolveReport, Strategy, UniformOptions,
+};
 use rooms::{Room, cube, solve, straight};
 use two_squares::TwoSquares;
 
@@ -21,11 +23,9 @@ use two_squares::TwoSquares;
 fn by_links(strategy: Strategy) -> SolveOptions {
     SolveOptions {
         strategy,
-        leaf_rays: Some(0),
         point_rays: Some(1),
-        form_factor_accuracy: 1e-4,
-        sweep_tolerance: 1e-12,
         error: 0.9,
+        links: LinkOptions { leaf_rays: Some(0), form_factor_accuracy: 1e-4, sweep_tolerance: 1e-12, ..LinkOptions::default() },
         ..SolveOptions::default()
     }
 }
@@ -58,7 +58,10 @@ fn room() -> Scene {
 fn what_all_surfaces_send_is_what_the_lamp_is_worth() {
     for strategy in [Strategy::Uniform, Strategy::Hanrahan91, Strategy::ErrorDriven] {
         // Elements not so small that their form factors add up to more than 1 and are scaled down.
-        let options = SolveOptions { element_area: Some(0.5), tolerance: Some(1.0), min_element: 1e-3, ..by_links(strategy) };
+        let mut options = by_links(strategy);
+        options.uniform.element_area = Some(0.5);
+        options.links.tolerance = Some(1.0);
+        options.links.min_element = 1e-3;
         let (evaluator, _) = solve(room(), &options);
         let solution = evaluator.solution();
         let importance = evaluator.importance(&Interest::Total).unwrap();
@@ -67,6 +70,7 @@ fn what_all_surfaces_send_is_what_the_lamp_is_worth() {
             by_radiosity += solution.hierarchy().area(leaf) * solution.radiosity().of(leaf).iter().sum::<f64>();
             by_importance += exitance(solution, leaf).iter().zip(importance.of(leaf)).map(|(e, z)| e * z).sum::<f64>();
         }
+        // The same number by either way, but for the last sweeps: they end at 1e-12.
         assert!((by_importance / by_radiosity - 1.0).abs() < 1e-9, "{strategy:?}: {by_importance} W, not {by_radiosity} W");
     }
 }
@@ -74,13 +78,14 @@ fn what_all_surfaces_send_is_what_the_lamp_is_worth() {
 #[test]
 fn in_a_furnace_all_area_is_worth_the_same() {
     // Of a unit of exitance anywhere 1 + rho + rho^2 + ... arrives, wherever that is: form factors add up to 1 and are symmetric.
-    let (evaluator, _) = solve(
-        cube(&[0.75], &[1.0]),
-        &SolveOptions { element_area: Some(0.25), form_factor_accuracy: 0.0, ..by_links(Strategy::Uniform) },
-    );
+    let mut options = by_links(Strategy::Uniform);
+    options.uniform.element_area = Some(0.25);
+    options.links.form_factor_accuracy = 0.0;
+    let (evaluator, _) = solve(cube(&[0.75], &[1.0]), &options);
     let importance = evaluator.importance(&Interest::Total).unwrap();
     for leaf in leaves(evaluator.solution()) {
         let expected = evaluator.solution().hierarchy().area(leaf) / (1.0 - 0.75);
+        // Exact form factors are good to 1e-10.
         assert!((importance.of(leaf)[0] / expected - 1.0).abs() < 1e-9, "{leaf:?}: {}, not {expected}", importance.of(leaf)[0]);
     }
 }
@@ -93,7 +98,10 @@ fn importance_of_a_square_is_light_that_it_would_send() {
     let (lower, upper) = (room.named_material("lower", &[0.5], &[1.0]), room.named_material("upper", &[0.7], &[0.0]));
     room.quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], lower);
     room.quad([0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], upper);
-    let (evaluator, _) = solve(room.scene(), &SolveOptions { element_area: Some(1.0 / 64.0), ..by_links(Strategy::Uniform) });
+    let (evaluator, _) = solve(
+        room.scene(),
+        &SolveOptions { uniform: UniformOptions { element_area: Some(1.0 / 64.0) }, ..by_links(Strategy::Uniform) },
+    );
     let solution = evaluator.solution();
 
     // R adds up to the area of both squares, so on the lower one r = 2.
@@ -102,6 +110,7 @@ fn importance_of_a_square_is_light_that_it_would_send() {
     let [own, other] = [0, 1].map(|surface| importance.of(solution.hierarchy().node_of(SurfaceId(surface)))[0]);
     let by_light = [exact.mean(0) / 0.5, exact.mean(1) / 0.7];
     println!("importance {own:.6}, {other:.6}; by light {:.6}, {:.6}", by_light[0], by_light[1]);
+    // Means over the elements of 1/8 are of second order in their size.
     assert!((own / by_light[0] - 1.0).abs() < 1e-3 && (other / by_light[1] - 1.0).abs() < 1e-3);
 }
 
@@ -112,7 +121,10 @@ fn importance_of_a_square_lies_within_its_bounds_and_near_them() {
         let exact = TwoSquares::new(blocker);
         let mut widest = [f64::INFINITY; 2];
         for side in [4, 16] {
-            let options = SolveOptions { element_area: Some(f64::from(side * side).recip()), ..by_links(Strategy::Uniform) };
+            let options = SolveOptions {
+                uniform: UniformOptions { element_area: Some(f64::from(side * side).recip()) },
+                ..by_links(Strategy::Uniform)
+            };
             let (evaluator, _) = solve(rooms::two_squares(blocker), &options);
             let solution = evaluator.solution();
             let lower = Interest::Material(solution.scene().material_of(SurfaceId(0)).name.clone());
@@ -137,6 +149,7 @@ fn importance_of_a_square_lies_within_its_bounds_and_near_them() {
             println!("blocker {blocker}, {side} elements a side: {wanted:.4} in [{least:.4}, {most:.4}], width at most {width:.3}");
             assert!(least <= wanted && wanted <= most);
             let of_wanted = (most - least) / wanted;
+            // Elements of a quarter of the side; bounds are of first order.
             assert!(width < 0.6 * widest[0] && of_wanted < 0.6 * widest[1], "{width}, {of_wanted}");
             widest = [width, of_wanted];
         }
@@ -152,6 +165,7 @@ fn importance_in_a_furnace_with_boxes_lies_within_its_bounds() {
     assert_eq!(bounds.certainty, Certainty::Guaranteed);
     for node in evaluator.solution().hierarchy().ids() {
         let (least, most) = (bounds.lower(node)[0], bounds.upper(node)[0]);
+        // The bounds may be attained, but for rounding.
         let rounding = 1e-12;
         assert!(least * (1.0 - rounding) <= 2.5 && 2.5 <= most * (1.0 + rounding), "{node:?}: [{least}, {most}]");
     }
@@ -175,15 +189,11 @@ fn what_has_none_of_what_is_wanted_is_an_error() {
 
 /// Two squares with a blocker between them, refined by error.
 fn refined(bounds: Bounds, importance: &str, tolerance: f64) -> (Evaluator, SolveReport) {
-    let options = SolveOptions {
-        bounds,
-        importance: importance.parse().unwrap(),
-        tolerance: Some(tolerance),
-        rays_per_link: 64,
-        rays_per_light_link: 64,
-        min_element: 1e-4,
-        ..by_links(Strategy::ErrorDriven)
-    };
+    let mut options = SolveOptions { bounds, importance: importance.parse().unwrap(), ..by_links(Strategy::ErrorDriven) };
+    options.links.tolerance = Some(tolerance);
+    options.links.rays_per_link = 64;
+    options.links.rays_per_light_link = 64;
+    options.links.min_element = 1e-4;
     solve(rooms::two_squares(true), &options)
 }
 
@@ -226,13 +236,11 @@ fn l1_gap(solution: &Solution, bounds: &RadiosityBounds) -> f64 {
 fn refinement_by_error_takes_fewer_links_than_by_brightness() {
     let exact = TwoSquares::new(true);
     let (by_error, report) = refined(Bounds::Estimate, "total", 1.0);
-    let brightness = SolveOptions {
-        tolerance: Some(0.04),
-        rays_per_link: 64,
-        rays_per_light_link: 64,
-        min_element: 1e-4,
-        ..by_links(Strategy::Hanrahan91)
-    };
+    let mut brightness = by_links(Strategy::Hanrahan91);
+    brightness.links.tolerance = Some(0.04);
+    brightness.links.rays_per_link = 64;
+    brightness.links.rays_per_light_link = 64;
+    brightness.links.min_element = 1e-4;
     let (by_brightness, of_brightness) = solve(rooms::two_squares(true), &brightness);
     let errors = [&by_error, &by_brightness].map(|evaluator| error_of_elements(evaluator.solution(), &exact));
     println!("{} links: {:.4}; by brightness {}: {:.4}", report.counts.links, errors[0], of_brightness.counts.links, errors[1]);
@@ -252,9 +260,11 @@ fn the_gap_of_links_is_an_upper_bound_of_that_of_leaves_and_falls() {
         let (bounds, _) = evaluator.bound(FormFactorRule::QuasiConcave);
         let of_leaves = l1_gap(evaluator.solution(), &bounds);
         println!("{} links: gap {:.4}, leaf by leaf {of_leaves:.4}", report.counts.links, found.gap);
+        // Either is swept until 1e-3 of the gap is to come.
         assert!(of_leaves <= found.gap * 1.01, "{of_leaves} W, not below {} W", found.gap);
         gaps.push(found.gap);
     }
+    // A twentieth of the tolerance at five times the links (empirical: half of the gap).
     assert!(gaps.is_sorted_by(|a, b| a > b) && gaps[2] < 0.6 * gaps[0], "{gaps:?}");
 }
 
@@ -264,6 +274,7 @@ fn estimated_ranges_are_narrower_than_bounds_and_near_the_error() {
     let (evaluator, _) = refined(Bounds::Guaranteed, "total", 1.0);
     let solution = evaluator.solution();
     let (ranges, bounds) = (evaluator.estimate_ranges(), evaluator.bounds().unwrap());
+    // Narrower by a fifth at least (empirical).
     assert!(l1_gap(solution, &ranges) < 0.8 * l1_gap(solution, bounds));
 
     // A quarter of the range is what elements are off by on average; no less than a third, no more than three times.

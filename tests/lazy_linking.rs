@@ -14,7 +14,7 @@ use patchlight::hierarchy::NodeId;
 use patchlight::pipeline;
 use patchlight::progress::Silent;
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{RunOptions, Solution, SolveOptions, SolveReport, StoppedBy, Strategy};
+use patchlight::solve::{Holzschuch94Options, LinkOptions, RunOptions, Solution, SolveOptions, SolveReport, StoppedBy, Strategy};
 use rooms::{Room, channels, solve, straight, turned};
 use triangles::Random;
 
@@ -40,11 +40,10 @@ fn furnished(seed: u64) -> Scene {
 fn options(strategy: Strategy) -> SolveOptions {
     SolveOptions {
         strategy,
-        tolerance: Some(0.1),
-        min_element: 1e-4,
         point_rays: Some(1),
         error: 0.9,
-        ambient: false,
+        links: LinkOptions { tolerance: Some(0.1), min_element: 1e-4, ..LinkOptions::default() },
+        holzschuch94: Holzschuch94Options { ambient: false, ..Holzschuch94Options::default() },
         ..SolveOptions::default()
     }
 }
@@ -59,7 +58,9 @@ fn lazy_linking_with_no_threshold_makes_the_links_of_the_original() {
     for seed in 1..4 {
         let scene = furnished(seed);
         let (original, report) = run(&scene, &options(Strategy::Original94));
-        let (lazy, lazy_report) = run(&scene, &SolveOptions { link_tolerance: 0.0, ..options(Strategy::Lazy94) });
+        let mut lazily = options(Strategy::Lazy94);
+        lazily.holzschuch94.link_tolerance = 0.0;
+        let (lazy, lazy_report) = run(&scene, &lazily);
         assert!(report.counts.links > 5000 && lazy.links().dormant().is_empty());
         assert_eq!((report.counts.links, report.counts.elements), (lazy_report.counts.links, lazy_report.counts.elements));
 
@@ -128,7 +129,9 @@ fn assert_covered_once(solution: &Solution) -> [usize; 4] {
 fn each_pair_once_linked_dormant_unseen_or_behind() {
     for strategy in [Strategy::Original94, Strategy::Culling94, Strategy::Lazy94, Strategy::Lazy94Reduction] {
         let scene = furnished(5);
-        let coarse = SolveOptions { tolerance: Some(1.0), cull_form_factor: 0.01, ..options(strategy) };
+        let mut coarse = options(strategy);
+        coarse.links.tolerance = Some(1.0);
+        coarse.holzschuch94.cull_form_factor = 0.01;
         let (solution, _) = run(&scene, &coarse);
         let found = assert_covered_once(&solution);
         println!("{strategy:?}: linked, dormant, unseen, behind: {found:?}");
@@ -186,14 +189,16 @@ fn reduction_keeps_row_sums_within_its_criterion() {
     room.cuboid([0.0; 3], straight(3.0, 2.0, 2.0), true, |_, face| if face == 0 { lamp } else { wall });
     let scene = room.scene();
     for reduce_tolerance in [0.05, 0.2, 0.5] {
-        let options =
-            SolveOptions { reduce_tolerance, tolerance: Some(0.04), link_tolerance: 0.0, ..options(Strategy::Lazy94Reduction) };
+        let mut options = options(Strategy::Lazy94Reduction);
+        options.holzschuch94.reduce_tolerance = reduce_tolerance;
+        options.holzschuch94.link_tolerance = 0.0;
+        options.links.tolerance = Some(0.04);
         let (solution, report) = run(&scene, &options);
         let (unreduced, all) = run(&scene, &SolveOptions { strategy: Strategy::Lazy94, ..options.clone() });
         let ((sums, off), (_, unreduced_off)) = (row_sums(&solution), row_sums(&unreduced));
         println!("{reduce_tolerance}: {} links of {}: {sums:?}, {off}, {unreduced_off}", report.counts.links, all.counts.links);
         assert!(report.bounces.last().unwrap().reduced_links > 0 && report.counts.links < all.counts.links);
-        assert!(sums.iter().all(|sum| (sum - 1.0).abs() <= options.form_factor_accuracy), "{sums:?}");
+        assert!(sums.iter().all(|sum| (sum - 1.0).abs() <= options.links.form_factor_accuracy), "{sums:?}");
         assert!(off <= unreduced_off + reduce_tolerance, "{off} for {unreduced_off}");
     }
 }
@@ -203,7 +208,9 @@ fn what_lazy_linking_leaves_out_is_within_what_it_reports() {
     for seed in 7..10 {
         let scene = furnished(seed);
         for link_tolerance in [0.2, 1.0] {
-            let lazily = SolveOptions { link_tolerance, iterations: 30, ..options(Strategy::Lazy94) };
+            let mut lazily = options(Strategy::Lazy94);
+            lazily.holzschuch94.link_tolerance = link_tolerance;
+            lazily.holzschuch94.iterations = 30;
             let (lazy, report) = run(&scene, &lazily);
             let (all, all_report) = run(&scene, &SolveOptions { strategy: Strategy::Original94, ..lazily.clone() });
             let missing: f64 = (0..scene.surfaces().len() as u32)
@@ -223,7 +230,8 @@ fn what_lazy_linking_leaves_out_is_within_what_it_reports() {
             assert_eq!(all_report.energy_balance.unwrap().held_back, 0.0);
 
             // The ambient term gives some of it back, and brings the answer nearer.
-            let (_, with_ambient) = run(&scene, &SolveOptions { ambient: true, ..lazily });
+            lazily.holzschuch94.ambient = true;
+            let (_, with_ambient) = run(&scene, &lazily);
             let given = with_ambient.energy_balance.unwrap().ambient;
             assert!(given > 0.0 && given <= balance.held_back, "{given} of {}", balance.held_back);
         }

@@ -1,5 +1,5 @@
-//! Occluded form factors with closed forms (THEORY A4), through the general path: links whose visibility is sampled by rays, and
-//! gathers at points.
+//! Occluded form factors with closed forms (group A4 of tests/fixtures), through the general path: links whose visibility is sampled by
+//! rays, and gathers at points.
 //!
 //! The source emits 1, the receiver reflects 1/2 and nothing else reflects, so `2 B` on the receiver is the visible form factor. The blocker is
 //! a thin black sheet.
@@ -22,9 +22,9 @@ use std::f64::consts::PI;
 use fixtures::{form_factor_cases, value, vector, vectors};
 use patchlight::form_factor::{exact_area_form_factor, point_form_factor};
 use patchlight::geometry::Polygon;
-use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{SolveOptions, Strategy};
+use patchlight::solve::{LinkOptions, SolveOptions, Strategy, UniformOptions};
 use rooms::{Room, solve, values, with_point_rays};
 use serde_json::Value;
 
@@ -83,11 +83,9 @@ fn polygon_pair(geometry: &Value, expected: f64) -> (f64, f64, f64) {
     let rays = 128;
     let options = SolveOptions {
         strategy: Strategy::Uniform,
-        element_area: Some(1.0 / 64.0),
-        form_factor_accuracy: 0.0,
-        rays_per_light_link: rays,
-        leaf_rays: Some(0),
         error: 0.5,
+        uniform: UniformOptions { element_area: Some(1.0 / 64.0) },
+        links: LinkOptions { form_factor_accuracy: 0.0, rays_per_light_link: rays, leaf_rays: Some(0), ..LinkOptions::default() },
         ..SolveOptions::default()
     };
     let (evaluator, report) = solve(scene(&receiver, &source, &geometry["blockers"]), &options);

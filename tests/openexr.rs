@@ -7,7 +7,7 @@ use std::path::Path;
 
 use openexr::prelude::{Frame, InputFile};
 use patchlight::output::{Provenance, Quantity, write_exr, write_openexr};
-use patchlight::reconstruct::Image;
+use patchlight::picture::Image;
 use patchlight::solve::SolveOptions;
 
 fn picture(width: u32, height: u32, channels: usize) -> Image {

@@ -9,10 +9,10 @@ use std::path::Path;
 
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
 use patchlight::output::{
-    Destination, Exposure, Provenance, Quantity, SOLUTION_FORMAT_VERSION, SolutionFileError, auto_exposure, is_solution_file,
+    Destination, PngExposure, Provenance, Quantity, SOLUTION_FORMAT_VERSION, SolutionFileError, auto_exposure, is_solution_file,
     read_solution, read_solution_from, write_exr, write_ply, write_png, write_solution,
 };
-use patchlight::reconstruct::Image;
+use patchlight::picture::Image;
 use patchlight::solve::{Solution, SolveOptions};
 use support::solved;
 
@@ -91,7 +91,7 @@ fn the_same_picture_gives_the_same_bytes() {
     assert_eq!(exr_of(&image, Quantity::Radiance), exr_of(&image, Quantity::Radiance));
     let png = || {
         let mut bytes = Vec::new();
-        write_png(&mut bytes, &image, Exposure::Auto, &provenance()).unwrap();
+        write_png(&mut bytes, &image, PngExposure::Auto, &provenance()).unwrap();
         bytes
     };
     assert_eq!(png(), png());
@@ -102,7 +102,7 @@ fn a_picture_that_is_not_well_formed_is_no_picture() {
     let mut image = picture(3);
     image.radiance.pop();
     assert!(write_exr(&mut Cursor::new(Vec::new()), &image, Quantity::Radiance, &provenance()).is_err());
-    assert!(write_png(Vec::new(), &image, Exposure::Auto, &provenance()).is_err());
+    assert!(write_png(Vec::new(), &image, PngExposure::Auto, &provenance()).is_err());
 }
 
 struct ReadPng {
@@ -111,7 +111,7 @@ struct ReadPng {
     texts: BTreeMap<String, String>,
 }
 
-fn png_of(image: &Image, exposure: Exposure) -> (ReadPng, f64) {
+fn png_of(image: &Image, exposure: PngExposure) -> (ReadPng, f64) {
     let mut file = Vec::new();
     let ev = write_png(&mut file, image, exposure, &provenance()).unwrap();
     let mut reader = png::Decoder::new(Cursor::new(file)).read_info().unwrap();
@@ -126,18 +126,18 @@ fn png_of(image: &Image, exposure: Exposure) -> (ReadPng, f64) {
 fn png_shows_known_values_at_a_fixed_exposure() {
     // Linear 0.18 and 0.5 are 118 and 188 in sRGB; two stops brighter, 0.045 and 0.125 are as well.
     let image = Image { width: 2, height: 1, channels: 3, radiance: vec![0.18, 0.5, 0.0, 0.0, 0.18, 0.18] };
-    let (read, ev) = png_of(&image, Exposure::Ev(0.0));
+    let (read, ev) = png_of(&image, PngExposure::Ev(0.0));
     assert_eq!((read.colour, read.bytes.as_slice(), ev), (png::ColorType::Rgb, &[118, 188, 0, 0, 118, 118][..], 0.0));
     let darker = Image { radiance: image.radiance.iter().map(|l| l / 4.0).collect(), ..image };
-    assert_eq!(png_of(&darker, Exposure::Ev(2.0)).0.bytes, read.bytes);
+    assert_eq!(png_of(&darker, PngExposure::Ev(2.0)).0.bytes, read.bytes);
 }
 
 #[test]
 fn png_is_grey_for_other_channel_counts_and_states_its_exposure() {
     let image = Image { width: 2, height: 1, channels: 2, radiance: vec![0.1, 0.26, 0.0, 0.0] };
-    let (read, _) = png_of(&image, Exposure::Ev(0.0));
+    let (read, _) = png_of(&image, PngExposure::Ev(0.0));
     assert_eq!((read.colour, read.bytes.as_slice()), (png::ColorType::Grayscale, &[118, 0][..]));
-    let (read, ev) = png_of(&image, Exposure::Auto);
+    let (read, ev) = png_of(&image, PngExposure::Auto);
     assert_eq!(ev, auto_exposure(&image));
     assert!(read.texts["Exposure"].starts_with(&format!("EV {ev:.4}")), "{:?}", read.texts);
     assert_eq!((read.texts["Quantity"].as_str(), read.texts["Unit"].as_str()), ("radiance", "W/m^2/sr"));
@@ -147,7 +147,7 @@ fn png_is_grey_for_other_channel_counts_and_states_its_exposure() {
 #[test]
 fn png_shows_black_and_broken_pixels_as_black() {
     let image = Image { width: 3, height: 1, channels: 1, radiance: vec![0.0, f32::NAN, -1.0] };
-    let (read, ev) = png_of(&image, Exposure::Auto);
+    let (read, ev) = png_of(&image, PngExposure::Auto);
     assert_eq!((read.bytes.as_slice(), ev), (&[0, 0, 0][..], 0.0));
 }
 

@@ -1,22 +1,17 @@
 //! Scenes that other programs were measured on, against references of long path tracing. They lie beside the repository, in
-//! ../shared/peers; without them the test is skipped aloud.
+//! ../shared/peers: `cargo test --test peers -- --ignored`.
 #![allow(clippy::print_stderr, reason = "a test tells what it did")]
 
 use std::path::{Path, PathBuf};
 
 use patchlight::pipeline::solve;
 use patchlight::progress::Silent;
-use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::solve::{RunOptions, SolveOptions, SolveReport};
 
-fn peers() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/peers");
-    if !folder.is_dir() {
-        eprintln!("skipped: {} is not there", folder.display());
-        return None;
-    }
-    Some(folder)
+fn peers() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/peers")
 }
 
 /// Rows of numbers; lines that are none, such as a header, are left out.
@@ -54,7 +49,7 @@ fn relative_errors(values: &[f64], reference: &[Vec<f64>]) -> (f64, f64) {
 
 /// What is claimed must cover what is measured, and a run that says it converged must have reached what was asked.
 fn check(name: &str, requested: f64) {
-    let Some(folder) = peers() else { return };
+    let folder = peers();
     let (values, report) = values(&folder, name, &SolveOptions { error: requested, ..SolveOptions::default() });
     let reference = numbers(&folder.join(format!("refs/{name}_ref.csv")));
     assert_eq!(reference.len(), 2000);
@@ -72,33 +67,39 @@ fn check(name: &str, requested: f64) {
 }
 
 #[test]
+#[ignore = "needs ../shared/peers: scenes and references of other programs"]
 fn cornell_to_two_percent() {
     check("cornell", 0.02);
 }
 
 #[test]
+#[ignore = "needs ../shared/peers: scenes and references of other programs"]
 fn cornell_to_one_percent() {
     check("cornell", 0.01);
 }
 
 #[test]
+#[ignore = "needs ../shared/peers: scenes and references of other programs"]
 fn office_to_five_percent() {
     check("office", 0.05);
 }
 
 #[test]
+#[ignore = "needs ../shared/peers: scenes and references of other programs"]
 fn office_to_two_percent() {
     check("office", 0.02);
 }
 
 #[test]
+#[ignore = "needs ../shared/peers: scenes and references of other programs"]
 fn office_to_one_percent() {
     check("office", 0.01);
 }
 
 #[test]
+#[ignore = "needs ../shared/peers: scenes and references of other programs"]
 fn the_furnace_is_uniform() {
-    let Some(folder) = peers() else { return };
+    let folder = peers();
     let (values, report) = values(&folder, "furnace", &SolveOptions::default());
     // E = pi and rho = 1/2, so B = 2 pi everywhere and B - E = pi.
     let expected = 2.0 * std::f64::consts::PI;

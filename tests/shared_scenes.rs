@@ -1,4 +1,4 @@
-//! The reference scenes that lie beside the repository. Without them the test is skipped aloud.
+//! Scenes by others, which lie beside the repository, in ../shared: `cargo test --test shared_scenes -- --ignored`.
 #![allow(clippy::print_stderr, reason = "a test tells what it did")]
 
 use std::path::{Path, PathBuf};
@@ -11,13 +11,8 @@ use patchlight::scene::import::{DiagnosticKind, ImportOptions, Severity, read_sc
 use patchlight::solve::{RunOptions, SolveOptions};
 use patchlight::visibility::{Backend, OccluderMesh, build};
 
-fn shared() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
-    if !folder.join("scenes").is_dir() {
-        eprintln!("skipped: {} is not there", folder.display());
-        return None;
-    }
-    Some(folder)
+fn shared() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared")
 }
 
 /// Every `scene.obj` of shared/scenes and every OBJ of shared/peers/scenes.
@@ -30,8 +25,9 @@ fn scene_files(shared: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
+#[ignore = "needs ../shared: scenes by others"]
 fn every_scene_is_read_and_no_face_is_lost() {
-    let Some(shared) = shared() else { return };
+    let shared = shared();
     for file in scene_files(&shared) {
         let imported = read_scene(&file, &ImportOptions::default()).unwrap_or_else(|error| panic!("{error}"));
         let summary = SceneSummary::new(&imported.scene, &imported.diagnostics);
@@ -48,9 +44,10 @@ fn every_scene_is_read_and_no_face_is_lost() {
 
 /// The five scenes that must be read without a complaint that is not deserved: these are all complaints, each looked at by hand.
 #[test]
+#[ignore = "needs ../shared: scenes by others"]
 fn complaints_are_deserved() {
     use DiagnosticKind::{DuplicateFace, IgnoredProperty, NoLight, NonPlanarFace};
-    let Some(shared) = shared() else { return };
+    let shared = shared();
     for (name, deserved) in [
         // The right wall is not planar in the measured data (x = 552.8, 549.6, 556, 556); the face of the light is commented out.
         ("cornell_embree", vec![(NonPlanarFace, 72), (NoLight, 0)]),
@@ -81,8 +78,9 @@ fn complaints_are_deserved() {
 /// The five scenes are solved: the answer is well formed, light goes no other way than into surfaces and out, and the error that was asked for
 /// is reached.
 #[test]
+#[ignore = "needs ../shared: scenes by others"]
 fn five_scenes_are_solved() {
-    let Some(shared) = shared() else { return };
+    let shared = shared();
     for (name, has_light) in
         [("cornell_embree", false), ("cornell_tinyobj", true), ("cornell_mcguire", true), ("office2", true), ("corridor", true)]
     {
@@ -103,7 +101,8 @@ fn five_scenes_are_solved() {
         evaluator.solution().validate().unwrap_or_else(|fault| panic!("{name}: {fault}"));
         assert!(report.converged, "{name}: {:?}, claimed {}", report.stopped_by, report.error.estimate);
 
-        // What is emitted is absorbed, or escapes through openings; the links conserve it to within the error.
+        // What is emitted is absorbed, or escapes through openings; the links conserve it to within the error that was asked for. In a closed
+        // scene what escapes is noise.
         let energy = report.energy;
         let lost = energy.emitted - energy.absorbed - energy.escaped;
         assert!((energy.emitted > 0.0) == has_light && lost.abs() <= 0.1 * energy.emitted, "{name}: {energy:?}");

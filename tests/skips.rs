@@ -8,10 +8,10 @@ mod triangles;
 
 use std::path::Path;
 
-use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Material, Scene};
-use patchlight::solve::{Gather, Skips, SolveOptions, SolveReport};
+use patchlight::solve::{LinkOptions, Skips, SolveOptions, SolveReport, Solver};
 use rooms::{points_of, solve, values};
 use triangles::Random;
 
@@ -46,10 +46,15 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn channels_that_repeat_others_are_read_off() {
-    for gather in [Gather::Links, Gather::Hemisphere] {
+    for solver in [Solver::Links, Solver::Cells] {
         let scene = recoloured(&cornell(), &[Some(1), Some(1), Some(1)]);
         let of = |skips| {
-            let options = SolveOptions { error: 0.05, gather, skips, ..SolveOptions::default() };
+            let options = SolveOptions {
+                error: 0.05,
+                solver,
+                links: LinkOptions { skips, ..LinkOptions::default() },
+                ..SolveOptions::default()
+            };
             let (evaluator, report) = solve(scene.clone(), &options);
             (values(&evaluator, &points(&scene)), report)
         };
@@ -88,7 +93,10 @@ fn channels_in_which_no_light_is_on_are_dark() {
 fn segments_between_planes_with_nothing_in_between_are_not_asked() {
     let scene = cornell();
     let of = |skips| {
-        let (evaluator, report) = solve(scene.clone(), &SolveOptions { error: 0.03, skips, ..SolveOptions::default() });
+        let (evaluator, report) = solve(
+            scene.clone(),
+            &SolveOptions { error: 0.03, links: LinkOptions { skips, ..LinkOptions::default() }, ..SolveOptions::default() },
+        );
         (values(&evaluator, &points(&scene)), report)
     };
     let (spared, spared_report) = of(Skips::ALL);

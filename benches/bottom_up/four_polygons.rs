@@ -7,7 +7,7 @@ use patchlight::solve::Strategy;
 use super::exact::Exact;
 use super::paper::{BOTTOM_UP, LINKS_BY_SAMPLES, TOLERANCES, TOP_DOWN};
 use super::run::{Run, run, scene};
-use super::{heading, percent};
+use super::table::{heading, percent};
 
 /// The lamp, which is all that hides anything.
 const LAMP: u32 = 3;
@@ -61,51 +61,60 @@ fn table_1(scene: &Scene) {
     }
 }
 
-fn table_2(scene: &Scene, exact: &Exact) {
-    let of = |strategy, tolerance: f64, samples| -> (Run, Errors, f64) {
+/// Runs of one way to link: the first of the seeds, mean errors and mean CPU seconds of refinement.
+struct Way {
+    first: Run,
+    errors: Errors,
+    seconds: f64,
+}
+
+impl Way {
+    fn new(scene: &Scene, exact: &Exact, strategy: Strategy, tolerance: f64, samples: u32) -> Self {
         let runs: Vec<Run> = (0..SEEDS).map(|seed| run(scene, strategy, tolerance, samples, seed)).collect();
-        let mean = |value: &dyn Fn(&Run) -> f64| runs.iter().map(value).sum::<f64>() / SEEDS as f64;
+        let seconds = runs.iter().map(|run| run.refine_cpu_s).sum::<f64>() / SEEDS as f64;
         let found: Vec<Errors> = runs.iter().map(|run| errors(run, exact, tolerance)).collect();
-        let of_errors = |value: &dyn Fn(&Errors) -> f64| found.iter().map(value).sum::<f64>() / SEEDS as f64;
+        let mean = |value: &dyn Fn(&Errors) -> f64| found.iter().map(value).sum::<f64>() / SEEDS as f64;
         let errors = Errors {
-            upper: of_errors(&|e| e.upper),
-            all: of_errors(&|e| e.all),
-            elements: of_errors(&|e| e.elements),
-            missed: of_errors(&|e| e.missed),
-            radiosity: of_errors(&|e| e.radiosity),
+            upper: mean(&|e| e.upper),
+            all: mean(&|e| e.all),
+            elements: mean(&|e| e.elements),
+            missed: mean(&|e| e.missed),
+            radiosity: mean(&|e| e.radiosity),
         };
-        let seconds = mean(&|run| run.refine_cpu_s);
-        (runs.into_iter().next().expect("there are seeds"), errors, seconds)
-    };
+        Self { first: runs.into_iter().next().expect("there are seeds"), errors, seconds }
+    }
+}
+
+fn table_2(scene: &Scene, exact: &Exact) {
+    let of = |strategy, tolerance: f64, samples| Way::new(scene, exact, strategy, tolerance, samples);
     let columns = ["F_eps", "links top-down", "bottom-up", "ratio", "CPU-s top-down", "bottom-up"];
     heading("**Table 2.** Four samples, top-down and bottom-up; in brackets the paper's.", &columns);
     let mut rows = Vec::new();
     for ((tolerance, top_down), bottom_up) in TOLERANCES.iter().zip(TOP_DOWN).zip(BOTTOM_UP) {
-        let (top, top_errors, top_s) = of(Strategy::TopDown98, *tolerance, 4);
-        let (bottom, bottom_errors, bottom_s) = of(Strategy::BottomUp98, *tolerance, 4);
+        let (top, bottom) = (of(Strategy::TopDown98, *tolerance, 4), of(Strategy::BottomUp98, *tolerance, 4));
+        let (top_links, bottom_links) = (top.first.links(), bottom.first.links());
         println!(
-            "| {tolerance:.3} | {} ({}) | {} ({}) | {:.2} ({:.2}) | {top_s:.3} ({}) | {bottom_s:.3} ({}) |",
-            top.links(),
+            "| {tolerance:.3} | {top_links} ({}) | {bottom_links} ({}) | {:.2} ({:.2}) | {:.3} ({}) | {:.3} ({}) |",
             top_down.0,
-            bottom.links(),
             bottom_up.0,
-            bottom.links() as f64 / top.links() as f64,
+            bottom_links as f64 / top_links as f64,
             f64::from(bottom_up.0) / f64::from(top_down.0),
+            top.seconds,
             top_down.1,
+            bottom.seconds,
             bottom_up.1
         );
-        let (finer, finer_errors, finer_s) = of(Strategy::TopDown98, *tolerance, 8);
-        let (one, one_errors, one_s) = of(Strategy::BottomUp98, *tolerance, 1);
-        rows.push((*tolerance, "top-down, 4", top.links(), top_s, top_errors));
-        rows.push((*tolerance, "top-down, 8", finer.links(), finer_s, finer_errors));
-        rows.push((*tolerance, "bottom-up, 1", one.links(), one_s, one_errors));
-        rows.push((*tolerance, "bottom-up, 4", bottom.links(), bottom_s, bottom_errors));
+        rows.push((*tolerance, "top-down, 4", top));
+        rows.push((*tolerance, "top-down, 8", of(Strategy::TopDown98, *tolerance, 8)));
+        rows.push((*tolerance, "bottom-up, 1", of(Strategy::BottomUp98, *tolerance, 1)));
+        rows.push((*tolerance, "bottom-up, 4", bottom));
     }
     // Top-down with as many links as bottom-up has at the tolerances above.
-    for tolerance in [0.024, 0.016, 0.008] {
-        let (top, errors, seconds) = of(Strategy::TopDown98, tolerance, 4);
-        rows.push((tolerance, "top-down, 4", top.links(), seconds, errors));
-    }
+    rows.extend([0.024, 0.016, 0.008].map(|tolerance| (tolerance, "top-down, 4", of(Strategy::TopDown98, tolerance, 4))));
+    how_far_from_exact(&rows);
+}
+
+fn how_far_from_exact(rows: &[(f64, &str, Way)]) {
     let columns = [
         "F_eps",
         "samples",
@@ -118,9 +127,10 @@ fn table_2(scene: &Scene, exact: &Exact) {
         "radiosity off",
     ];
     heading("**How far from exact**, means of 8 seeds (links: of the first).", &columns);
-    for (tolerance, name, links, seconds, errors) in rows {
+    for (tolerance, name, Way { first, errors, seconds }) in rows {
         println!(
-            "| {tolerance:.3} | {name} | {links} | {seconds:.3} | {} | {} | {} | {} | {} |",
+            "| {tolerance:.3} | {name} | {} | {seconds:.3} | {} | {} | {} | {} | {} |",
+            first.links(),
             percent(errors.upper),
             percent(errors.all),
             percent(errors.elements),

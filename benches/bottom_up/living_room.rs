@@ -10,8 +10,8 @@ use patchlight::visibility::{Backend, OccluderMesh, Segment, Visibility, build};
 use super::paper::{LIVING_ROOM, TOLERANCES};
 use super::rooms::point_of;
 use super::run::{elements_below, run, scene};
+use super::table::{heading, percent};
 use super::triangles::{Random, dot, sub};
-use super::{heading, percent};
 
 /// Links that are looked at, drawn by what they would exchange if nothing were in between, and rays for each.
 const LINKS: usize = 1000;

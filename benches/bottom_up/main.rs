@@ -14,6 +14,7 @@ mod paper;
 #[path = "../../tests/support/rooms.rs"]
 mod rooms;
 mod run;
+mod table;
 #[path = "../../tests/support/triangles.rs"]
 mod triangles;
 
@@ -26,12 +27,4 @@ fn main() {
     if is_chosen("living_room") {
         living_room::tables();
     }
-}
-
-fn heading(title: &str, columns: &[&str]) {
-    println!("\n{title}\n\n| {} |\n|{}", columns.join(" | "), "---|".repeat(columns.len()));
-}
-
-fn percent(part: f64) -> String {
-    format!("{:.1}%", 100.0 * part)
 }

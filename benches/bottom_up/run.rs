@@ -8,7 +8,7 @@ use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::{Observer, Progress, Stage};
 use patchlight::scene::Scene;
 use patchlight::scene::import::{ImportOptions, read_scene};
-use patchlight::solve::{RunOptions, Solution, SolveOptions, SolveReport, Strategy};
+use patchlight::solve::{ChangShih98Options, LinkOptions, RunOptions, Solution, SolveOptions, SolveReport, Strategy};
 
 /// A run with what it took.
 pub struct Run {
@@ -39,12 +39,11 @@ pub fn scene(name: &str) -> Scene {
 pub fn run(scene: &Scene, strategy: Strategy, form_factor_tolerance: f64, samples: u32, seed: u64) -> Run {
     let options = SolveOptions {
         strategy,
-        form_factor_tolerance,
-        bottom_samples: samples,
         seed,
         error: 0.9,
         point_rays: Some(1),
-        sweep_tolerance: 1e-9,
+        chang_shih98: ChangShih98Options { form_factor_tolerance, bottom_samples: samples, ..ChangShih98Options::default() },
+        links: LinkOptions { sweep_tolerance: 1e-9, ..LinkOptions::default() },
         ..SolveOptions::default()
     };
     let stopwatch = Stopwatch::default();

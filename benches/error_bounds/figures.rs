@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::measured::{Measured, Size};
 use super::plot::{Plot, Scale};
-use super::{Measured, PROBES, Size};
+use super::reference::PROBES;
 
 pub fn draw(measured: &Measured, folder: &Path) -> std::io::Result<()> {
     let letter = measured.configuration.letter();

@@ -10,6 +10,7 @@
 mod configurations;
 mod figures;
 mod measure;
+mod measured;
 #[path = "../support/plot.rs"]
 mod plot;
 mod reference;
@@ -23,10 +24,11 @@ mod triangles;
 use std::path::PathBuf;
 
 use patchlight::bounds::FormFactorRule;
-use patchlight::solve::{Bounds, Interest, SolveOptions, Strategy};
+use patchlight::solve::{Bounds, Interest, SolveOptions, Strategy, UniformOptions};
 
 use configurations::Configuration;
-use measure::{Errors, claimed, cpu_seconds, leaves_under_probes, measured, options, solve, violations};
+use measure::{claimed, cpu_seconds, leaves_under_probes, measured, options, solve, violations};
+use measured::{Ladder, Measured, Profile, Rung, Size};
 use reference::{PROBES, Reference};
 
 /// Elements on each side of the floor, where all elements have one size.
@@ -49,53 +51,6 @@ const LARGER_ELEMENTS: &str = "brightness-weighted, larger elements";
 
 /// Tolerances of the two solutions whose bounds are drawn.
 const PROFILES: [f64; 2] = [0.5, 0.05];
-
-/// All that is measured of a scene.
-pub struct Measured {
-    pub configuration: Configuration,
-    /// What half as many elements change in the reference, as a part of its mean.
-    pub reference_error: f64,
-    /// Mean radiosity of the floor, and its radiosities along the middle.
-    pub mean: f64,
-    pub profile: Vec<f64>,
-    pub sizes: Vec<Size>,
-    pub profiles: Vec<Profile>,
-    pub ladders: Vec<Ladder>,
-}
-
-/// Elements of one size.
-pub struct Size {
-    pub per_side: u32,
-    pub links: u64,
-    pub measured: Errors,
-    pub estimated: Errors,
-    /// From guaranteed bounds, on average as if values were spread evenly between them.
-    pub bound: Errors,
-    /// Probes outside of the bounds.
-    pub outside: usize,
-}
-
-/// Bounds of the middle of the floor, by probe.
-pub struct Profile {
-    pub links: u64,
-    pub sweeps: u32,
-    pub bounds: Vec<[f64; 2]>,
-    pub outside: usize,
-}
-
-/// A way to refine, to finer and finer tolerances.
-pub struct Ladder {
-    pub name: &'static str,
-    pub rungs: Vec<Rung>,
-}
-
-pub struct Rung {
-    pub links: u64,
-    pub l1: f64,
-    /// What error-driven refinement says itself of all that it counts, as a part of what is reflected of it.
-    pub estimated: Option<f64>,
-    pub cpu_s: f64,
-}
 
 fn main() {
     let mut arguments = std::env::args().skip(1).filter(|argument| argument != "--bench");
@@ -130,7 +85,8 @@ fn measure(configuration: Configuration, links_only: bool) -> Measured {
     ];
     let ladders = ways.into_iter().map(|(name, strategy, importance, bounds)| {
         let min_element = if name == LARGER_ELEMENTS { LARGER_MIN_ELEMENT } else { MIN_ELEMENT };
-        let options = SolveOptions { strategy, importance, bounds, min_element, ..options() };
+        let mut options = SolveOptions { strategy, importance, bounds, ..options() };
+        options.links.min_element = min_element;
         Ladder { name, rungs: rungs(configuration, &options, &reference) }
     });
     let (per_side, tolerances): (&[u32], &[f64]) = if links_only { (&[], &[]) } else { (&PER_SIDE, &PROFILES) };
@@ -147,7 +103,8 @@ fn measure(configuration: Configuration, links_only: bool) -> Measured {
 
 fn size(configuration: Configuration, per_side: u32, reference: &[f64]) -> Size {
     let element_area = Some(f64::from(per_side).powi(-2));
-    let (evaluator, report) = solve(configuration, &SolveOptions { strategy: Strategy::Uniform, element_area, ..options() });
+    let (evaluator, report) =
+        solve(configuration, &SolveOptions { strategy: Strategy::Uniform, uniform: UniformOptions { element_area }, ..options() });
     let solution = evaluator.solution();
     let (bounds, _) = evaluator.bound(FormFactorRule::QuasiConcave);
     Size {
@@ -161,13 +118,9 @@ fn size(configuration: Configuration, per_side: u32, reference: &[f64]) -> Size 
 }
 
 fn profile(configuration: Configuration, tolerance: f64, reference: &[f64]) -> Profile {
-    let options = SolveOptions {
-        strategy: Strategy::ErrorDriven,
-        bounds: Bounds::Guaranteed,
-        tolerance: Some(tolerance),
-        min_element: MIN_ELEMENT,
-        ..options()
-    };
+    let mut options = SolveOptions { strategy: Strategy::ErrorDriven, bounds: Bounds::Guaranteed, ..options() };
+    options.links.tolerance = Some(tolerance);
+    options.links.min_element = MIN_ELEMENT;
     let (evaluator, report) = solve(configuration, &options);
     let bounds = evaluator.bounds().expect("they were asked for");
     let under = leaves_under_probes(evaluator.solution().hierarchy());
@@ -184,7 +137,9 @@ fn rungs(configuration: Configuration, options: &SolveOptions, reference: &[f64]
     for step in 0..RUNGS {
         let tolerance = Some(FIRST_TOLERANCE * NEXT_TOLERANCE.powi(step));
         let start = cpu_seconds();
-        let (evaluator, report) = solve(configuration, &SolveOptions { tolerance, ..options.clone() });
+        let mut options = options.clone();
+        options.links.tolerance = tolerance;
+        let (evaluator, report) = solve(configuration, &options);
         let cpu_s = cpu_seconds() - start;
         let links = report.counts.links;
         let estimated = report.link_error.map(|error| error.estimated_error / error.reflected);

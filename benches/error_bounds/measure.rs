@@ -5,7 +5,7 @@ use patchlight::hierarchy::{Hierarchy, NodeId};
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
 use patchlight::scene::SurfaceId;
-use patchlight::solve::{RunOptions, Solution, SolveOptions, SolveReport};
+use patchlight::solve::{LinkOptions, RunOptions, Solution, SolveOptions, SolveReport};
 
 use super::configurations::Configuration;
 use super::reference::PROBES;
@@ -22,11 +22,14 @@ pub fn options() -> SolveOptions {
     SolveOptions {
         error: 0.9,
         point_rays: Some(1),
-        leaf_rays: Some(0),
-        rays_per_link: 64,
-        rays_per_light_link: 256,
-        form_factor_accuracy: 1e-3,
-        sweep_tolerance: 1e-6,
+        links: LinkOptions {
+            leaf_rays: Some(0),
+            rays_per_link: 64,
+            rays_per_light_link: 256,
+            form_factor_accuracy: 1e-3,
+            sweep_tolerance: 1e-6,
+            ..LinkOptions::default()
+        },
         ..SolveOptions::default()
     }
 }

@@ -1,6 +1,7 @@
 //! What was measured, as Markdown.
 
-use super::{Ladder, Measured, thesis};
+use super::measured::{Ladder, Measured, Profile, Rung, Size};
+use super::thesis;
 
 pub fn print(measured: &Measured) {
     let configuration = measured.configuration;
@@ -63,8 +64,7 @@ fn sizes(measured: &Measured) {
         );
     }
     let [coarse, fine] = [measured.sizes.len() / 2, measured.sizes.len() - 1].map(|k| &measured.sizes[k]);
-    let order =
-        |of: fn(&super::Size) -> f64| (of(coarse) / of(fine)).ln() / (f64::from(fine.per_side) / f64::from(coarse.per_side)).ln();
+    let order = |of: fn(&Size) -> f64| (of(coarse) / of(fine)).ln() / (f64::from(fine.per_side) / f64::from(coarse.per_side)).ln();
     println!(
         "\nOrder in h over the finer half: measured {:.2}, estimated {:.2}, bound {:.2}.\n",
         order(|row| row.measured.l1),
@@ -82,7 +82,7 @@ fn profiles(measured: &Measured) {
     heading(&["links", "sweeps", "mean width", "largest width", "probes outside", "probes within the bounds before"]);
     for (index, profile) in measured.profiles.iter().enumerate() {
         let widths = || profile.bounds.iter().map(|[lower, upper]| (upper - lower) / measured.mean);
-        let within = |before: &super::Profile| {
+        let within = |before: &Profile| {
             let pairs = profile.bounds.iter().zip(&before.bounds);
             pairs.filter(|(now, before)| now[0] >= before[0] - 1e-9 && now[1] <= before[1] + 1e-9).count()
         };
@@ -105,7 +105,7 @@ fn ladders(measured: &Measured) {
     println!("Links and measured L1 error of the floor. The thesis, {}.\n", thesis::OF_LINKS);
     heading(&["refinement", "links: error (estimated, of all that counts)", "CPU-s of the last"]);
     for ladder in &measured.ladders {
-        let rung = |rung: &super::Rung| {
+        let rung = |rung: &Rung| {
             let estimated = rung.estimated.map_or(String::new(), |estimated| format!(" ({})", percent(estimated)));
             format!("{}: {}{estimated}", rung.links, percent(rung.l1))
         };

@@ -8,15 +8,20 @@
 //! `target/error_vs_time`; remove it to have them made anew.
 //!
 //! With `PATCHLIGHT_PEERS=<virtual environment>` Mitsuba 3 and Radiance run beside, on the same points (`peers/README.md` says how to install
-//! them). The section in BENCHMARKS.md between the marks of this benchmark, and the plots in docs/, are written anew.
+//! them). The section in BENCHMARKS.md between the marks of this benchmark, docs/error_vs_time.md and the plots beside it are written anew.
+//!
+//! All runs go to `target/error_vs_time/runs.csv` as well, whichever scenes are run: keep that of one build to compare it with another's.
 #![allow(clippy::print_stderr, clippy::print_stdout, reason = "a benchmark tells how far it is, and prints its tables")]
 
+mod by_run;
 mod figures;
 mod peers;
 #[path = "../support/plot.rs"]
 mod plot;
 mod problem;
 mod run;
+mod scenes;
+mod scored;
 mod section;
 #[path = "../../tests/support/two_squares.rs"]
 mod two_squares;
@@ -24,13 +29,11 @@ mod two_squares;
 use std::path::Path;
 
 use problem::Problem;
-use run::{Job, Measured};
+use run::Job;
+use scored::Scored;
 
 /// Requested errors, from coarse to fine.
 const LADDER: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
-
-/// Points of a whole bake: an office of 344 m^2 in texels of 5 cm.
-const BAKE_POINTS: usize = 138_000;
 
 /// What the program is asked for, scene by scene.
 fn jobs(problem: &Problem) -> Vec<Job> {
@@ -38,8 +41,8 @@ fn jobs(problem: &Problem) -> Vec<Job> {
     for error in LADDER {
         jobs.extend((0..3).map(|seed| Job { seed, ..Job::new("auto", "auto", error) }));
         if error >= 0.02 {
-            let ways = ["links", "hemisphere"].into_iter().filter(|_| problem.both_ways);
-            jobs.extend(ways.map(|gather| Job::new(gather, "auto", error)));
+            let solvers = ["links", "cells"].into_iter().filter(|_| problem.both_solvers);
+            jobs.extend(solvers.map(|solver| Job::new(solver, "auto", error)));
             jobs.extend((0..2).map(|seed| Job { seed, ..Job::new("auto", "obvhs", error) }));
         }
     }
@@ -55,12 +58,13 @@ fn main() {
     std::fs::create_dir_all(&folder).expect("a folder for what is measured");
     let peers = peers::installed();
     let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
-    let mut measured: Vec<(Problem, Vec<Measured>)> = Vec::new();
-    for problem in problem::all(root, &folder, &wanted, peers.as_ref()) {
+    let mut scored: Vec<Scored> = Vec::new();
+    for problem in scenes::all(root, &folder, &wanted, peers.as_ref()) {
         eprintln!("{}: {} points, reference: {}", problem.name, problem.points.len(), problem.reference_is);
+        let jobs = jobs(&problem);
         let mut runs = Vec::new();
-        for job in jobs(&problem) {
-            let run = run::patchlight(&problem, &job, &folder);
+        for job in &jobs {
+            let run = run::patchlight(&problem, job, &folder);
             eprintln!("  {}", run.line());
             runs.push(run);
         }
@@ -70,21 +74,28 @@ fn main() {
                 runs.push(run);
             }
         }
-        measured.push((problem, runs));
+        scored.push(Scored { problem, jobs, runs });
+        by_run::write_csv(&folder.join("runs.csv"), &scored).expect("runs are written");
     }
 
-    let text = section::text(&measured);
-    if !wanted.is_empty() {
+    let text = section::text(&scored);
+    if wanted.is_empty() {
+        write_docs(root, &scored);
+        section::write(&root.join("BENCHMARKS.md"), &text).expect("BENCHMARKS.md has the marks of this benchmark");
+    } else {
         println!("{text}");
-        return;
     }
+}
+
+/// The long tables and the figures.
+fn write_docs(root: &Path, scenes: &[Scored]) {
     let docs = root.join("docs");
-    for (problem, runs) in &measured {
+    std::fs::write(docs.join("error_vs_time.md"), by_run::text(scenes)).expect("the runs are written");
+    for Scored { problem, runs, .. } in scenes {
         for (kind, title) in [(figures::Time::Cpu, "CPU"), (figures::Time::Wall, "wall")] {
             let file = docs.join(format!("error_vs_time_{}_{}.svg", problem.file_name(), title.to_lowercase()));
             let figure = figures::log_log(&format!("{}: error against {title} time", problem.name), runs, kind);
             std::fs::write(file, figure).expect("a figure is written");
         }
     }
-    section::write(&root.join("BENCHMARKS.md"), &text).expect("BENCHMARKS.md has the marks of this benchmark");
 }

@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::BAKE_POINTS;
-use super::problem::Problem;
+use super::problem::{BAKE_POINTS, Problem};
 use super::run::{Measured, read_values, timed};
 
 /// Samples a point that a path tracer takes.
@@ -51,13 +50,13 @@ impl Peers {
         let mut runs = Vec::new();
         for samples in SAMPLES {
             let mut command = self.mitsuba(problem, &points, &values, samples, 11);
-            runs.push(self.measure(problem, "Mitsuba 3", &format!("{samples} samples"), &mut command, &values, false));
+            runs.push(measure(problem, "Mitsuba 3", &format!("{samples} samples"), &mut command, &values, false));
         }
         if problem.bakes {
             let points = problem.bake_points(folder, BAKE_POINTS);
             for samples in &SAMPLES[..2] {
                 let mut command = self.mitsuba(problem, &points, &values, *samples, 11);
-                runs.push(self.measure(problem, "Mitsuba 3", &format!("{samples} samples"), &mut command, &values, true));
+                runs.push(measure(problem, "Mitsuba 3", &format!("{samples} samples"), &mut command, &values, true));
             }
         }
         // What both emits and reflects cannot be said in Radiance.
@@ -65,7 +64,7 @@ impl Peers {
             for setting in RADIANCE {
                 let mut command = Command::new(&self.python);
                 command.arg(self.scripts.join("radiance_points.py")).arg(&problem.scene).arg(&points).arg(&values).arg(setting);
-                runs.push(self.measure(problem, "Radiance", setting, &mut command, &values, false));
+                runs.push(measure(problem, "Radiance", setting, &mut command, &values, false));
             }
         }
         runs
@@ -103,12 +102,13 @@ impl Peers {
         command.args([samples.to_string(), seed.to_string()]);
         command
     }
+}
 
-    fn measure(&self, problem: &Problem, who: &str, asked: &str, command: &mut Command, values: &Path, bake: bool) -> Measured {
-        let timed = timed(command);
-        let (error, reference_noise) = problem.error_of(&read_values(values)[..problem.points.len()]);
-        let (who, asked) = (who.to_owned(), asked.to_owned());
-        let (cpu_s, wall_s) = (timed.cpu_s, timed.wall_s);
-        Measured { who, asked, requested: None, cpu_s, wall_s, error, reference_noise, claimed: None, reached: true, bake }
-    }
+/// Runs a peer and scores the values that it writes.
+fn measure(problem: &Problem, who: &str, asked: &str, command: &mut Command, values: &Path, bake: bool) -> Measured {
+    let timed = timed(command);
+    let (error, reference_noise) = problem.error_of(&read_values(values)[..problem.points.len()]);
+    let (who, asked) = (who.to_owned(), asked.to_owned());
+    let (cpu_s, wall_s) = (timed.cpu_s, timed.wall_s);
+    Measured { who, asked, requested: None, cpu_s, wall_s, error, reference_noise, claimed: None, reached: true, bake }
 }

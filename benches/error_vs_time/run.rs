@@ -5,8 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-use super::BAKE_POINTS;
-use super::problem::Problem;
+use super::problem::{BAKE_POINTS, Problem};
 
 /// Short runs are repeated until they have taken so many CPU seconds, at most so often: the system counts in hundredths.
 const ENOUGH_CPU_S: f64 = 0.5;
@@ -17,7 +16,8 @@ const MOST_SECONDS: &str = "90";
 
 /// What the program is asked for.
 pub struct Job {
-    pub gather: &'static str,
+    /// `auto`, `links` or `cells`.
+    pub solver: &'static str,
     pub backend: &'static str,
     pub error: f64,
     pub seed: u64,
@@ -26,8 +26,15 @@ pub struct Job {
 }
 
 impl Job {
-    pub fn new(gather: &'static str, backend: &'static str, error: f64) -> Self {
-        Self { gather, backend, error, seed: 0, bake: false }
+    pub fn new(solver: &'static str, backend: &'static str, error: f64) -> Self {
+        Self { solver, backend, error, seed: 0, bake: false }
+    }
+
+    /// What sets the run apart but for the error and the seed: the solver, and what else is not as by default.
+    pub fn way(&self) -> String {
+        let backend = if self.backend == "auto" { "" } else { ", obvhs" };
+        let bake = if self.bake { ", bake" } else { "" };
+        format!("{}{backend}{bake}", self.solver)
     }
 }
 
@@ -72,7 +79,7 @@ pub fn patchlight(problem: &Problem, job: &Job, folder: &Path) -> Measured {
     let mut command = Command::new(env!("CARGO_BIN_EXE_patchlight"));
     command.arg("solve").arg(&problem.scene).args(["--error", &job.error.to_string(), "--backend", job.backend]);
     command.args(["--seed", &job.seed.to_string(), "--time", MOST_SECONDS, "--progress", "none"]);
-    command.args(["--set", &format!("gather={}", job.gather)]);
+    command.args(["--set", &format!("solver={}", job.solver)]);
     command.arg("--points").arg(points).arg("--values").arg(&values).arg("--report").arg(&report);
     let timed = timed(&mut command);
 
@@ -83,7 +90,7 @@ pub fn patchlight(problem: &Problem, job: &Job, folder: &Path) -> Measured {
     let (error, reference_noise) = problem.error_of(found);
     let backend = if job.backend == "auto" { "" } else { ", obvhs" };
     Measured {
-        who: format!("patchlight, gather={}{backend}", job.gather),
+        who: format!("patchlight, solver={}{backend}", job.solver),
         asked: format!("{}%", 100.0 * job.error),
         requested: Some(job.error),
         cpu_s: timed.cpu_s,

@@ -1,14 +1,17 @@
-//! The section of BENCHMARKS.md that this benchmark writes.
+//! The section of BENCHMARKS.md that this benchmark writes: medians over seeds, and whether claims are true.
 
 use std::fmt::Write as _;
 use std::io;
 use std::path::Path;
 
-use super::problem::Problem;
 use super::run::Measured;
+use super::scored::{Row, Scored, median};
 
 const BEGIN: &str = "<!-- error_vs_time: from here on written by `make bench-error` -->\n";
 const END: &str = "<!-- error_vs_time: up to here -->\n";
+
+/// The peer that is meant where none is named.
+const USUAL_PEER: &str = "Mitsuba 3";
 
 /// Puts the text between the marks.
 pub fn write(file: &Path, text: &str) -> io::Result<()> {
@@ -20,88 +23,59 @@ pub fn write(file: &Path, text: &str) -> io::Result<()> {
 }
 
 /// All tables.
-pub fn text(measured: &[(Problem, Vec<Measured>)]) -> String {
+pub fn text(scenes: &[Scored]) -> String {
     let mut text = String::new();
-    for (problem, runs) in measured {
-        curves(&mut text, problem, runs);
+    for scored in scenes {
+        scene(&mut text, scored);
     }
-    claims(&mut text, measured);
+    claims(&mut text, scenes);
     text
 }
 
-fn percent(part: f64) -> String {
+/// `0.0123` as `1.23%`.
+pub fn percent(part: f64) -> String {
     format!("{:.2}%", 100.0 * part)
 }
 
-/// One row for every run of one scene; peers, and where they are faster.
-fn curves(text: &mut String, problem: &Problem, runs: &[Measured]) {
-    let name = &problem.name;
-    let _ = writeln!(text, "### {name}\n\n{} points; reference: {}.\n", problem.points.len(), problem.reference_is);
-    let file = problem.file_name();
-    let _ = writeln!(text, "![error against CPU time](docs/error_vs_time_{file}_cpu.svg)");
-    let _ = writeln!(text, "![error against wall time](docs/error_vs_time_{file}_wall.svg)\n");
-    let peers: Vec<&Measured> = runs.iter().filter(|run| run.requested.is_none()).collect();
+/// One scene: a row for each way and requested error, and where peers are faster.
+fn scene(text: &mut String, scored: &Scored) {
+    let problem = &scored.problem;
+    let _ = writeln!(text, "### {}\n\n{} points; reference: {}.\n", problem.name, problem.points.len(), problem.reference_is);
+    let _ = writeln!(text, "![error against CPU time](docs/error_vs_time_{}_cpu.svg)\n", problem.file_name());
     let _ = writeln!(
         text,
-        "| program | asked for | CPU-s | wall s | measured | claimed | peers' CPU-s for the same error |\n|---|---|---|---|---|---|---|"
+        "| solver | asked for | CPU-s | measured | claimed | claims hold | peer's CPU-s |\n|---|---|---|---|---|---|---|"
     );
-    let mut lost = Vec::new();
-    for run in runs {
-        let claimed = run.claimed.map_or(String::new(), percent);
-        let beside = if run.requested.is_some() { best_of_peers(&peers, run) } else { None };
-        if let Some((peer, cpu_s)) = beside.filter(|(_, cpu_s)| *cpu_s < run.cpu_s) {
-            lost.push(format!("{} at {} ({:.2} CPU-s for {peer}'s {cpu_s:.2})", run.who, run.asked, run.cpu_s));
-        }
-        let beside = beside.map_or(String::new(), |(peer, cpu_s)| format!("{cpu_s:.2} ({peer})"));
-        let (bake, end) = (if run.bake { ", bake" } else { "" }, if run.reached { "" } else { " (not reached)" });
-        let _ = writeln!(
-            text,
-            "| {} | {}{bake}{end} | {:.2} | {:.2} | {} | {claimed} | {beside} |",
-            run.who,
-            run.asked,
-            run.cpu_s,
-            run.wall_s,
-            percent(run.error)
-        );
-    }
-    if peers.is_empty() {
-        let _ = writeln!(text, "\nNo peers were installed for this run.\n");
-    } else if lost.is_empty() {
-        let _ = writeln!(text, "\nNo peer was faster for the same error.\n");
-    } else {
-        let _ = writeln!(text, "\nWhere we lose: {}.\n", lost.join("; "));
-    }
+    let rows = scored.rows();
+    rows.iter().for_each(|row| line(text, row));
+    let lost: Vec<String> = rows.iter().filter_map(lost).collect();
+    let _ = match (scored.peers().is_empty(), lost.is_empty()) {
+        (true, _) => writeln!(text, "\nNo peers were installed for this run.\n"),
+        (false, true) => writeln!(text, "\nNo peer was faster.\n"),
+        (false, false) => writeln!(text, "\nWhere we lose: {}.\n", lost.join("; ")),
+    };
 }
 
-/// The peer that takes the least CPU time to the error of a run, by the straight line through its own runs in logarithms, beyond
-/// them with the slope of a path tracer.
-fn best_of_peers<'a>(peers: &[&'a Measured], run: &Measured) -> Option<(&'a str, f64)> {
-    let mut best: Option<(&str, f64)> = None;
-    let mut names: Vec<&str> = peers.iter().map(|peer| peer.who.as_str()).collect();
-    names.dedup();
-    for name in names {
-        let mut curve: Vec<(f64, f64)> =
-            (peers.iter().filter(|peer| peer.who == name && peer.bake == run.bake)).map(|peer| (peer.error, peer.cpu_s)).collect();
-        curve.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let (Some(&coarsest), Some(&finest)) = (curve.first(), curve.last()) else { continue };
-        let cpu_s = if run.error >= coarsest.0 {
-            coarsest.1
-        } else if run.error <= finest.0 {
-            finest.1 * (finest.0 / run.error).powi(2)
-        } else {
-            let Some(pair) = curve.windows(2).find(|pair| pair[1].0 <= run.error) else { continue };
-            let along = (pair[0].0 / run.error).ln() / (pair[0].0 / pair[1].0).ln();
-            pair[0].1 * (pair[1].1 / pair[0].1).powf(along)
-        };
-        if best.is_none_or(|(_, least)| cpu_s < least) {
-            best = Some((name, cpu_s));
-        }
-    }
-    best
+/// One row of a scene's table.
+fn line(text: &mut String, row: &Row) {
+    let Row { way, cpu_s, runs, holding, .. } = row;
+    let requested = 100.0 * row.requested;
+    let end = if row.reached < row.runs { format!(" ({} not reached)", row.runs - row.reached) } else { String::new() };
+    let (error, claimed) = (percent(row.error), percent(row.claimed));
+    let peer = row.peer.as_ref().map_or(String::new(), |(name, cpu_s)| {
+        if name == USUAL_PEER { format!("{cpu_s:.2}") } else { format!("{cpu_s:.2} ({name})") }
+    });
+    let _ = writeln!(text, "| {way} | {requested}%{end} | {cpu_s:.2} | {error} | {claimed} | {holding}/{runs} | {peer} |");
+}
+
+/// What to say of a row in which a peer was faster.
+fn lost(row: &Row) -> Option<String> {
+    let (peer, cpu_s) = row.peer.as_ref().filter(|(_, cpu_s)| *cpu_s < row.cpu_s)?;
+    Some(format!("{} at {}% ({:.2} CPU-s for {peer}'s {cpu_s:.2})", row.way, 100.0 * row.requested, row.cpu_s))
 }
 
 /// Whether claims are true, over all runs that claimed anything.
-fn claims(text: &mut String, measured: &[(Problem, Vec<Measured>)]) {
+fn claims(text: &mut String, scenes: &[Scored]) {
     let _ = writeln!(text, "### Are the claims true?\n");
     let _ = writeln!(
         text,
@@ -109,31 +83,29 @@ fn claims(text: &mut String, measured: &[(Problem, Vec<Measured>)]) {
     );
     let mut all = [0; 4];
     let mut untrue = Vec::new();
-    for (problem, runs) in measured {
-        let claiming: Vec<&Measured> = runs.iter().filter(|run| run.claimed.is_some() && !run.bake).collect();
-        let reached: Vec<&&Measured> = claiming.iter().filter(|run| run.reached).collect();
-        let is_true = |run: &Measured| run.requested.is_some_and(|requested| run.error <= requested.hypot(run.reference_noise));
-        let mut ratios: Vec<f64> =
-            claiming.iter().filter_map(|run| Some(run.claimed? / run.error)).filter(|ratio| ratio.is_finite()).collect();
-        ratios.sort_by(f64::total_cmp);
-        let counts = [
-            claiming.len(),
-            claiming.iter().filter(|run| run.claim_holds() == Some(true)).count(),
-            reached.len(),
-            reached.iter().filter(|run| is_true(run)).count(),
-        ];
+    for scored in scenes {
+        let claiming: Vec<&Measured> = scored.runs.iter().filter(|run| run.claimed.is_some() && !run.bake).collect();
+        let counts = counts(&claiming);
         all.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
-        untrue.extend(
-            claiming.iter().filter(|run| run.claim_holds() == Some(false)).map(|run| format!("{}, {}", problem.name, run.line())),
-        );
-        let median = ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN);
-        let [runs, holds, said, true_ones] = counts;
-        let _ = writeln!(text, "| {} | {runs} | {holds} | {said} | {true_ones} | {median:.2} |", problem.name);
+        let failing = claiming.iter().filter(|run| run.claim_holds() == Some(false));
+        untrue.extend(failing.map(|run| format!("{}, {}", scored.problem.name, run.line())));
+        let ratios = claiming.iter().filter_map(|run| Some(run.claimed? / run.error)).filter(|ratio| ratio.is_finite());
+        let [runs, holds, said, reached] = counts;
+        let ratio = median(ratios);
+        let _ = writeln!(text, "| {} | {runs} | {holds} | {said} | {reached} | {ratio:.2} |", scored.problem.name);
     }
-    let [runs, holds, said, true_ones] = all;
-    let _ = writeln!(text, "| all | {runs} | {holds} | {said} | {true_ones} | |\n");
+    let [runs, holds, said, reached] = all;
+    let _ = writeln!(text, "| all | {runs} | {holds} | {said} | {reached} | |\n");
     if !untrue.is_empty() {
         let _ = writeln!(text, "Claims that do not hold:\n");
         let _ = writeln!(text, "- {}", untrue.join("\n- "));
     }
+}
+
+/// Runs, those whose claim holds, those said to have reached what was asked for, and those of them that did.
+fn counts(claiming: &[&Measured]) -> [usize; 4] {
+    let has_reached = |run: &Measured| run.requested.is_some_and(|requested| run.error <= requested.hypot(run.reference_noise));
+    let said: Vec<_> = claiming.iter().filter(|run| run.reached).collect();
+    let holding = claiming.iter().filter(|run| run.claim_holds() == Some(true)).count();
+    [claiming.len(), holding, said.len(), said.iter().filter(|run| has_reached(run)).count()]
 }

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use patchlight::hierarchy::NodeId;
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::{Observer, Progress, Silent, Stage};
-use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
 use patchlight::solve::{IterationReport, RunOptions, Solution, SolveOptions, SolveReport, Strategy};
 
@@ -107,7 +107,7 @@ pub fn run(scene: &Scene, options: &SolveOptions) -> Run {
     evaluator.solution().validate().expect("a solution that is well formed");
     let starts = stopwatch.0.into_inner().expect("nothing panics");
     let count = report.bounces.len();
-    assert_eq!(count, options.iterations as usize, "a limit has ended the run");
+    assert_eq!(count, options.holzschuch94.iterations as usize, "a limit has ended the run");
     let cpu_s = starts[1..=count].iter().map(|end| end - starts[0]).collect();
     Run { evaluator, report, cpu_s }
 }

@@ -2,7 +2,7 @@
 
 use patchlight::solve::IterationReport;
 
-use super::Measured;
+use super::experiment::Measured;
 use super::measure::Run;
 
 pub fn print(measured: &[Measured]) {

@@ -8,10 +8,10 @@
 use patchlight::scene::Scene;
 use patchlight::solve::{SolveOptions, Strategy};
 
+use super::experiment::{REFINE_TOLERANCE, options_of, scene_of};
 use super::measure::{Points, Run, run};
 use super::paper::PaperRoom;
 use super::tables::percent;
-use super::{REFINE_TOLERANCE, options_of, scene_of};
 
 /// How far from each other two solutions may be: the part of what is reflected, at points.
 const CLOSE: f64 = 0.02;
@@ -53,7 +53,8 @@ fn refine_series(room: &PaperRoom, allowed: &mut [bool]) {
     let scene = scene_of(room);
     let points = Points::of(&scene);
     let solve = |tolerance| {
-        let options = SolveOptions { tolerance: Some(tolerance), strategy: Strategy::Original94, ..options_of(&scene) };
+        let mut options = SolveOptions { strategy: Strategy::Original94, ..options_of(&scene) };
+        options.links.tolerance = Some(tolerance);
         let run = run(&scene, &options);
         let (links, seconds) = cost(&run);
         (links, seconds, points.values(&run), points.elements(&run))
@@ -78,13 +79,16 @@ fn refine_series(room: &PaperRoom, allowed: &mut [bool]) {
 fn reduce_series(room: &PaperRoom, allowed: &mut [bool]) {
     let scene = scene_of(room);
     let points = Points::of(&scene);
-    let options = SolveOptions { tolerance: Some(REFINE_TOLERANCE), ..options_of(&scene) };
+    let mut options = options_of(&scene);
+    options.links.tolerance = Some(REFINE_TOLERANCE);
     let original = run(&scene, &SolveOptions { strategy: Strategy::Original94, ..options.clone() });
     let (all_links, all_seconds) = cost(&original);
     let truth = (points.values(&original), points.elements(&original));
     drop(original);
     for (reduce_tolerance, allowed) in REDUCE_SERIES.into_iter().zip(allowed) {
-        let reduced = run(&scene, &SolveOptions { strategy: Strategy::Lazy94Reduction, reduce_tolerance, ..options.clone() });
+        let mut options = SolveOptions { strategy: Strategy::Lazy94Reduction, ..options.clone() };
+        options.holzschuch94.reduce_tolerance = reduce_tolerance;
+        let reduced = run(&scene, &options);
         let (links, seconds) = cost(&reduced);
         let found = (points.values(&reduced), points.elements(&reduced));
         let [values, elements] = differences(&scene, &points, (&found.0, &found.1), (&truth.0, &truth.1));

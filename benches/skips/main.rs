@@ -14,9 +14,9 @@ mod triangles;
 
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
-use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{Gather, RunOptions, Skips, SolveOptions, SolveReport};
+use patchlight::solve::{RunOptions, Skips, SolveOptions, SolveReport, Solver};
 use triangles::Random;
 
 /// Where values are compared.
@@ -69,7 +69,7 @@ fn measure(scene: &Scene, options: &SolveOptions) -> Vec<Run> {
     let places: Vec<SurfacePoint> = points.iter().map(|(point, _)| *point).collect();
 
     // A reference by light paths, which need no links.
-    let fine = SolveOptions { error: 0.005, gather: Gather::Hemisphere, seed: 77, ..SolveOptions::default() };
+    let fine = SolveOptions { error: 0.005, solver: Solver::Cells, seed: 77, ..SolveOptions::default() };
     let reference = rooms::values(&solve(scene, &fine).0, &places);
     let exitance: Vec<f64> =
         points.iter().flat_map(|(_, surface)| scene.material_of(SurfaceId(*surface as u32)).exitance.clone()).collect();
@@ -81,7 +81,8 @@ fn measure(scene: &Scene, options: &SolveOptions) -> Vec<Run> {
     let mut runs: Vec<Run> = settings()
         .into_iter()
         .map(|(name, skips)| {
-            let options = SolveOptions { skips, ..options.clone() };
+            let mut options = options.clone();
+            options.links.skips = skips;
             let mut seconds = Vec::new();
             let mut last = None;
             for _ in 0..RUNS {

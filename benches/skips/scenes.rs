@@ -4,13 +4,13 @@ use std::path::Path;
 
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Material, Scene};
-use patchlight::solve::{Gather, SolveOptions};
+use patchlight::solve::{SolveOptions, Solver};
 
 use super::rooms::{Room, crowded, cube, straight};
 
 /// Name, scene, and what is asked of it: values over links, because the hemisphere needs hardly any.
 pub fn all() -> Vec<(&'static str, Scene, SolveOptions)> {
-    let links = |error| SolveOptions { error, gather: Gather::Links, ..SolveOptions::default() };
+    let links = |error| SolveOptions { error, solver: Solver::Links, ..SolveOptions::default() };
     vec![
         ("empty_room", empty_room(), links(0.02)),
         ("cornell", read("cornell"), links(0.05)),

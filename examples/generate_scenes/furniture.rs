@@ -179,7 +179,7 @@ pub fn bookshelf(model: &mut Model, name: &str, place: Place, books: usize, thic
 pub fn pot(model: &mut Model, (low, high, tall): (f64, f64, f64)) {
     let centre = [0.0, 0.0];
     model.walls("terracotta", 8, centre, (0.0, low), (tall, high));
-    model.rim("terracotta", 8, centre, tall, high - 0.025, high);
+    model.rim("terracotta", 8, centre, (tall, high - 0.025), (tall, high));
     model.inner_walls("terracotta", 8, centre, (tall - 0.04, high - 0.03), (tall, high - 0.025));
     model.disk("earth", 8, centre, (tall - 0.04, high - 0.03));
 }

@@ -152,9 +152,9 @@ impl Model {
         self.face(material, &ring(sides, centre, at).into_iter().rev().collect::<Vec<_>>());
     }
 
-    /// A level ring between two radii, seen from above.
-    pub fn rim(&mut self, material: &str, sides: u32, centre: [f64; 2], height: f64, inner: f64, outer: f64) {
-        let (inside, outside) = (ring(sides, centre, (height, inner)), ring(sides, centre, (height, outer)));
+    /// A ring between two circles of (height, radius), seen from above.
+    pub fn rim(&mut self, material: &str, sides: u32, centre: [f64; 2], inner: (f64, f64), outer: (f64, f64)) {
+        let (inside, outside) = (ring(sides, centre, inner), ring(sides, centre, outer));
         for k in 0..sides as usize {
             let next = (k + 1) % sides as usize;
             self.face(material, &[inside[k], outside[k], outside[next], inside[next]]);

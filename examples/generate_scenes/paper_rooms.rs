@@ -65,7 +65,7 @@ pub fn dining_room() -> Model {
         model.disk("porcelain", 6, [x, z], (0.02, 0.12));
     }
     model.walls("porcelain", 8, [0.0, 0.0], (0.0, 0.06), (0.09, 0.15));
-    model.rim("porcelain", 8, [0.0, 0.0], 0.09, 0.14, 0.15);
+    model.rim("porcelain", 8, [0.0, 0.0], (0.09, 0.14), (0.09, 0.15));
     model.inner_walls("porcelain", 8, [0.0, 0.0], (0.012, 0.05), (0.09, 0.14));
     model.disk("porcelain", 8, [0.0, 0.0], (0.012, 0.05));
 

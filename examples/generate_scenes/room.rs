@@ -296,7 +296,7 @@ fn coffee_table(model: &mut Model) {
     // The bowl is open: outside, rim, inside, ground.
     let centre = [0.02, -0.22];
     model.walls("porcelain", 7, centre, (height, 0.07), (height + 0.08, 0.14));
-    model.rim("porcelain", 7, centre, height + 0.08, 0.13, 0.14);
+    model.rim("porcelain", 7, centre, (height + 0.08, 0.13), (height + 0.08, 0.14));
     model.inner_walls("porcelain", 7, centre, (height + 0.012, 0.06), (height + 0.08, 0.13));
     model.disk("porcelain", 7, centre, (height + 0.012, 0.06));
     for (x, z, material) in [(0.0, -0.25, "book_red"), (0.05, -0.19, "leaf_light")] {
@@ -322,7 +322,7 @@ fn plant(model: &mut Model) {
     model.object("plant", Place::at([3.2, 0.0, 0.42], 0.0));
     let centre = [0.0, 0.0];
     model.walls("terracotta", 8, centre, (0.0, 0.13), (0.3, 0.19));
-    model.rim("terracotta", 8, centre, 0.3, 0.165, 0.19);
+    model.rim("terracotta", 8, centre, (0.3, 0.165), (0.3, 0.19));
     model.inner_walls("terracotta", 8, centre, (0.26, 0.16), (0.3, 0.165));
     model.disk("earth", 8, centre, (0.26, 0.16));
     model.walls("walnut", 4, centre, (0.26, 0.018), (1.05, 0.012));

@@ -8,9 +8,9 @@ use patchlight::geometry::Polygon;
 use patchlight::output::{Provenance, SOLUTION_FORMAT_VERSION, read_solution_from, write_solution};
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
-use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::{Material, Scene, Sides};
-use patchlight::solve::{Gather, RunOptions, SolveOptions};
+use patchlight::solve::{RunOptions, SolveOptions, Solver};
 
 /// Bytes of the header: magic, version, length and checksum of the body.
 const HEADER: usize = 24;
@@ -53,9 +53,9 @@ fn look_at(bytes: &[u8]) {
 }
 
 /// The body of a small stored solution, over links or over the hemisphere: fuzzers change it.
-pub fn small_solution(gather: Gather) -> &'static [u8] {
+pub fn small_solution(solver: Solver) -> &'static [u8] {
     static BODIES: [OnceLock<Vec<u8>>; 2] = [OnceLock::new(), OnceLock::new()];
-    BODIES[usize::from(gather == Gather::Hemisphere)].get_or_init(|| {
+    BODIES[usize::from(solver == Solver::Cells)].get_or_init(|| {
         let wall = Material { name: "wall".to_owned(), reflectance: vec![0.5], exitance: vec![0.0] };
         let lamp = Material { name: "lamp".to_owned(), reflectance: vec![0.0], exitance: vec![1.0] };
         let floor = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -63,7 +63,7 @@ pub fn small_solution(gather: Gather) -> &'static [u8] {
         let faces = vec![(Polygon::new(&floor), 0, 0), (Polygon::new(&ceiling), 1, 1)];
         let faces = faces.into_iter().map(|(polygon, material, face)| (polygon.expect("it has an area"), material, face)).collect();
         let scene = Scene::new(1, vec![wall, lamp], faces, Sides::Front).expect("a scene");
-        let options = SolveOptions { error: 0.5, gather, max_links: Some(8), point_rays: Some(16), ..SolveOptions::default() };
+        let options = SolveOptions { error: 0.5, solver, max_links: Some(8), point_rays: Some(16), ..SolveOptions::default() };
         let (evaluator, _) = pipeline::solve(scene, &options, &RunOptions::default(), &Silent).expect("legal options");
         let mut file = Cursor::new(Vec::new());
         write_solution(&mut file, evaluator.solution(), &Provenance::new(&options)).expect("memory suffices");

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use patchlight::geometry::Polygon;
 use patchlight::pipeline;
 use patchlight::progress::{Observer, Silent};
-use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::{Material, Scene, Sides};
-use patchlight::solve::{Gather, RunOptions, SolveOptions, Strategy, Sweep};
+use patchlight::solve::{ChangShih98Options, Holzschuch94Options, LinkOptions, RunOptions, SolveOptions, Solver, Strategy, Sweep};
 use patchlight::visibility::Backend;
 
 /// So that one input takes milliseconds.
@@ -84,16 +84,18 @@ fn options(bytes: &mut Bytes) -> SolveOptions {
             Strategy::BottomUp98,
             Strategy::TopDown98,
         ]),
-        gather: bytes.pick(&[Gather::Auto, Gather::Links, Gather::Hemisphere]),
-        sweep: bytes.pick(&[Sweep::Jacobi, Sweep::InPlace]),
-        form_factor_accuracy: bytes.pick(&[0.02, 0.0, 1.0]),
-        leaf_rays: bytes.pick(&[None, Some(0)]),
+        solver: bytes.pick(&[Solver::Auto, Solver::Links, Solver::Cells]),
+        links: LinkOptions {
+            sweep: bytes.pick(&[Sweep::Jacobi, Sweep::InPlace]),
+            form_factor_accuracy: bytes.pick(&[0.02, 0.0, 1.0]),
+            leaf_rays: bytes.pick(&[None, Some(0)]),
+            ..LinkOptions::default()
+        },
         point_rays: bytes.pick(&[Some(8), Some(1)]),
         seed: u64::from(bytes.next()),
         max_links: Some(MOST_LINKS),
-        iterations: 3,
-        bottom_area: 1.0 / 16.0,
-        bottom_samples: 2,
+        holzschuch94: Holzschuch94Options { iterations: 3, ..Holzschuch94Options::default() },
+        chang_shih98: ChangShih98Options { bottom_area: 1.0 / 16.0, bottom_samples: 2, ..ChangShih98Options::default() },
         ..SolveOptions::default()
     }
 }

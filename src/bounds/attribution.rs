@@ -1,29 +1,32 @@
 //! Where the gap between the bounds comes from: how much each entry adds to `<R, U - L>`.
 //!
-//! Pouring gives every leaf a row of form factors `F_` for the lower radiosities and a row `F*` for the upper ones, so that
-//! `L = E + rho F_ L` and `U = E + rho F* U`. With Z, the lower importance, which solves `Z = R + (rho F_)' Z`,
+//! The knapsacks give every leaf a row of form factors `F_` for the lower radiosities and a row `F*` for the upper ones, so that
+//! `L = E + rho F_ L` and `U = E + rho F* U`. With the lower importance Z, which solves `Z = R + (rho F_)' Z`,
 //!
 //! ```text
 //! <R, U - L> = <Z, (I - rho F_)(U - L)> = sum over leaves i and their entries j of  Z_i rho_i (F*_ij - F_ij) U_j
 //! ```
 //!
-//! (Lischinski 1994, equation 5.10, in which the difference must be that of the rows which are poured, not that of the entries: with
-//! the entries it does not add up.) An inner source stands for its brightest leaf in U and for its dimmest in L, so its part is
-//! `Z rho (F* U_brightest - F_ U_dimmest)`: what its radiosity varies counts, too. Where rows add up to 1 in closed surroundings, what
-//! is poured on the dimmest may be more than they get in `F*`; such an entry takes away from the gap.
+//! (Lischinski 1994, equation 5.10. The difference must be that of the rows, not that of the bounds of the entries, with which the parts
+//! do not add up.) A source that is not a leaf stands for its brightest leaf in U and for its dimmest in L. So its part is
+//! `Z rho (F* U_brightest - F_ U_dimmest)`, in which the variation of its radiosity counts, too. Where a row must add up to 1, the dimmest
+//! entries may get more in `F_` than in `F*`; these take away from the gap.
 
 use rayon::prelude::*;
 
-use super::pouring::Pouring;
-use super::system::{Iterate, System};
+use super::knapsack::Knapsack;
+use super::system::{Iterate, Leaf, System};
 
-/// The change of a sweep that ends the iteration of importance, as a part of all of it.
+/// The iteration of importance ends once a sweep adds less than this part of all importance.
 const SWEEP_TOLERANCE: f64 = 1e-12;
 
-/// Sweeps for that at a reflectance of 0.99 are fewer.
+/// More sweeps than a reflectance of 0.99 takes to come within the tolerance.
 const MOST_SWEEPS: u32 = 3000;
 
-/// The form factors that an entry gets in the two rows of a leaf.
+/// Leaves whose rows one task computes.
+const LEAVES_A_TASK: usize = 16;
+
+/// The form factors of an entry in the two rows of a leaf, the lower one first.
 struct Share {
     entry: u32,
     form_factor: [f64; 2],
@@ -36,7 +39,7 @@ struct Row {
     shares: Vec<Share>,
 }
 
-/// What each entry adds to `<R, U - L>`, all channels together; `initial` is R, by node and channel, of which that of leaves counts.
+/// What each entry adds to `<R, U - L>`, all channels together. `initial` is R, by node and channel; only that of leaves counts.
 pub(super) fn attribute(system: &System<'_>, iterate: &Iterate, initial: &[f64]) -> Vec<f64> {
     let channels = system.channels;
     let mut found = vec![0.0; system.entries.len()];
@@ -45,7 +48,7 @@ pub(super) fn attribute(system: &System<'_>, iterate: &Iterate, initial: &[f64])
         let dimmest = dimmest_leaves(system, iterate, channel);
         let source = |share: &Share| system.entries[share.entry as usize].source as usize;
 
-        // The lower importance: R, and what arrives from it after each bounce.
+        // The lower importance: R, and what each bounce adds to it.
         let mut importance = vec![0.0; system.parents.len()];
         system.leaves.iter().for_each(|leaf| {
             importance[leaf.node as usize] = initial[leaf.node as usize * channels + channel];
@@ -80,24 +83,24 @@ pub(super) fn attribute(system: &System<'_>, iterate: &Iterate, initial: &[f64])
 
 /// The rows of all leaves that reflect.
 fn rows(system: &System<'_>, iterate: &Iterate, channel: usize) -> Vec<Row> {
-    let mut pouring = Pouring::new(system, channel);
-    pouring.look_at(iterate);
+    let mut knapsack = Knapsack::new(system, channel);
+    knapsack.sort(iterate);
     let reflecting: Vec<_> = system.leaves.iter().filter(|leaf| leaf.reflectance[channel] > 0.0).collect();
-    let row = |leaf: &&super::system::Leaf<'_>| {
-        // All get the least, and some of them more.
+    let row = |leaf: &&Leaf<'_>| {
+        // All get their lower bounds, and some of them more.
         let mut entries = Vec::new();
         system.for_each_list(leaf.node, |list| entries.extend(list.map(|entry| entry as u32)));
         entries.sort_unstable();
         let least = |&entry: &u32| Share { entry, form_factor: [system.entries[entry as usize].lower; 2] };
         let mut shares: Vec<Share> = entries.iter().map(least).collect();
-        pouring.pour(leaf.node, leaf.enclosed, iterate, |side, entry, more| {
+        knapsack.irradiance(leaf.node, leaf.enclosed, iterate, |side, entry, more| {
             if let Ok(place) = entries.binary_search(&entry) {
                 shares[place].form_factor[side as usize] += more;
             }
         });
         Row { node: leaf.node as usize, reflectance: leaf.reflectance[channel], shares }
     };
-    reflecting.par_iter().with_min_len(16).map(row).collect()
+    reflecting.par_iter().with_min_len(LEAVES_A_TASK).map(row).collect()
 }
 
 /// The leaf of every node with the least lower radiosity.

@@ -1,10 +1,9 @@
 //! Which elements see fronts alone, in every direction: their form factors add up to 1.
 //!
-//! Let w(p) count, along a ray from p to infinity, the surfaces that it meets from the front less those that it meets from the
-//! back. Over surfaces that close up edge by edge this is the same for every ray. Where w is 1 at most, a ray that starts where it
-//! is 1 must come down to 0 at the first surface that it meets, which is a front. That is proved for one convex room with convex
-//! solids in it: w is 1 in the room, one less in each solid. Any other scene counts as open, and so does an element with something
-//! standing on it.
+//! Follow a ray from p to infinity, and let w(p) be the number of surfaces that it meets from the front, less those that it meets from
+//! the back. Over surfaces that close up edge by edge w is the same for every ray from p. If w is nowhere more than 1, a ray that starts
+//! where it is 1 meets a front first: behind a back w would be 2. That is proved for one convex room with convex solids in it, where w is 1
+//! in the room, and one less in each solid. Any other scene counts as open, and so does an element with something standing on it.
 
 use std::collections::HashMap;
 
@@ -13,7 +12,7 @@ use glam::DVec3;
 use crate::geometry::{Aabb, Facet};
 use crate::scene::{Scene, SurfaceId};
 
-/// Parts of the size of the scene within which vertices lie in a plane.
+/// A vertex lies in a plane if it is no farther from it than this part of the size of the scene.
 const CONTACT_OF_SIZE: f64 = 1e-12;
 
 /// A room with solids in it.
@@ -26,7 +25,7 @@ pub(super) struct Enclosure<'a> {
     tolerance: f64,
 }
 
-/// Surfaces that close up.
+/// Surfaces that close up edge by edge.
 struct Body {
     surfaces: Vec<SurfaceId>,
     bounds: Aabb,
@@ -45,7 +44,7 @@ impl<'a> Enclosure<'a> {
             bodies[body].bounds = bodies[body].bounds.union(scene.surface(surface).polygon.bounds());
         }
 
-        // One that is convex seen from inside, all others from outside.
+        // One body is convex seen from inside, all others from outside.
         let all_heights = |body: &Body, fits: &dyn Fn(f64) -> bool| {
             let vertices = || body.surfaces.iter().flat_map(|&other| scene.surface(other).polygon.facet().vertices);
             body.surfaces.iter().all(|&surface| {
@@ -98,8 +97,8 @@ impl<'a> Enclosure<'a> {
     }
 }
 
-/// The number of the closed body of each surface: surfaces that share edges, each edge run through once in either direction. `None`
-/// if an edge is left over.
+/// The number of the closed body of each surface. A body is made of surfaces that share edges, each edge traversed once in either direction;
+/// `None` if an edge is left over.
 fn closed_bodies(scene: &Scene, tolerance: f64) -> Option<Vec<usize>> {
     let count = scene.surfaces().len();
     let mut corners = Corners { tolerance, known: Vec::new(), cells: HashMap::new() };
@@ -119,7 +118,7 @@ fn closed_bodies(scene: &Scene, tolerance: f64) -> Option<Vec<usize>> {
         }
     }
 
-    // Walk from surface to surface over shared edges.
+    // Bodies: what is connected over shared edges.
     let mut body_of = vec![usize::MAX; count];
     let mut next = 0;
     for start in 0..count {
@@ -142,7 +141,7 @@ fn closed_bodies(scene: &Scene, tolerance: f64) -> Option<Vec<usize>> {
     Some(body_of)
 }
 
-/// Numbers corners; those within the tolerance of each other are one.
+/// Numbers vertices; those within the tolerance of each other count as one.
 struct Corners {
     tolerance: f64,
     known: Vec<DVec3>,
@@ -151,7 +150,7 @@ struct Corners {
 
 impl Corners {
     fn find_or_add(&mut self, vertex: DVec3) -> usize {
-        // Cells are a few tolerances wide: what is near lies in those that the tolerance reaches.
+        // Cells are a few tolerances wide: what is within the tolerance lies in the cells that the tolerance reaches.
         let cell = |v: DVec3| v.to_array().map(|x| (x / (4.0 * self.tolerance)).floor() as i64);
         let (low, high) = (cell(vertex - self.tolerance), cell(vertex + self.tolerance));
         for x in low[0]..=high[0] {

@@ -7,25 +7,32 @@
 //! <r, B> = <z, E>        z = r + K w        w = rho r + rho K w
 //! ```
 //!
-//! (Lischinski 1994, equation 5.9, before it is made discrete.) w is the radiosity of surfaces that emit `rho r`, so the systems that bound
-//! radiosities bound it, too, with the same form factors; and z at a point is r and what arrives there.
+//! (Lischinski 1994, equation 5.9, before discretisation.) w is the radiosity of surfaces that emit `rho r`. So the systems that bound
+//! radiosities bound w, too, with the same form factors; and z at a point is r plus the irradiance there.
 
 use rayon::prelude::*;
 
-use super::Certainty;
-use super::bounded_pairs::bounded_pairs;
-use super::radiosity_bounds::{BoundsInput, MOST_SWEEPS, SWEEP_TOLERANCE, certainty, system};
+use super::assembly::assemble;
+use super::evidence::Certainty;
+use super::input::BoundsInput;
+use super::iteration::{MOST_SWEEPS, SWEEP_TOLERANCE};
+use super::knapsack::Knapsack;
+use super::pairs::bounded_pairs;
+use super::report::certainty;
 use super::system::{Iterate, Leaf, System, rounding};
 use crate::hierarchy::NodeId;
 
-/// Lower and upper importance of every node, for a square metre of it: they hold at every point. The unit is that of R for a square metre:
-/// over all surfaces as they are, R adds up to their area.
+/// Leaves of which one task computes the irradiance.
+const LEAVES_A_TASK: usize = 64;
+
+/// Lower and upper importance of every node for a square metre of it: they hold at every point. In units of the initial importance R of a
+/// square metre, which is 1 where the answer is wanted for all surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImportanceBounds {
     channels: usize,
     lower: Vec<f64>,
     upper: Vec<f64>,
-    /// Between these lies `<R, B>`, R spread evenly over each leaf, in W by channel.
+    /// Between these lies `<R, B>`, R being distributed evenly over each leaf; in W by channel.
     pub wanted: Vec<[f64; 2]>,
     /// The weakest of all pairs, as of [`BoundsReport`](super::BoundsReport).
     pub certainty: Certainty,
@@ -43,11 +50,11 @@ impl ImportanceBounds {
     }
 }
 
-/// Bounds the importance of every node; `initial` is R by node and channel, of which that of leaves counts. In the current rayon pool;
-/// the same for any number of threads.
+/// Bounds the importance of every node. `initial` is R by node and channel; only that of leaves counts. In the current rayon pool; the same
+/// for any number of threads.
 pub(crate) fn bound_importance(input: &BoundsInput<'_>, initial: &[f64]) -> ImportanceBounds {
     let pairs = bounded_pairs(input);
-    let lit = system(input, &pairs);
+    let lit = assemble(input, &pairs);
     let channels = lit.channels;
 
     // The system of w: leaves emit rho r.
@@ -65,14 +72,16 @@ pub(crate) fn bound_importance(input: &BoundsInput<'_>, initial: &[f64]) -> Impo
     let (reflected, _) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
 
     // z = r + K w.
-    let mut pourings = system.pourings();
-    pourings.iter_mut().for_each(|pouring| pouring.look_at(&reflected));
+    let mut knapsacks = Knapsack::of_channels(&system);
+    knapsacks.iter_mut().for_each(|knapsack| knapsack.sort(&reflected));
     let of_leaf = |leaf: &Leaf<'_>| -> Vec<[f64; 2]> {
-        let arrives = |channel: usize| pourings[channel].pour(leaf.node, leaf.enclosed, &reflected, |_, _, _| {});
+        let irradiance = |channel: usize| knapsacks[channel].irradiance(leaf.node, leaf.enclosed, &reflected, |_, _, _| {});
         let widened = |[lower, upper]: [f64; 2]| [lower * (1.0 - rounding(0)), upper * (1.0 + rounding(0))];
-        (0..channels).map(|channel| widened(arrives(channel).map(|h| density(leaf, channel) + h))).collect()
+        (0..channels).map(|channel| widened(irradiance(channel).map(|h| density(leaf, channel) + h))).collect()
     };
-    let found: Vec<Vec<[f64; 2]>> = system.leaves.par_iter().with_min_len(64).map(of_leaf).collect();
+    let found: Vec<Vec<[f64; 2]>> = system.leaves.par_iter().with_min_len(LEAVES_A_TASK).map(of_leaf).collect();
+
+    // By node, and the product with the exitance: `<z, E>`.
     let mut importance = Iterate { lower: vec![0.0; reflected.lower.len()], upper: vec![0.0; reflected.upper.len()] };
     let mut wanted = vec![[0.0; 2]; channels];
     for (leaf, bounds) in emitting.iter().zip(&found) {

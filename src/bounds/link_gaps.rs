@@ -1,22 +1,27 @@
 //! Which links leave how much open: what error-driven refinement goes by.
 //!
-//! Here links are bounded as they stand, not leaf by leaf as for [`bound_radiosities`](super::bound_radiosities): a link whose
-//! form factor varies over its receiver makes all leaves of it wrong, however small these are.
+//! Here links are bounded as they stand, not leaf by leaf as for [`bound_radiosities`](super::bound_radiosities). For a link takes its form
+//! factor for equal over its receiver: where that varies, all leaves of the receiver are wrong, however small they are.
 
 use std::collections::HashMap;
 
 use rayon::prelude::*;
 
+use super::assembly::assemble;
 use super::attribution::attribute;
-use super::bounded_pairs::{BoundedPair, bounds_in_time, unlinked_pairs};
-use super::pair::PairBounds;
-use super::radiosity_bounds::{MOST_SWEEPS, SWEEP_TOLERANCE, system};
-use super::{BoundsInput, Evidence, FormFactorBounds};
+use super::evidence::Evidence;
+use super::form_factors::{BoundedPair, FormFactorBounds, PairBounds};
+use super::input::BoundsInput;
+use super::iteration::{MOST_SWEEPS, SWEEP_TOLERANCE};
+use super::pairs::{bounds_in_time, unlinked_pairs};
 use crate::hierarchy::NodeId;
 
-/// Form factors of links that were bounded before: they stay what they are while the hierarchy grows.
+/// Form factors of links that were bounded before: those of a pair stay the same while the hierarchy grows.
 #[derive(Default)]
 pub(crate) struct KnownPairs(HashMap<(NodeId, NodeId), FormFactorBounds>);
+
+/// Links that one task bounds.
+const LINKS_A_TASK: usize = 64;
 
 /// What a link leaves open.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,38 +30,39 @@ pub(crate) struct LinkGap {
     pub source: NodeId,
     /// Its part of [`LinkGaps::gap`].
     pub share: f64,
-    /// `(F_max - F_min) U_source` and `F_max (U_source - L_source)` in W/m^2, channels added: how wrong the receiver's irradiance may be
-    /// because the form factor varies over the receiver, and because the radiosity varies over the source.
+    /// How wrong the receiver's irradiance may be because the form factor varies over the receiver: `(F_max - F_min) U_source` in W/m^2,
+    /// channels added.
     pub by_form_factor: f64,
+    /// The same because the radiosity varies over the source: `F_max (U_source - L_source)`.
     pub by_source: f64,
 }
 
 /// What all links leave open.
 pub(crate) struct LinkGaps {
-    /// In the order of receivers and sources.
+    /// Ordered by receiver and source.
     pub links: Vec<LinkGap>,
-    /// `<R, upper - lower>`, channels added: all shares, and those of pairs without a link.
+    /// `<R, upper - lower>` in W, channels added: the shares of all links and of all pairs without one.
     pub gap: f64,
-    /// The part of it of pairs without a link.
+    /// What pairs without a link add to that.
     pub unlinked: f64,
 }
 
-/// Bounds all links, and asks what each adds to `<R, upper - lower>`; `initial` is R by node and channel.
+/// Bounds all links, and finds what each adds to `<R, upper - lower>`; `initial` is R by node and channel.
 pub(crate) fn link_gaps(input: &BoundsInput<'_>, known: &mut KnownPairs, initial: &[f64]) -> LinkGaps {
-    // Form factors: of new links only.
+    // The form factors of new links, and of pairs without one.
     let pair_bounds = PairBounds::new(input.scene, input.hierarchy, input.rule);
     let bound = |(receiver, source): (NodeId, NodeId)| {
         let found = known.0.get(&(receiver, source)).copied();
         (receiver, source, found.unwrap_or_else(|| bounds_in_time(input, &pair_bounds, receiver, source)))
     };
     let linked: Vec<(NodeId, NodeId)> = input.links.iter().map(|(receiver, link)| (receiver, link.source)).collect();
-    let mut pairs: Vec<BoundedPair> = linked.into_par_iter().with_min_len(64).map(bound).collect();
+    let mut pairs: Vec<BoundedPair> = linked.into_par_iter().with_min_len(LINKS_A_TASK).map(bound).collect();
     known.0 = pairs.iter().map(|&(receiver, source, form_factor)| ((receiver, source), form_factor)).collect();
     pairs.extend(unlinked_pairs(input, &pair_bounds));
     pairs.sort_by_key(|(receiver, source, _)| (*receiver, *source));
 
     // Both systems, and what each pair adds to the gap between them.
-    let system = system(input, &pairs);
+    let system = assemble(input, &pairs);
     let (iterate, _) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
     let shares = attribute(&system, &iterate, initial);
     let of_source =

@@ -1,7 +1,7 @@
 //! Whether surfaces of one plane and facing lie on each other.
 //!
-//! Surfaces in one plane hide nothing from each other, nor from what looks at them. Where two of them overlap, both are seen at the
-//! same place, and form factors may add up to more than 1, on which the bounds rest.
+//! Surfaces in one plane do not hide each other. Where two of them overlap, both are visible at the same place, and the form factors to
+//! all surfaces may add up to more than 1; but the bounds rest on a sum of at most 1.
 
 use std::collections::HashMap;
 
@@ -10,11 +10,11 @@ use glam::DVec3;
 use crate::geometry::{Facet, edges};
 use crate::scene::Scene;
 
-/// Surfaces overlap if they reach into each other by more than this part of the size of the scene: files round to six or seven
-/// digits.
+/// Surfaces overlap if they reach into each other by more than this part of the size of the scene; less may be due to files that round
+/// to six or seven digits.
 const TOUCHING: f64 = 1e-6;
 
-/// Whether any two surfaces that face one way in one plane overlap. O(n log n) unless many share a plane and a strip of it.
+/// Whether any two surfaces with the same normal in one plane overlap. O(n log n), unless many share a plane and a strip of it.
 pub(super) fn has_overlap(scene: &Scene) -> bool {
     let tolerance = TOUCHING * scene.bounds().diagonal();
     let mut first_normal: HashMap<u32, DVec3> = HashMap::new();
@@ -25,7 +25,7 @@ pub(super) fn has_overlap(scene: &Scene) -> bool {
         groups.entry((surface.plane, facing)).or_default().push(facet);
     }
     groups.into_values().any(|mut group| {
-        // Along the first edge of the group's first surface, only what begins before another ends can overlap it.
+        // Sort along an edge: a surface can overlap those alone that begin before it ends.
         let along = (group[0].vertices[1] - group[0].vertices[0]).normalize();
         let range = |facet: &Facet<'_>| range(facet, along);
         group.sort_by(|a, b| range(a)[0].total_cmp(&range(b)[0]));
@@ -42,7 +42,7 @@ fn range(facet: &Facet<'_>, axis: DVec3) -> [f64; 2] {
     along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
 }
 
-/// Two convex polygons of a plane overlap unless an edge of either has them on different sides.
+/// Two convex polygons of a plane overlap, unless an edge of either separates them.
 fn overlap(a: &Facet<'_>, b: &Facet<'_>, tolerance: f64) -> bool {
     let parted = |front: &Facet<'_>, other: &Facet<'_>| {
         edges(front.vertices).any(|(start, edge)| {

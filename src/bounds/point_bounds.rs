@@ -2,12 +2,11 @@
 
 use glam::DVec3;
 
-use super::RadiosityBounds;
+use super::radiosity_bounds::RadiosityBounds;
 use crate::hierarchy::Hierarchy;
-use crate::reconstruct::SurfacePoint;
-use crate::scene::Scene;
+use crate::scene::{Scene, SurfacePoint};
 
-/// A point belongs to a surface within this part of the scene's diagonal, as for values at points.
+/// A point lies on a surface if it is no farther than this part of the scene's diagonal, as for values at points.
 const TOLERANCE: f64 = 1e-5;
 
 /// Lower and upper radiosities at points, rounded outwards.
@@ -15,9 +14,9 @@ const TOLERANCE: f64 = 1e-5;
 pub struct PointBounds {
     /// Channels per value.
     pub channels: usize,
-    /// `channels` radiosities per point in W/m^2, point after point; NaN at points that lie on no surface.
+    /// `channels` lower radiosities per point in W/m^2, point after point; NaN at points that lie on no surface.
     pub lower: Vec<f32>,
-    /// The same from above.
+    /// The upper ones.
     pub upper: Vec<f32>,
 }
 
@@ -43,7 +42,7 @@ impl RadiosityBounds {
 }
 
 impl PointBounds {
-    /// Moves values that noise took out of their bounds back to them.
+    /// Moves values that lie outside of their bounds to the nearer one.
     pub(crate) fn confine(&self, values: &mut [f32]) {
         for (value, (lower, upper)) in values.iter_mut().zip(self.lower.iter().zip(&self.upper)) {
             if !value.is_nan() {

@@ -1,36 +1,12 @@
-//! Bounds on radiosities over the links of a solve, and what they say about the whole.
+//! Bounds on radiosities over the links of a solve: form factors, the system, its iteration, the report.
 
-use rayon::prelude::*;
-use serde::Serialize;
-
-use super::bounded_pairs::{BoundedPair, bounded_pairs};
-use super::enclosure::Enclosure;
-use super::overlap::has_overlap;
-use super::system::{Entry, Iterate, Leaf, System};
-use super::{Certainty, Evidence, FormFactorBounds, FormFactorRule};
-use crate::hierarchy::{Hierarchy, NodeId};
-use crate::links::LinkSet;
-use crate::scene::{Scene, SurfaceId};
-
-/// Sweeps end when they change bounds by less than this part of the widest gap.
-pub(super) const SWEEP_TOLERANCE: f64 = 1e-3;
-
-/// Enough for a reflectance of 0.99 to come within the tolerance.
-pub(super) const MOST_SWEEPS: u32 = 1000;
-
-/// What is bounded.
-pub(crate) struct BoundsInput<'a> {
-    pub scene: &'a Scene,
-    pub hierarchy: &'a Hierarchy,
-    pub links: &'a LinkSet,
-    /// As the links carry it: says which pairs are worth a closer look.
-    pub radiosity: &'a [f64],
-    pub rule: FormFactorRule,
-    /// See [`SolveOptions::bounds_work`](crate::solve::SolveOptions::bounds_work).
-    pub work: u64,
-    /// Once it says so, what follows is bounded as cheaply as can be.
-    pub stop: &'a (dyn Fn() -> bool + Sync),
-}
+use super::assembly::assemble;
+use super::input::BoundsInput;
+use super::iteration::{MOST_SWEEPS, SWEEP_TOLERANCE};
+use super::pairs::bounded_pairs;
+use super::report::{BoundsReport, report};
+use super::system::Iterate;
+use crate::hierarchy::NodeId;
 
 /// Lower and upper radiosities of every node: they hold at every point of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,156 +33,12 @@ impl RadiosityBounds {
     }
 }
 
-/// How far apart the bounds of one channel are, over all surfaces.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct ChannelError {
-    /// The integral of `upper - lower`, in W.
-    pub l1: f64,
-    /// The root of the integral of `(upper - lower)^2`, in W/m.
-    pub l2: f64,
-    /// The largest `upper - lower`, in W/m^2.
-    pub l_infinity: f64,
-    /// What all surfaces radiate at least, in W.
-    pub lower_power: f64,
-    /// What all surfaces radiate at most, in W.
-    pub upper_power: f64,
-}
-
-/// How much of the upper bounds travels over pairs of one kind.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct EvidenceShare {
-    /// What the pairs' bounds rest on.
-    pub evidence: Evidence,
-    /// How far that can be trusted.
-    pub certainty: Certainty,
-    /// How many pairs there are.
-    pub pairs: u64,
-    /// Their part, 0 to 1, of all the power that arrives over pairs at most.
-    pub upper_share: f64,
-    /// Their part, 0 to 1, of what the pairs leave open: the power at most less that at least.
-    pub open_share: f64,
-}
-
-/// What the bounds say about the whole.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BoundsReport {
-    /// The weakest of all pairs. An estimate where surfaces overlap in one plane: both are seen there, and form factors may exceed
-    /// 1 in all.
-    pub certainty: Certainty,
-    /// A bound of the error of any values within the bounds, in the norm of
-    /// [`SolveOptions::error`](crate::solve::SolveOptions::error): `||upper - lower|| / ||lower - E||`; infinite where the lower
-    /// bounds prove no reflection.
-    pub relative_error: f64,
-    /// By channel.
-    pub channels: Vec<ChannelError>,
-    /// By what the pairs rest on.
-    pub evidence: Vec<EvidenceShare>,
-    /// The part of the area of all surfaces, 0 to 1, that is proved to see fronts alone.
-    pub enclosed_share: f64,
-    /// Sweeps over both systems.
-    pub sweeps: u32,
-}
-
 /// Bounds every node. In the current rayon pool; the same for any number of threads.
 pub(crate) fn bound_radiosities(input: &BoundsInput<'_>) -> (RadiosityBounds, BoundsReport) {
     let pairs = bounded_pairs(input);
-    let system = system(input, &pairs);
+    let system = assemble(input, &pairs);
     let (iterate, sweeps) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
     let report = report(input, &system, &pairs, &iterate, sweeps);
     let Iterate { lower, upper } = iterate;
     (RadiosityBounds { channels: input.scene.channels(), lower, upper }, report)
-}
-
-pub(super) fn system<'a>(input: &BoundsInput<'a>, pairs: &[BoundedPair]) -> System<'a> {
-    let BoundsInput { scene, hierarchy, .. } = *input;
-    let enclosure = Enclosure::find(scene);
-    let leaves: Vec<NodeId> = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)).collect();
-    let leaf = |&node: &NodeId| {
-        let surface = SurfaceId(hierarchy.node(node).surface);
-        let material = scene.material_of(surface);
-        let enclosed = enclosure.as_ref().is_some_and(|enclosure| enclosure.holds(surface, &hierarchy.facet(node)));
-        Leaf { node: node.0, exitance: &material.exitance, reflectance: &material.reflectance, enclosed }
-    };
-    let mut starts = vec![0; hierarchy.len() + 1];
-    pairs.iter().for_each(|(receiver, ..)| starts[receiver.index() + 1] += 1);
-    for node in 0..hierarchy.len() {
-        starts[node + 1] += starts[node];
-    }
-    System {
-        channels: scene.channels(),
-        parents: hierarchy.ids().map(|node| hierarchy.node(node).parent.0).collect(),
-        starts,
-        entries: pairs.iter().map(|(_, source, f)| Entry { source: source.0, lower: f.lower, upper: f.upper }).collect(),
-        leaves: leaves.par_iter().with_min_len(64).map(leaf).collect(),
-    }
-}
-
-fn report(input: &BoundsInput<'_>, system: &System<'_>, pairs: &[BoundedPair], iterate: &Iterate, sweeps: u32) -> BoundsReport {
-    // Norms over the leaves.
-    let hierarchy = input.hierarchy;
-    let mut channels = vec![ChannelError::default(); system.channels];
-    let (mut area, mut enclosed_area, mut width_sq, mut reflected_sq) = (0.0, 0.0, 0.0, 0.0);
-    for leaf in &system.leaves {
-        let own_area = hierarchy.area(NodeId(leaf.node));
-        area += own_area;
-        enclosed_area += if leaf.enclosed { own_area } else { 0.0 };
-        for (channel, error) in channels.iter_mut().enumerate() {
-            let at = leaf.node as usize * system.channels + channel;
-            let (lower, upper) = (iterate.lower[at], iterate.upper[at]);
-            error.l1 += own_area * (upper - lower);
-            error.l2 += own_area * (upper - lower).powi(2);
-            error.l_infinity = error.l_infinity.max(upper - lower);
-            error.lower_power += own_area * lower;
-            error.upper_power += own_area * upper;
-            width_sq += own_area * (upper - lower).powi(2);
-            reflected_sq += own_area * (lower - leaf.exitance[channel]).powi(2);
-        }
-    }
-    channels.iter_mut().for_each(|error| error.l2 = error.l2.sqrt());
-
-    BoundsReport {
-        certainty: certainty(input, pairs),
-        relative_error: if width_sq == 0.0 { 0.0 } else { (width_sq / reflected_sq).sqrt() },
-        channels,
-        evidence: evidence_shares(input, pairs, iterate),
-        enclosed_share: enclosed_area / area,
-        sweeps,
-    }
-}
-
-/// How far all pairs together can be trusted.
-pub(super) fn certainty(input: &BoundsInput<'_>, pairs: &[BoundedPair]) -> Certainty {
-    let weakest = pairs.iter().map(|(.., f)| f.certainty).max().unwrap_or(Certainty::Guaranteed);
-    if has_overlap(input.scene) { Certainty::Estimate } else { weakest }
-}
-
-/// Adds up the power that arrives over pairs, channels together, by what their bounds rest on.
-fn evidence_shares(input: &BoundsInput<'_>, pairs: &[BoundedPair], iterate: &Iterate) -> Vec<EvidenceShare> {
-    let channels = input.scene.channels();
-    let mut shares: Vec<EvidenceShare> = Vec::new();
-    for &(receiver, source, FormFactorBounds { lower, upper, certainty, evidence }) in pairs {
-        let sum = |values: &[f64]| values[source.index() * channels..][..channels].iter().sum::<f64>();
-        let area = input.hierarchy.area(receiver);
-        let (most, least) = (area * upper * sum(&iterate.upper), area * lower * sum(&iterate.lower));
-        let is_same = |share: &&mut EvidenceShare| (share.evidence, share.certainty) == (evidence, certainty);
-        let share = match shares.iter_mut().find(is_same) {
-            Some(share) => share,
-            None => {
-                shares.push(EvidenceShare { evidence, certainty, pairs: 0, upper_share: 0.0, open_share: 0.0 });
-                let last = shares.len() - 1;
-                &mut shares[last]
-            }
-        };
-        share.pairs += 1;
-        share.upper_share += most;
-        share.open_share += most - least;
-    }
-    let total = |of: fn(&EvidenceShare) -> f64| shares.iter().map(of).sum::<f64>().max(f64::MIN_POSITIVE);
-    let (upper, open) = (total(|share| share.upper_share), total(|share| share.open_share));
-    for share in &mut shares {
-        share.upper_share /= upper;
-        share.open_share /= open;
-    }
-    shares.sort_by_key(|share| (share.evidence, share.certainty));
-    shares
 }

@@ -1,8 +1,8 @@
 //! How far radiosities vary over each leaf: an estimate that is narrower than bounds, and no bound (Lischinski 1994, section 5.2.1).
 //!
 //! It assumes that a leaf is wrong because its own links are, not because its sources are. So light travels once, from the radiosities
-//! as they are found; and because what all links bring is added up at each point before extremes are taken, links that vary in
-//! opposite directions make up for each other:
+//! as they are found. What all links bring is added up at each point before extremes are taken, so that links that vary in opposite
+//! directions make up for each other:
 //!
 //! ```text
 //! least, most of  E + rho sum over links of F(x) B_source      for x the centre and the vertices of the leaf
@@ -12,13 +12,13 @@
 
 use rayon::prelude::*;
 
-use super::pair::PairBounds;
-use super::{FormFactorRule, RadiosityBounds};
+use super::form_factors::{FormFactorRule, PairBounds};
+use super::radiosity_bounds::RadiosityBounds;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::scene::{Scene, SurfaceId};
 
-/// The range of every leaf, by `radiosity`, that of all nodes by channel; inner nodes have the extremes of their leaves.
+/// The range of every leaf, from the `radiosity` of all nodes by channel; inner nodes have the extremes of their leaves.
 pub(crate) fn estimate_ranges(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, radiosity: &[f64]) -> RadiosityBounds {
     let channels = scene.channels();
     let pair_bounds = PairBounds::new(scene, hierarchy, FormFactorRule::CentreAndVertices);

@@ -1,39 +1,37 @@
-//! The two systems of inequalities: for every leaf the least and the most that it can reflect.
+//! The two systems of inequalities: for every leaf the least and the most radiosity that it can have.
 //!
-//! At any point x of a leaf `B(x) = E + rho sum_j F_j(x) B_j`, with B_j a mean of what x sees of source j. With `F_j` between its
-//! bounds and all of them together at most 1,
+//! At any point x of a leaf `B(x) = E + rho sum_j F_j(x) B_j`, with B_j a mean over the part of source j that x sees. If each `F_j`
+//! lies between l_j and u_j, and all of them add up to at most 1, then
 //!
 //! ```text
 //! B(x) <= E + rho max { sum F_j U_j : l_j <= F_j <= u_j, sum F_j <= 1 }       U_j >= the radiosity anywhere on j
 //! B(x) >= E + rho min { sum F_j L_j : l_j <= F_j <= u_j, sum F_j = 1 }        where x sees fronts alone, else sum l_j L_j
 //! ```
 //!
-//! Each is a linear program that is solved by pouring (`pouring`). Both right sides grow with U and L. So from `U = E_max / (1 - rho_max)`, which is true, every sweep
-//! gives something true and no larger, and from `L = E` something true and no smaller: one may stop at any time. (Lischinski 1994,
-//! equation 5.3, starts the upper system from E, where only the limit is a bound, and pours without the l_j.)
+//! with L_j no more than the radiosity anywhere on j. Each right side is a fractional knapsack (`knapsack`); how the systems are solved is
+//! told in `iteration`. (Lischinski 1994, equation 5.3, without the l_j in the upper system.)
 //!
-//! A leaf gathers over its own entries and those of all its ancestors; an inner source stands for its brightest (its dimmest) leaf.
+//! A leaf gathers over its own entries and those of all its ancestors. A source that is not a leaf stands for its brightest leaf in U and
+//! for its dimmest in L.
 
 use std::ops::Range;
-
-use rayon::prelude::*;
-
-use super::pouring::Pouring;
 
 /// What a node may gather from one source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Entry {
     pub source: u32,
+    /// Between these lies the form factor from every point of the node.
     pub lower: f64,
     pub upper: f64,
 }
 
-/// A leaf: where values are known by what it emits and reflects.
+/// A leaf: what its radiosity follows from.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Leaf<'a> {
     pub node: u32,
     /// W/m^2, by channel.
     pub exitance: &'a [f64],
+    /// By channel.
     pub reflectance: &'a [f64],
     /// Whether all its points see fronts alone, in all directions.
     pub enclosed: bool,
@@ -57,76 +55,12 @@ pub(super) struct Iterate {
     pub upper: Vec<f64>,
 }
 
-/// Widens what a sum of this many terms gives, by all its roundings and one more for each step.
+/// By this part of itself a sum of so many terms is widened: it allows for the rounding of each, and for a few steps more.
 pub(super) fn rounding(terms: usize) -> f64 {
     f64::EPSILON * (terms as f64 + 8.0)
 }
 
 impl System<'_> {
-    /// Bounds that hold whatever the form factors are: no surface emits less than E, and none can be brighter than the brightest
-    /// would be with the highest reflectance all around.
-    pub fn trivial(&self) -> Iterate {
-        let count = self.channels * self.parents.len();
-        let mut iterate = Iterate { lower: vec![0.0; count], upper: vec![0.0; count] };
-        for channel in 0..self.channels {
-            let most = |value: &dyn Fn(&Leaf<'_>) -> f64| self.leaves.iter().map(value).fold(0.0, f64::max);
-            let (exitance, reflectance) = (most(&|leaf| leaf.exitance[channel]), most(&|leaf| leaf.reflectance[channel]));
-            for leaf in &self.leaves {
-                let at = leaf.node as usize * self.channels + channel;
-                iterate.lower[at] = leaf.exitance[channel];
-                let seen = exitance / (1.0 - reflectance);
-                iterate.upper[at] = (leaf.exitance[channel] + leaf.reflectance[channel] * seen) * (1.0 + rounding(0));
-            }
-        }
-        self.pull(&mut iterate);
-        iterate
-    }
-
-    /// Sweeps until the gap is `tolerance` of itself near what it can become, so often, or until `stop`; returns the bounds and the number of
-    /// sweeps.
-    pub fn solve(&self, tolerance: f64, most_sweeps: u32, stop: &dyn Fn() -> bool) -> (Iterate, u32) {
-        let (mut iterate, mut pourings) = (self.trivial(), self.pourings());
-        for sweep in 1..=most_sweeps {
-            let change = self.sweep(&mut iterate, &mut pourings);
-            let gap = iterate.upper.iter().zip(&iterate.lower).map(|(upper, lower)| upper - lower).fold(0.0, f64::max);
-            if change <= tolerance * gap || stop() {
-                return (iterate, sweep);
-            }
-        }
-        (iterate, most_sweeps)
-    }
-
-    /// Takes every leaf's bounds anew from those of all others; returns the largest change. Bounds never get wider.
-    pub fn sweep(&self, iterate: &mut Iterate, pourings: &mut [Pouring<'_, '_>]) -> f64 {
-        pourings.iter_mut().for_each(|pouring| pouring.look_at(iterate));
-        let channels = self.channels;
-        let mut found = vec![[0.0; 2]; channels * self.leaves.len()];
-        found.par_chunks_mut(channels).with_min_len(64).zip(&self.leaves).for_each(|(found, leaf)| {
-            for (channel, found) in found.iter_mut().enumerate() {
-                let rho = leaf.reflectance[channel];
-                let pour = || pourings[channel].pour(leaf.node, leaf.enclosed, iterate, |_, _, _| {});
-                let reflected = if rho > 0.0 { pour().map(|h| rho * h) } else { [0.0; 2] };
-                *found = reflected.map(|reflected| leaf.exitance[channel] + reflected);
-            }
-        });
-        let mut change = 0.0_f64;
-        for (found, leaf) in found.chunks(channels).zip(&self.leaves) {
-            for (channel, &[lower, upper]) in found.iter().enumerate() {
-                let at = leaf.node as usize * channels + channel;
-                change = change.max(lower - iterate.lower[at]).max(iterate.upper[at] - upper);
-                iterate.lower[at] = iterate.lower[at].max(lower);
-                iterate.upper[at] = iterate.upper[at].min(upper).max(iterate.lower[at]);
-            }
-        }
-        self.pull(iterate);
-        change
-    }
-
-    /// What is poured in a sweep, channel by channel.
-    pub fn pourings(&self) -> Vec<Pouring<'_, '_>> {
-        (0..self.channels).map(|channel| Pouring::new(self, channel)).collect()
-    }
-
     /// Visits the entries of a node, then those of all its ancestors, as ranges of indices.
     pub fn for_each_list(&self, node: u32, mut visit: impl FnMut(Range<usize>)) {
         let mut node = node as usize;
@@ -140,12 +74,12 @@ impl System<'_> {
         }
     }
 
-    /// Of an entry's source.
+    /// The radiosity of an entry's source, `values` being by node and channel.
     pub fn radiosity(&self, values: &[f64], entry: u32, channel: usize) -> f64 {
         values[self.entries[entry as usize].source as usize * self.channels + channel]
     }
 
-    /// Inner nodes take the extremes of their leaves.
+    /// Gives inner nodes the extremes of their leaves.
     pub fn pull(&self, iterate: &mut Iterate) {
         let channels = self.channels;
         let mut is_leaf = vec![false; self.parents.len()];
@@ -164,6 +98,3 @@ impl System<'_> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

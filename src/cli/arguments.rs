@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::option_help;
+
 const EXIT_CODES: &str = "\
 Exit codes:
     0  done
@@ -29,7 +31,7 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Light a scene, and write what is asked for
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = EXIT_CODES, after_long_help = format!("{}\n{EXIT_CODES}", option_help::of_set()))]
     Solve(Box<SolveArguments>),
     /// Evaluate a solution at points
     #[command(after_help = EXIT_CODES)]
@@ -53,39 +55,8 @@ pub struct SolveArguments {
     /// Write the solution: scene, hierarchy, links, radiosities and options in one file
     #[arg(short, long, value_name = "SOLUTION")]
     pub output: Option<PathBuf>,
-    /// Relative error asked for, in the root mean square over all surfaces [default: 0.02]
-    #[arg(long, value_name = "E")]
-    pub error: Option<f64>,
-    /// How pairs are refined: default, hanrahan91, uniform, original94, culling94, lazy94, lazy94+reduction, bottom-up98, top-down98 or
-    /// error-driven
-    #[arg(long, value_name = "NAME")]
-    pub strategy: Option<String>,
-    /// What the answer is wanted for, with --strategy error-driven: total, view (what the camera of the picture sees) or
-    /// 'material NAME' [default: total]
-    #[arg(long, value_name = "WHAT")]
-    pub importance: Option<String>,
-    /// Which sides of a face emit and receive: front or both [default: front]
-    #[arg(long, value_name = "SIDES")]
-    pub sides: Option<String>,
-    /// Seed of every random choice [default: 0]
-    #[arg(long, value_name = "N")]
-    pub seed: Option<u64>,
-    /// Stop refining at this many links
-    #[arg(long, value_name = "N")]
-    pub max_links: Option<u64>,
-    /// Stop when nodes and links would take more than this many GB (1e9 bytes); the process takes up to five times as much
-    /// [default: 15% of the memory that is available]
-    #[arg(long, value_name = "GB")]
-    pub memory: Option<f64>,
-    /// Stop after this many seconds
-    #[arg(long, value_name = "S")]
-    pub time: Option<f64>,
-    /// What is said about the error: none, estimate, or guaranteed, which proves lower and upper radiosities [default: estimate]
-    #[arg(long, value_name = "KIND")]
-    pub bounds: Option<String>,
-    /// Set any option by its key, as in --set error=0.01; may be repeated
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
+    #[command(flatten)]
+    pub settings: SettingArguments,
     /// Take a picture: .png to look at, .exr with linear radiances; may be repeated, to have it in both
     #[arg(long, value_name = "FILE")]
     pub image: Vec<PathBuf>,
@@ -102,6 +73,54 @@ pub struct SolveArguments {
     pub report: Option<PathBuf>,
     #[command(flatten)]
     pub run: RunArguments,
+}
+
+/// Options of a solve: flags for those that are used most, `--set` for all.
+#[derive(Debug, Args)]
+pub struct SettingArguments {
+    #[arg(long, value_name = "E", help = option_help::of_flag("error"))]
+    pub error: Option<String>,
+    #[arg(long, value_name = "NAME", help = option_help::of_flag("strategy"))]
+    pub strategy: Option<String>,
+    #[arg(long, value_name = "WHAT", help = option_help::of_flag("importance"))]
+    pub importance: Option<String>,
+    #[arg(long, value_name = "KIND", help = option_help::of_flag("bounds"))]
+    pub bounds: Option<String>,
+    #[arg(long, value_name = "N", help = option_help::of_flag("seed"))]
+    pub seed: Option<String>,
+    #[arg(long, value_name = "N", help = option_help::of_flag("max_links"))]
+    pub max_links: Option<String>,
+    /// Which sides of a face emit and receive: front or both [default: front]
+    #[arg(long, value_name = "SIDES")]
+    pub sides: Option<String>,
+    /// Stop when nodes and links would take more than this many GB (1e9 bytes); the process takes up to five times as much
+    /// [default: 15% of the memory that is available]
+    #[arg(long, value_name = "GB")]
+    pub memory: Option<String>,
+    /// Stop after this many seconds
+    #[arg(long, value_name = "S")]
+    pub time: Option<String>,
+    /// Set any option by its key, as in --set error=0.01; may be repeated; --help lists the keys
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+impl SettingArguments {
+    /// The flags that were typed, by their keys.
+    pub fn flags(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        let flags = [
+            ("error", &self.error),
+            ("strategy", &self.strategy),
+            ("importance", &self.importance),
+            ("bounds", &self.bounds),
+            ("seed", &self.seed),
+            ("max_links", &self.max_links),
+            ("sides", &self.sides),
+            ("memory", &self.memory),
+            ("time", &self.time),
+        ];
+        flags.into_iter().filter_map(|(key, value)| Some((key, value.as_deref()?)))
+    }
 }
 
 /// `patchlight sample`.

@@ -13,7 +13,7 @@ use patchlight::visibility::{self, Backend, OccluderMesh};
 use super::arguments::InfoArguments;
 use super::exit::{Exit, Failure};
 use super::files;
-use super::request::parse_sides;
+use super::settings::parse_sides;
 
 /// Tells what is in a file.
 pub fn info(arguments: &InfoArguments) -> Result<Exit, Failure> {

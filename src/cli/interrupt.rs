@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::exit::Exit;
-use super::progress::say;
+use super::stderr::say;
 
 static INTERRUPTS: AtomicUsize = AtomicUsize::new(0);
 

@@ -7,11 +7,14 @@ mod exit;
 mod files;
 mod info;
 mod interrupt;
+mod option_help;
 mod process;
 mod progress;
 mod request;
 mod results;
+mod settings;
 mod solve;
+mod stderr;
 
 use std::process::ExitCode;
 
@@ -33,7 +36,7 @@ pub fn run() -> ExitCode {
     match execute(arguments.command) {
         Ok(exit) => exit.into(),
         Err(failure) => {
-            progress::say(format_args!("error: {}", failure.message));
+            stderr::say(format_args!("error: {}", failure.message));
             failure.exit.into()
         }
     }

@@ -1,7 +1,7 @@
 //! What is said on stderr while the work goes on.
 
 use std::fmt;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -11,11 +11,7 @@ use serde_json::json;
 
 use super::arguments::ProgressKind;
 use super::interrupt;
-
-/// One line on stderr. That nobody listens is no error.
-pub fn say(line: fmt::Arguments<'_>) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
-}
+use super::stderr::say;
 
 /// How the user wants to be told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

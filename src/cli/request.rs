@@ -2,27 +2,19 @@
 
 use std::path::PathBuf;
 
-use patchlight::output::{Destination, ExportFormat, Exposure, ImageFormat, Quantity};
-use patchlight::reconstruct::{Camera, CameraRequest};
+use patchlight::output::{Destination, ExportFormat, ImageFormat, PngExposure, Quantity};
+use patchlight::picture::{Camera, CameraRequest};
 use patchlight::scene::Sides;
 use patchlight::solve::{Bounds, Interest, RunOptions, SolveOptions};
 
-use super::arguments::{ExportArguments, PictureArguments, RenderArguments, RunArguments, SampleArguments, SolveArguments};
+use super::arguments::{ExportArguments, PictureArguments, RenderArguments, SampleArguments, SolveArguments};
 use super::exit::Failure;
 use super::files::{Outputs, Sink};
-use super::process;
 use super::progress::Voice;
+use super::settings::{Settings, run_options};
 
 /// Width and height of a picture that nobody gave a size.
 const DEFAULT_SIZE: (u32, u32) = (960, 720);
-
-/// Of the memory that is available, the solution gets so much if nobody says: while it refines, the process takes up to five times what
-/// nodes and links do (measured at 3 million links), and is to stay below three quarters.
-const DEFAULT_MEMORY: f64 = 0.75 / 5.0;
-
-fn default_memory_bytes() -> Option<u64> {
-    process::available_memory_bytes().map(|available| (DEFAULT_MEMORY * available as f64) as u64)
-}
 
 /// A picture to take.
 #[derive(Debug)]
@@ -30,7 +22,7 @@ pub struct PictureRequest {
     pub files: Vec<(Destination, ImageFormat)>,
     pub camera: CameraRequest,
     pub size: (u32, u32),
-    pub exposure: Exposure,
+    pub exposure: PngExposure,
     pub quantity: Quantity,
 }
 
@@ -38,7 +30,7 @@ impl PictureRequest {
     fn new(paths: &[PathBuf], typed: &PictureArguments, outputs: &mut Outputs) -> Result<Self, Failure> {
         let camera = typed.camera.as_deref().unwrap_or("").parse().map_err(Failure::usage)?;
         let size = typed.size.as_deref().map_or(Ok(DEFAULT_SIZE), parse_size)?;
-        let exposure = typed.exposure.as_deref().map_or(Ok(Exposure::Auto), parse_exposure)?;
+        let exposure = typed.exposure.as_deref().map_or(Ok(PngExposure::Auto), parse_exposure)?;
         let quantity = typed.quantity.as_deref().map_or(Ok(Quantity::Radiance), parse_quantity)?;
         let formats: Vec<ImageFormat> =
             paths.iter().map(|path| ImageFormat::of_path(path)).collect::<Result<_, _>>().map_err(Failure::usage)?;
@@ -80,55 +72,13 @@ pub struct SolveRequest {
 impl SolveRequest {
     /// Validates what was typed.
     pub fn new(typed: SolveArguments) -> Result<Self, Failure> {
-        // Options: flags first, then `--set` in the order in which it was typed.
-        let mut settings = Settings::default();
-        settings.set_run(&typed.run)?;
-        let options = &mut settings.options;
-        options.error = typed.error.unwrap_or(options.error);
-        options.seed = typed.seed.unwrap_or(options.seed);
-        options.max_links = typed.max_links.or(options.max_links);
-        if let Some(name) = &typed.strategy {
-            options.strategy = name.parse().map_err(Failure::usage)?;
-        }
-        for (key, value) in [("sides", &typed.sides), ("bounds", &typed.bounds)] {
-            if let Some(value) = value {
-                settings.set(key, value)?;
-            }
-        }
-        if let Some(text) = &typed.importance {
-            let camera = typed.picture.camera.as_deref().filter(|_| text.trim() == "view");
-            settings.set("importance", &camera.map_or_else(|| text.clone(), |camera| format!("view {camera}")))?;
-        }
-        for (key, value) in [("memory", typed.memory), ("time", typed.time)] {
-            if let Some(value) = value {
-                settings.set(key, &value.to_string())?;
-            }
-        }
-        for setting in &typed.set {
-            let (key, value) = setting
-                .split_once('=')
-                .ok_or_else(|| Failure::usage(format_args!("--set {setting}: write --set key=value, as in --set error=0.01")))?;
-            settings.set(key.trim(), value.trim())?;
-        }
-        settings.options.validate().map_err(Failure::usage)?;
-        settings.run.memory_bytes = settings.run.memory_bytes.or_else(default_memory_bytes);
+        let settings = Settings::new(&typed.settings, &typed.run, typed.picture.camera.as_deref())?;
 
         // Outputs, before anything is computed.
         let points = typed.points.as_deref();
         let mut outputs = Outputs::beside(&[&[typed.scene.as_path()], points.as_slice()].concat());
         let solution = typed.output.as_deref().map(|path| outputs.file(path)).transpose()?;
-        let picture = &typed.picture;
-        let camera_for_picture = picture.camera.as_ref().filter(|_| !matches!(settings.options.importance, Interest::View(_)));
-        let picture_flags = [camera_for_picture, picture.size.as_ref(), picture.exposure.as_ref(), picture.quantity.as_ref()];
-        if typed.image.is_empty() && picture_flags.iter().any(|flag| flag.is_some()) {
-            return Err(Failure::usage("--camera, --size, --exposure and --quantity need --image FILE"));
-        }
-        let asked = !typed.image.is_empty();
-        let picture = asked.then(|| PictureRequest::new(&typed.image, picture, &mut outputs)).transpose()?;
-        let shows_width = picture.as_ref().is_some_and(|picture| picture.quantity == Quantity::Width);
-        if shows_width && settings.options.bounds != Bounds::Guaranteed {
-            return Err(Failure::usage("--quantity width needs --bounds guaranteed"));
-        }
+        let picture = Self::picture(&typed, &settings.options, &mut outputs)?;
         let values = typed.values.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
         Ok(Self {
@@ -143,64 +93,23 @@ impl SolveRequest {
             report,
         })
     }
-}
 
-/// All that `--set` reaches.
-#[derive(Default)]
-struct Settings {
-    options: SolveOptions,
-    run: RunOptions,
-    sides: Sides,
-}
-
-impl Settings {
-    fn set_run(&mut self, typed: &RunArguments) -> Result<(), Failure> {
-        self.run.threads = typed.threads.unwrap_or(0);
-        if let Some(name) = &typed.backend {
-            self.run.backend = name.parse().map_err(Failure::usage)?;
-        }
-        check_threads(self.run.threads)
-    }
-
-    /// Sets one option from text: those of the run here, all others by [`SolveOptions::set`].
-    fn set(&mut self, key: &str, value: &str) -> Result<(), Failure> {
-        let positive = |unit: &str| {
-            let number = value.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
-            number.ok_or_else(|| Failure::usage(format_args!("{key} is '{value}', it must be a number of {unit} above 0")))
-        };
-        match key {
-            "sides" => self.sides = parse_sides(value)?,
-            "backend" => self.run.backend = value.parse().map_err(Failure::usage)?,
-            "threads" => {
-                let threads = value.parse();
-                self.run.threads = threads.map_err(|_| {
-                    Failure::usage(format_args!("threads is '{value}', it must be a whole number, 0 for one per core"))
-                })?;
-                check_threads(self.run.threads)?;
+    /// The picture, if one is asked for. Its camera may be typed without one, where it says what the answer is wanted for.
+    fn picture(typed: &SolveArguments, options: &SolveOptions, outputs: &mut Outputs) -> Result<Option<PictureRequest>, Failure> {
+        let flags = &typed.picture;
+        if typed.image.is_empty() {
+            let camera = flags.camera.as_ref().filter(|_| !matches!(options.importance, Interest::View(_)));
+            let typed = [camera, flags.size.as_ref(), flags.exposure.as_ref(), flags.quantity.as_ref()];
+            if typed.iter().any(|flag| flag.is_some()) {
+                return Err(Failure::usage("--camera, --size, --exposure and --quantity need --image FILE"));
             }
-            "time" => self.run.time_s = Some(positive("seconds")?),
-            "memory" => self.run.memory_bytes = Some((positive("GB")? * 1e9) as u64),
-            _ => self.options.set(key, value).map_err(Failure::usage)?,
+            return Ok(None);
         }
-        Ok(())
-    }
-}
-
-/// More threads than any machine has are a slip, and the system would fail on them in the middle of the work.
-fn check_threads(threads: usize) -> Result<(), Failure> {
-    const MOST: usize = 4096;
-    if threads > MOST {
-        return Err(Failure::usage(format_args!("threads is {threads}, it must be at most {MOST}; 0 takes one per core")));
-    }
-    Ok(())
-}
-
-/// Sides by name.
-pub fn parse_sides(text: &str) -> Result<Sides, Failure> {
-    match text {
-        "front" => Ok(Sides::Front),
-        "both" => Ok(Sides::Both),
-        _ => Err(Failure::usage(format_args!("sides is '{text}', it must be front or both"))),
+        let picture = PictureRequest::new(&typed.image, flags, outputs)?;
+        if picture.quantity == Quantity::Width && options.bounds != Bounds::Guaranteed {
+            return Err(Failure::usage("--quantity width needs --bounds guaranteed"));
+        }
+        Ok(Some(picture))
     }
 }
 
@@ -213,13 +122,13 @@ fn parse_size(text: &str) -> Result<(u32, u32), Failure> {
     Ok((width, height))
 }
 
-fn parse_exposure(text: &str) -> Result<Exposure, Failure> {
+fn parse_exposure(text: &str) -> Result<PngExposure, Failure> {
     if text == "auto" {
-        return Ok(Exposure::Auto);
+        return Ok(PngExposure::Auto);
     }
     // Beyond this floats end.
     let ev = text.parse().ok().filter(|ev: &f64| ev.abs() <= 100.0);
-    ev.map(Exposure::Ev)
+    ev.map(PngExposure::Ev)
         .ok_or_else(|| Failure::usage(format_args!("exposure is '{text}', it must be auto or an EV from -100 to 100")))
 }
 
@@ -230,12 +139,6 @@ fn parse_quantity(text: &str) -> Result<Quantity, Failure> {
         "width" => Ok(Quantity::Width),
         _ => Err(Failure::usage(format_args!("quantity is '{text}', it must be one of {}", Quantity::NAMES.join(", ")))),
     }
-}
-
-fn run_options(typed: &RunArguments) -> Result<RunOptions, Failure> {
-    let mut settings = Settings::default();
-    settings.set_run(typed)?;
-    Ok(settings.run)
 }
 
 /// `patchlight sample`.

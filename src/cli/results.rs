@@ -4,8 +4,9 @@ use patchlight::output::{
     Destination, ExportFormat, ImageFormat, Points, Provenance, Quantity, write_bounded_values, write_ply, write_png,
     write_solution, write_values,
 };
+use patchlight::picture::Image;
 use patchlight::pipeline::Evaluator;
-use patchlight::reconstruct::{Image, Values};
+use patchlight::values::Values;
 
 use super::exit::{Exit, Failure};
 use super::files::{self, Sink};

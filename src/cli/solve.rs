@@ -3,15 +3,16 @@
 use std::time::Instant;
 
 use patchlight::bounds::Certainty;
-use patchlight::output::{CpuReport, Provenance, RunReport, SceneReport, write_report};
-use patchlight::pipeline;
+use patchlight::output::{CpuReport, Points, Provenance, RunReport, SceneReport, write_report};
+use patchlight::pipeline::{self, Evaluator};
 use patchlight::scene::Scene;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::solve::{SolveOptions, SolveReport};
 
 use super::exit::{Exit, Failure};
-use super::progress::{Voice, Watcher, say};
+use super::progress::{Voice, Watcher};
 use super::request::SolveRequest;
+use super::stderr::say;
 use super::{files, interrupt, process, results};
 
 /// Warnings that are printed one by one; `patchlight info` prints all.
@@ -27,13 +28,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let points = request.points.as_ref().map(|(path, _)| files::read_points(path)).transpose()?;
     let expected_values = request.options.expected_values.or(points.as_ref().map(|points| points.len() as u64));
     let options = SolveOptions { expected_values, ..request.options.clone() };
-    let imported = read_scene(&request.scene, &ImportOptions { sides: request.sides }).map_err(Failure::bad_input)?;
-    let (scene, warnings) = (imported.scene, imported.diagnostics.warnings());
-    warnings.iter().take(PRINTED_WARNINGS).for_each(|warning| voice.warn(format_args!("{warning}")));
-    if warnings.len() > PRINTED_WARNINGS {
-        let more = warnings.len() - PRINTED_WARNINGS;
-        voice.warn(format_args!("{more} more; 'patchlight info {}' prints all", request.scene.display()));
-    }
+    let (scene, warnings) = read(&request)?;
     let scene_report = describe_scene(&scene, &request);
     let load_s = start.elapsed().as_secs_f64();
 
@@ -44,34 +39,12 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let provenance = Provenance::new(&options);
     let mut run_report = RunReport::of_solve(provenance.software(), scene_report, &options, &report);
     tell_key_figures(voice, &run_report, &report);
-    let mut ending = Ending::new(Exit::of_solve(report.stopped_by, report.converged));
 
-    // What is asked for. The solution first: everything else can be made from it again.
-    let mut output_s = 0.0;
-    let mut timed = |work: &mut dyn FnMut() -> Result<(), Failure>| {
-        let start = Instant::now();
-        let result = work();
-        output_s += start.elapsed().as_secs_f64();
-        result
-    };
+    // What is asked for.
+    let mut ending = Ending::new(Exit::of_solve(report.stopped_by, report.converged));
     let sampling = Instant::now();
-    if let Some(destination) = &request.solution {
-        ending.note(timed(&mut || results::write_solution_to(destination, &evaluator, voice)));
-    }
-    if let (Some((_, sink)), Some(points)) = (&request.points, &points) {
-        match results::values_at(&evaluator, points, voice) {
-            Some(values) => ending.note(timed(&mut || results::write_values_to(sink, &evaluator, points, &values, voice))),
-            None => ending.cancel(voice, &sink.name()),
-        }
-    }
-    if let Some(picture) = &request.picture {
-        match results::take_picture(&evaluator, picture, voice) {
-            Ok(Some(image)) => ending.note(timed(&mut || results::write_picture(&image, picture, &provenance, voice))),
-            Ok(None) => ending.cancel(voice, "the picture"),
-            Err(failure) => ending.note(Err(failure)),
-        }
-    }
-    let sample_s = sampling.elapsed().as_secs_f64() - output_s;
+    write_results(&request, &evaluator, points.as_ref(), &provenance, &mut ending);
+    let sample_s = sampling.elapsed().as_secs_f64() - ending.output_s;
 
     // The report, last: it tells about all of the above.
     let cpu_now = process::cpu_seconds();
@@ -80,7 +53,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     run_report.warnings = warnings;
     run_report.time_s.load = load_s;
     run_report.time_s.sample = sample_s;
-    run_report.time_s.output = output_s;
+    run_report.time_s.output = ending.output_s;
     run_report.time_s.total = start.elapsed().as_secs_f64();
     run_report.cpu_s = CpuReport { total: cpu_now, solve: between(cpu_before, cpu_solved), sample: between(cpu_solved, cpu_now) };
     run_report.memory.peak_resident_bytes = process::peak_resident_bytes();
@@ -89,6 +62,45 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
         ending.note(sink.write(|mut writer| write_report(&mut writer, &run_report)));
     }
     ending.finish()
+}
+
+/// Reads the scene, and warns of what was repaired.
+fn read(request: &SolveRequest) -> Result<(Scene, Vec<String>), Failure> {
+    let imported = read_scene(&request.scene, &ImportOptions { sides: request.sides }).map_err(Failure::bad_input)?;
+    let warnings = imported.diagnostics.warnings();
+    warnings.iter().take(PRINTED_WARNINGS).for_each(|warning| request.voice.warn(format_args!("{warning}")));
+    if warnings.len() > PRINTED_WARNINGS {
+        let more = warnings.len() - PRINTED_WARNINGS;
+        request.voice.warn(format_args!("{more} more; 'patchlight info {}' prints all", request.scene.display()));
+    }
+    Ok((imported.scene, warnings))
+}
+
+/// Writes what is asked for, but for the report. The solution first: everything else can be made from it again.
+fn write_results(
+    request: &SolveRequest,
+    evaluator: &Evaluator,
+    points: Option<&Points>,
+    provenance: &Provenance,
+    ending: &mut Ending,
+) {
+    let voice = request.voice;
+    if let Some(destination) = &request.solution {
+        ending.write(|| results::write_solution_to(destination, evaluator, voice));
+    }
+    if let (Some((_, sink)), Some(points)) = (&request.points, points) {
+        match results::values_at(evaluator, points, voice) {
+            Some(values) => ending.write(|| results::write_values_to(sink, evaluator, points, &values, voice)),
+            None => ending.cancel(voice, &sink.name()),
+        }
+    }
+    if let Some(picture) = &request.picture {
+        match results::take_picture(evaluator, picture, voice) {
+            Ok(Some(image)) => ending.write(|| results::write_picture(&image, picture, provenance, voice)),
+            Ok(None) => ending.cancel(voice, "the picture"),
+            Err(failure) => ending.note(Err(failure)),
+        }
+    }
 }
 
 fn available_threads() -> usize {
@@ -162,15 +174,24 @@ fn tell_time(voice: Voice, run: &RunReport) {
 struct Ending {
     exit: Exit,
     failures: Vec<Failure>,
+    /// Seconds that writing took.
+    output_s: f64,
 }
 
 impl Ending {
     fn new(exit: Exit) -> Self {
-        Self { exit, failures: Vec::new() }
+        Self { exit, failures: Vec::new(), output_s: 0.0 }
     }
 
     fn note(&mut self, result: Result<(), Failure>) {
         self.failures.extend(result.err());
+    }
+
+    /// Does some writing, and counts its time.
+    fn write(&mut self, work: impl FnOnce() -> Result<(), Failure>) {
+        let start = Instant::now();
+        self.note(work());
+        self.output_s += start.elapsed().as_secs_f64();
     }
 
     fn cancel(&mut self, voice: Voice, left_out: &str) {

@@ -18,8 +18,8 @@
 //!   least 4/9 of the area (Gruenbaum 1960). What is left is bounded directly: by its kernel, by Taylor's formula, by the lune
 //!   between both planes.
 //!
-//! All numbers are widened by what rounding may do. Cost: a few looks where a vertex is the best, at most [`Search::looks`] and a walk
-//! over parts of the source for each; slivers near each other cost most.
+//! All numbers are widened by what rounding may do. Cost: a form factor at each vertex where a vertex is the best; else also at no more
+//! than [`Search::points`] points inside, with a descent into the source for each. Slivers near each other cost most.
 
 use std::f64::consts::PI;
 
@@ -32,20 +32,20 @@ use crate::geometry::{Clip, ClippedFacet, Facet, clip_to_front, halves, plane_no
 /// How closely the largest is searched for.
 #[derive(Clone, Copy)]
 pub(crate) struct Search {
-    /// So many points of the receiver are looked at where no vertex is the best.
-    looks: u32,
-    /// So many triangles of the source are bounded for each, at most: a sliver beside a small part would take millions. Whole they are
-    /// bounded, too, only less tightly.
+    /// The most points inside the receiver at which the form factor is computed where no vertex is the best.
+    points: u32,
+    /// The most triangles of the source that are bounded for each of these points: a sliver beside a small part would take millions. What
+    /// is not cut any further is bounded less tightly.
     triangles: u32,
 }
 
 impl Search {
     /// As tight as can be.
-    pub const CLOSE: Self = Self { looks: 40, triangles: 1 << 12 };
+    pub const CLOSE: Self = Self { points: 40, triangles: 1 << 12 };
     /// Where many pairs count, each a little: a sixth of the time, looser for polygons beside each other.
-    pub const FAIR: Self = Self { looks: 10, triangles: 1 << 8 };
-    /// To tell which pairs to look at.
-    pub const QUICK: Self = Self { looks: 2, triangles: 1 << 4 };
+    pub const FAIR: Self = Self { points: 10, triangles: 1 << 8 };
+    /// To tell which pairs are worth more.
+    pub const QUICK: Self = Self { points: 2, triangles: 1 << 4 };
 }
 
 /// A slope must exceed its rounding so many times to tell which way is up.
@@ -57,7 +57,7 @@ const LONGEST: f64 = 1.5;
 /// An upper bound that is above a form factor which is attained by this part of the range over the receiver is good enough.
 const GOOD_ENOUGH: f64 = 0.05;
 
-/// A vertex that touches the source is looked at from so far towards the middle of the receiver, as a part of the way.
+/// Instead of a vertex that touches the source, a point is taken that lies this part of the way from it to the middle of the receiver.
 const STEP_INWARD: f64 = 1.0 / (1 << 20) as f64;
 
 /// Parts of the size of two polygons within which they count as touching: what rounding leaves of vertices that were computed
@@ -163,20 +163,20 @@ fn upper_around_corner(receiver: &Facet<'_>, source: &Facet<'_>, corner: DVec3, 
     })
 }
 
-/// A cone is followed so many times as far as the part of the receiver reaches that looks at it.
+/// A cone is cut off at so many times the distance to which the part of the receiver reaches.
 const CONE_LENGTH: f64 = 1e5;
 
 /// The same by search.
 fn searched_upper(receiver: &Facet<'_>, source: &Facet<'_>, least: f64, search: Search) -> f64 {
     let lune = lune(receiver.normal, source.normal);
-    let look = |x| point_factor(x, receiver.normal, source.vertices);
+    let factor_at = |x| point_factor(x, receiver.normal, source.vertices);
     let most_of = |factor: &PointFactor| factor.value + factor.value_noise;
 
     // The vertices; the best may be the best of all.
     let mut best = 0.0_f64;
     let mut best_vertex = None;
     for &vertex in receiver.vertices.iter().filter(|&&vertex| !touches(source, vertex, receiver.radius)) {
-        let factor = look(vertex);
+        let factor = factor_at(vertex);
         if most_of(&factor) > best {
             best = most_of(&factor);
             best_vertex = Some((vertex, factor));
@@ -192,23 +192,23 @@ fn searched_upper(receiver: &Facet<'_>, source: &Facet<'_>, least: f64, search: 
         }
     }
 
-    // Parts of the receiver that may hold the largest, each with a bound: look at the middle of the one with the highest.
+    // Parts of the receiver that may hold the largest, each with a bound: go to the middle of the one with the highest.
     let cap = Cap { source, normal: receiver.normal, lune, most_triangles: search.triangles };
     let mut parts = vec![(lune, ClippedFacet::copy_of(receiver))];
-    for _ in 0..search.looks {
+    for _ in 0..search.points {
         let Some(highest) = (0..parts.len()).max_by(|&a, &b| parts[a].0.total_cmp(&parts[b].0)) else { break };
         if parts[highest].0 <= best + GOOD_ENOUGH * (best - least) {
             break;
         }
         let (bound, part) = parts.swap_remove(highest);
-        let middle = look(part.facet().centroid);
+        let middle = factor_at(part.facet().centroid);
         best = best.max(most_of(&middle));
         let bound = bound.min(cap.over(&part.facet(), &middle));
         if bound <= best {
             continue;
         }
 
-        // Cut away what cannot be higher than the middle, and halve what is long, or has no way up that rounding lets be seen.
+        // Cut away what cannot be higher than the middle, and halve what is long, or has a slope that rounding hides.
         let rest = uphill_part(part, &middle);
         match rest {
             Rest::Round(part) => parts.push((bound, part)),

@@ -16,16 +16,8 @@ use bounds::estimate_unoccluded_range;
 pub(crate) use bounds::{Search, bound_unoccluded, centre_and_vertices};
 pub(crate) use exact::exact_exchange;
 pub(crate) use lambert::{kernel, point_to_polygon};
+pub use quadrature::Estimate;
 pub(crate) use quadrature::{estimate_exchange, sided_exchange};
-
-/// An integral with the error that its quadrature claims.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// The value.
-    pub value: f64,
-    /// The claimed absolute error; an estimate, no bound.
-    pub error: f64,
-}
 
 /// The form factor from the point `receiver` with unit normal `normal` to `source`: exact, by Lambert's sum over the edges of the
 /// polygon clipped to the horizon.

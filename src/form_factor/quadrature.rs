@@ -10,7 +10,7 @@
 //! the first term from 1/r^4, the second from its product with the heights, which are linear. Lambert's sum at the centroid of
 //! the smaller polygon has no error from the larger one; there d is the distance to the larger polygon and only the smaller one
 //! counts. Rules with more points have powers of e. The factors and powers of all claims are empirical, fitted to 50,000 random
-//! pairs of all kinds so that at least 99.8% stay within them; tests/form_factors.rs counts those that do not.
+//! pairs of all kinds so that at least 99.8% stay within them; tests/form_factors counts those that do not.
 //!
 //! The rules, cheapest first: kernel between centroids, Lambert at the centroid, kernel at 2x2 points of each, Lambert at 2x2 and 3x3
 //! points, the contour integral to few digits, `exact_exchange`. The first whose claim is within the accuracy is used. The
@@ -18,11 +18,19 @@
 
 use std::f64::consts::PI;
 
-use super::Estimate;
 use super::contour::{PanelRule, contour_exchange};
 use super::exact::{exact_exchange_of_facing, lambert_exchange, product_exchange, with_visible_parts};
 use super::point_to_polygon;
 use crate::geometry::{Clip, Facet, clip_to_front};
+
+/// An integral with the error that its quadrature claims.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// The claimed absolute error; an estimate, no bound.
+    pub error: f64,
+}
 
 /// What `exact_exchange` claims, relative.
 const EXACT_ACCURACY: f64 = 1e-10;

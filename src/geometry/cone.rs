@@ -1,4 +1,4 @@
-//! Cones of directions: which way a group of faces looks.
+//! Cones of directions: which way a group of faces faces.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -65,17 +65,17 @@ mod tests {
     use super::*;
     use crate::geometry::sampling;
 
-    fn near(axis: DVec3, spread: f64, seed: u64) -> DVec3 {
+    fn near(axis: DVec3, off: f64, seed: u64) -> DVec3 {
         let [x, y, z] = [1, 2, 3].map(|k| 2.0 * sampling::unit(sampling::hash(seed, k)) - 1.0);
-        (axis + spread * DVec3::new(x, y, z)).normalize()
+        (axis + off * DVec3::new(x, y, z)).normalize()
     }
 
     #[test]
     fn a_union_holds_all_and_no_cosine_exceeds_the_bound() {
         for seed in 0..300 {
-            let spread = 0.05 * (seed % 40) as f64;
+            let off = 0.05 * (seed % 40) as f64;
             let (axis, other_axis) = (near(DVec3::Z, 10.0, seed), near(DVec3::X, 10.0, seed + 1000));
-            let directions: Vec<DVec3> = (0..12).map(|k| near(axis, spread, 100 * seed + k)).collect();
+            let directions: Vec<DVec3> = (0..12).map(|k| near(axis, off, 100 * seed + k)).collect();
             let others: Vec<DVec3> = (0..12).map(|k| near(other_axis, 0.3, 777 + 100 * seed + k)).collect();
             let around = |directions: &[DVec3]| directions.iter().map(|&d| Cone::of(d)).reduce(Cone::union).unwrap();
             let (cone, other) = (around(&directions), around(&others));

@@ -1,4 +1,4 @@
-//! A borrowed planar convex polygon: what form factors and sampling look at.
+//! A borrowed planar convex polygon: the form in which form factors and sampling take polygons.
 
 use glam::DVec3;
 

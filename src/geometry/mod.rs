@@ -10,9 +10,11 @@ mod frame;
 mod gauss;
 mod lobes;
 mod part;
+mod pieces;
 mod polygon;
 pub(crate) mod sampling;
 mod separation;
+pub(crate) mod streams;
 
 pub use aabb::Aabb;
 pub(crate) use clip::{Clip, ClippedFacet, clip_to_front, halves, in_front, plane_noise};
@@ -22,5 +24,6 @@ pub(crate) use frame::Frame;
 pub(crate) use gauss::{for_each_gauss_point, gauss_rule};
 pub(crate) use lobes::Lobes;
 pub(crate) use part::Part;
+pub(crate) use pieces::for_each_piece;
 pub use polygon::{Polygon, PolygonError};
 pub(crate) use separation::{edges, is_apart};

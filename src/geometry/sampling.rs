@@ -2,12 +2,21 @@
 
 use std::sync::LazyLock;
 
+use glam::DVec3;
+
+use super::streams;
+
 /// A hash of two numbers (the finalizer of SplitMix64: Steele, Lea, Flood 2014).
 pub(crate) fn hash(a: u64, b: u64) -> u64 {
     let mut z = a.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ b.wrapping_add(0x6a09_e667_f3bc_c909);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
+}
+
+/// A seed that depends on a point and `seed` alone.
+pub(crate) fn seed_at(point: DVec3, seed: u64) -> u64 {
+    point.to_array().iter().fold(seed, |seed, coordinate| hash(seed, coordinate.to_bits()))
 }
 
 /// A uniform number in [0, 1) from a hash.
@@ -31,33 +40,35 @@ pub(crate) const SOBOL_2D_POINTS: u32 = 1 << 13;
 
 const SHIFT_BITS: u32 = 24;
 
-/// How far along a curve a cell lies that goes through one quarter of a square of 2^16 columns and rows after the other (Morton 1966).
+/// The place of a cell on the Morton curve (Morton 1966) through a square of 2^16 columns and rows: it goes through one quarter
+/// after the other, and so on in each.
 pub(crate) fn along_curve(column: u32, row: u32) -> u32 {
-    let spread = |mut bits: u32| {
+    let interleaved = |mut bits: u32| {
         bits &= 0xffff;
         for (shift, mask) in [(8, 0x00ff_00ff), (4, 0x0f0f_0f0f), (2, 0x3333_3333), (1, 0x5555_5555)] {
             bits = (bits | bits << shift) & mask;
         }
         bits
     };
-    spread(column) | spread(row) << 1
+    interleaved(column) | interleaved(row) << 1
 }
 
-/// Points `0..` of a Sobol sequence in two dimensions, all shifted by the same random bits, which `seed` picks: each is uniform in the
-/// unit square by itself, together they are spread as evenly as the sequence is. Ten times cheaper than a scrambling of its own.
+/// Points `0..` of an Owen-scrambled Sobol sequence in two dimensions, by index. `seed` picks random bits that all points are
+/// shifted by (a digital shift): each point is uniform in the unit square, and together they are as evenly spread as the sequence.
+/// Cheaper than a scrambling for each seed.
 pub(crate) fn shifted_sobol_2d(seed: u64) -> impl Fn(u32) -> [f64; 2] {
     let points = &**SOBOL_2D;
-    let shift = [seed, seed >> 32].map(|part| hash(part, 7) as u32 & ((1 << SHIFT_BITS) - 1));
+    let shift = [seed, seed >> 32].map(|part| hash(part, streams::SOBOL_SHIFT) as u32 & ((1 << SHIFT_BITS) - 1));
     move |index| {
         let point = points[(index & (SOBOL_2D_POINTS - 1)) as usize];
         [0, 1].map(|axis: usize| (f64::from(point[axis] ^ shift[axis]) + 0.5) / f64::from(1_u32 << SHIFT_BITS))
     }
 }
 
-/// The numbers below `count`, such that those that follow one another are near each other in [`shifted_sobol_2d`], whatever the seed:
-/// a ray costs less after one that went about the same way.
+/// The indices below `count` in an order in which successive points of [`shifted_sobol_2d`] are near each other, whatever the seed:
+/// a ray costs less after one of nearly the same direction.
 pub(crate) fn neighbours_in_order(count: u32) -> Vec<u32> {
-    // Along a curve through the quarters of the square, quarters of these, and so on: shifting bits moves quarters as a whole.
+    // Along the Morton curve: a digital shift moves quarters of the square as a whole.
     let points = &**SOBOL_2D;
     let place_on_curve = |index: &u32| {
         let [u, v] = points[(index & (SOBOL_2D_POINTS - 1)) as usize];
@@ -94,10 +105,10 @@ mod tests {
         sorted.sort_unstable();
         assert!(sorted.into_iter().eq(0..count));
         for seed in 0..20 {
-            let spread = shifted_sobol_2d(hash(seed, 0));
+            let sobol = shifted_sobol_2d(hash(seed, 0));
             for eight in order.chunks(8) {
                 // 256 points by eights are 32 boxes, an eighth by a quarter of the square each.
-                let cells = eight.iter().map(|&index| spread(index)).map(|[u, v]| ((u * 8.0) as u32, (v * 4.0) as u32));
+                let cells = eight.iter().map(|&index| sobol(index)).map(|[u, v]| ((u * 8.0) as u32, (v * 4.0) as u32));
                 let cells: std::collections::HashSet<_> = cells.collect();
                 assert_eq!(cells.len(), 1, "seed {seed}: {cells:?}");
             }

@@ -1,19 +1,19 @@
-//! Building the clusters: a binary tree over the surfaces, cut where the two halves are most compact.
+//! Builds the clusters: a binary tree over the surfaces, cut where the two halves are most compact.
 //!
-//! Surfaces that emit get a subtree of their own below the root, so that light and reflection are never mixed in a cluster. Surfaces
-//! that are large for their cluster are cut off first, so that the walls of a hall do not blow up the clusters of the cups in it; what
-//! is left is cut by the surface area heuristic (MacDonald, Booth 1990). O(n log n), in parallel; deterministic, because ties are broken
-//! by surface number.
+//! Emitters get a subtree of their own below the root, so that no cluster mixes emitters with others. Surfaces that are large for
+//! their cluster are cut off first, so that the walls of a hall do not enlarge the clusters of the cups in it. The rest is cut by
+//! the surface area heuristic (MacDonald, Booth 1990), at bins. O(n log n), in parallel; deterministic, because ties are broken by
+//! surface number.
 
 use crate::geometry::{Aabb, Lobes};
 use crate::scene::{Scene, SurfaceId};
 
 use super::{Hierarchy, Node, NodeId};
 
-/// A cluster of so few surfaces is not cut any further.
+/// A cluster of so many surfaces or fewer is not cut any further.
 const LEAF_SURFACES: usize = 4;
 
-/// A surface is large if its box is longer than this part of the box around all centres of its cluster.
+/// A surface is large if its box is longer than this part of the box around the centres of its cluster's surfaces.
 const LARGE: f64 = 0.5;
 
 /// Places along each axis where a cut is considered.
@@ -22,7 +22,7 @@ const BINS: usize = 16;
 /// Below this depth clusters are cut at the median, so that no arrangement of surfaces makes the tree deep.
 const MAX_DEPTH: u32 = 48;
 
-/// Halves with fewer surfaces are built on one thread.
+/// Clusters with fewer surfaces are cut on one thread.
 const PARALLEL: usize = 4096;
 
 /// A cluster while the tree is built.
@@ -31,7 +31,7 @@ enum Tree {
     Cut(Box<[Tree; 2]>),
 }
 
-pub(super) fn build(scene: &Scene) -> Hierarchy {
+fn build(scene: &Scene) -> Hierarchy {
     let surfaces = scene.surfaces();
     let bounds: Vec<Aabb> = surfaces.iter().map(|surface| surface.polygon.bounds()).collect();
 
@@ -88,6 +88,11 @@ pub(super) fn build(scene: &Scene) -> Hierarchy {
 }
 
 impl Hierarchy {
+    /// Clusters over the surfaces of a scene; nothing is subdivided yet. O(n log n).
+    pub fn new(scene: &Scene) -> Self {
+        build(scene)
+    }
+
     /// Boxes, areas and faces of the clusters, from the children up. A cluster's centre is the centroid of its area.
     fn measure_clusters(&mut self, bounds: &[Aabb]) {
         for index in (0..self.cluster_count()).rev() {
@@ -148,7 +153,7 @@ fn cut_in_space(surfaces: &mut Vec<u32>, bounds: &[Aabb], depth: u32) -> Vec<u32
     let around = Aabb::around(surfaces.iter().map(|&surface| centre(surface)));
     let extent = around.extent();
 
-    // Between bins along each axis: the cut for which areas of boxes times numbers of surfaces are least.
+    // The cut between bins, along any axis, with the least sum of box area times number of surfaces.
     let mut best: Option<(f64, usize, usize)> = None;
     for axis in (0..3).filter(|&axis| extent[axis] > 0.0 && depth < MAX_DEPTH) {
         let mut bins = [(Aabb::EMPTY, 0usize); BINS];
@@ -176,7 +181,7 @@ fn cut_in_space(surfaces: &mut Vec<u32>, bounds: &[Aabb], depth: u32) -> Vec<u32
         return after;
     }
 
-    // All centres in one place, or too deep: halves of equal number.
+    // All centres at one point, or the tree is too deep: halves of equal number.
     let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
     let middle = surfaces.len() / 2;
     surfaces.select_nth_unstable_by(middle, |&a, &b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(&b)));

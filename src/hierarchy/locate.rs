@@ -1,4 +1,4 @@
-//! Which leaf a point lies on.
+//! Which leaf, or which surface, a point lies on.
 
 use glam::DVec3;
 
@@ -10,7 +10,7 @@ impl Hierarchy {
     pub(crate) fn leaf_at(&self, surface: SurfaceId, point: DVec3) -> NodeId {
         let mut node = self.node_of(surface);
         while !self.is_leaf(node) {
-            // The first child that holds the point, or, where rounding leaves it between all, the nearest.
+            // The first child that contains the point; or the nearest, if by rounding none does.
             let nearest = || {
                 let inside = |child: NodeId| self.inner_distance(child, point);
                 self.children(node).reduce(|best, child| if inside(child) > inside(best) { child } else { best })
@@ -25,7 +25,7 @@ impl Hierarchy {
     pub(crate) fn point_in_leaf(&self, node: NodeId, u: f64, v: f64) -> (NodeId, DVec3) {
         let (mut node, mut u) = (node, u);
         while !self.is_leaf(node) {
-            // Pick the child in whose share of the area `u` falls, and stretch `u` over it.
+            // The child in whose share of the area `u` falls; `u` is stretched over that share.
             let mut left = u * self.area(node);
             let mut children = self.children(node);
             let mut child = self.node(node).first_child;
@@ -44,7 +44,7 @@ impl Hierarchy {
 
     /// The surface that `point` lies on, with a front that agrees with `normal`; `None` if none is within `tolerance` metres.
     pub(crate) fn surface_at(&self, point: DVec3, normal: DVec3, tolerance: f64) -> Option<SurfaceId> {
-        // Of the surfaces in boxes around the point take the one that it lies on best.
+        // The nearest of the surfaces whose clusters' boxes contain the point.
         let mut best: Option<(f64, SurfaceId)> = None;
         let mut stack = vec![NodeId::ROOT];
         while let Some(node) = stack.pop() {

@@ -1,13 +1,11 @@
 //! The tree of nodes: clusters of surfaces above, the surfaces, elements below, made on demand.
 //!
-//! Nodes live in arrays and are named by [`NodeId`]. A parent's id is smaller than its children's, and the children of a node
-//! have consecutive ids, so one loop over the array upward or downward visits children after or before their parents.
+//! Nodes stand in an array, by [`NodeId`]. A parent's id is smaller than its children's, and the children of a node have
+//! consecutive ids; so a loop over the array visits parents before their children, and the reverse loop after them.
 
 mod clusters;
 mod locate;
 mod subdivide;
-
-pub(crate) use subdivide::for_each_piece;
 
 use std::ops::Range;
 
@@ -80,11 +78,6 @@ pub struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// Clusters over the surfaces of a scene; nothing is subdivided yet. O(n log n).
-    pub fn new(scene: &Scene) -> Self {
-        clusters::build(scene)
-    }
-
     /// How many nodes there are.
     pub fn len(&self) -> usize {
         self.nodes.len()
@@ -105,8 +98,8 @@ impl Hierarchy {
         (0..self.nodes.len() as u32).map(NodeId)
     }
 
-    /// All nodes in runs, downward: parents of nodes of a run lie before it and children behind it, so what only looks at either may be
-    /// done for a run in parallel. Clusters have runs of their own.
+    /// All nodes in runs, downward. Parents of the nodes of a run lie before it and children behind it, so what reads only either
+    /// of these may be done for a run in parallel. No run has both clusters and others.
     pub(crate) fn levels(&self) -> Vec<Range<usize>> {
         let mut levels = Vec::new();
         let (mut start, clusters) = (0, self.cluster_count());

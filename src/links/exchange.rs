@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::Pair;
+use super::link_set::Pair;
 use crate::form_factor::{estimate_exchange, exact_exchange, point_to_polygon};
 use crate::geometry::{Aabb, Facet};
 use crate::hierarchy::{Hierarchy, NodeId};

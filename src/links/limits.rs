@@ -3,7 +3,7 @@
 //! Limits are kept, not passed: a pair is split only if all that waits may become a link and still fits, and a pair that does not fit
 //! as it stands sleeps.
 
-use super::LinkSet;
+use super::link_set::LinkSet;
 use crate::hierarchy::{Hierarchy, NodeId};
 
 /// Where refinement ends.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Pair;
+use super::link_set::Pair;
 use crate::form_factor::kernel;
 use crate::geometry::sampling;
 use crate::hierarchy::{Hierarchy, NodeId};
@@ -12,35 +12,36 @@ use crate::visibility::Segment;
 /// Where a cluster takes part, so many pairs of points are tried for one whose faces look at each other.
 const TRIES: u32 = 4;
 
-/// Appends up to `count` segments between points spread over receiver and source, each with its kernel value; returns how many, and the
-/// form factor by all points that were tried, without bias. Polygons get all; where a cluster takes part, points that turn away from each
-/// other are left out, and none may remain.
-pub(super) fn sampled_pairs(
-    scene: &Scene,
-    hierarchy: &Hierarchy,
-    pair: Pair,
-    count: u32,
-    seed: u64,
-    segments: &mut Vec<Segment>,
-    kernels: &mut Vec<f64>,
-) -> (u32, f64) {
-    let plane = |leaf| scene.surface(SurfaceId(hierarchy.node(leaf).surface)).plane;
-    let clusters = hierarchy.is_cluster(pair.receiver) || hierarchy.is_cluster(pair.source);
-    let (tries, first) = (if clusters { TRIES * count } else { count }, segments.len());
-    let mut sum = 0.0;
-    for index in 0..tries {
-        let [u, v, s, t] = sampling::sobol_4d(index, seed);
-        let (receiver, x) = point_in(hierarchy, pair.receiver, u, v);
-        let (source, y) = point_in(hierarchy, pair.source, s, t);
-        let kernel = kernel(x, hierarchy.normal(receiver), y, hierarchy.normal(source));
-        sum += kernel;
-        if segments.len() - first < count as usize && (kernel > 0.0 || !clusters) {
-            let (from_plane, to_plane) = (plane(receiver), plane(source));
-            segments.push(Segment { from: x.to_array(), to: y.to_array(), from_plane, to_plane });
-            kernels.push(kernel);
+/// Segments between pairs of points, one after the other, each with its kernel value in 1/m^2.
+#[derive(Default)]
+pub(super) struct SamplePairs {
+    pub segments: Vec<Segment>,
+    pub kernels: Vec<f64>,
+}
+
+impl SamplePairs {
+    /// Appends up to `count` segments between points spread over receiver and source; returns how many, and the form factor by all points
+    /// that were tried, without bias. Polygons get all; where a cluster takes part, points that turn away from each other are left out,
+    /// and none may remain.
+    pub fn add(&mut self, scene: &Scene, hierarchy: &Hierarchy, pair: Pair, count: u32, seed: u64) -> (u32, f64) {
+        let plane = |leaf| scene.surface(SurfaceId(hierarchy.node(leaf).surface)).plane;
+        let clusters = hierarchy.is_cluster(pair.receiver) || hierarchy.is_cluster(pair.source);
+        let (tries, first) = (if clusters { TRIES * count } else { count }, self.segments.len());
+        let mut sum = 0.0;
+        for index in 0..tries {
+            let [u, v, s, t] = sampling::sobol_4d(index, seed);
+            let (receiver, x) = point_in(hierarchy, pair.receiver, u, v);
+            let (source, y) = point_in(hierarchy, pair.source, s, t);
+            let kernel = kernel(x, hierarchy.normal(receiver), y, hierarchy.normal(source));
+            sum += kernel;
+            if self.segments.len() - first < count as usize && (kernel > 0.0 || !clusters) {
+                let (from_plane, to_plane) = (plane(receiver), plane(source));
+                self.segments.push(Segment { from: x.to_array(), to: y.to_array(), from_plane, to_plane });
+                self.kernels.push(kernel);
+            }
         }
+        ((self.segments.len() - first) as u32, hierarchy.area(pair.source) * sum / f64::from(tries))
     }
-    ((segments.len() - first) as u32, hierarchy.area(pair.source) * sum / f64::from(tries))
 }
 
 /// A point of a node: of a polygon itself, of a cluster on one of its leaves.
@@ -51,7 +52,7 @@ fn point_in(hierarchy: &Hierarchy, node: NodeId, u: f64, v: f64) -> (NodeId, DVe
 /// The part of the light that gets through: visibilities weighted by the kernel, so that their correlation is kept.
 ///
 /// Where the kernel vanishes at every sample, the plain mean.
-pub(crate) fn sampled_transmittance(kernels: &[f64], occluded: &[bool]) -> f64 {
+pub(super) fn sampled_transmittance(kernels: &[f64], occluded: &[bool]) -> f64 {
     let total: f64 = kernels.iter().sum();
     let visible = kernels.iter().zip(occluded).filter(|(_, occluded)| !**occluded);
     if total > 0.0 {
@@ -65,7 +66,7 @@ pub(crate) fn sampled_transmittance(kernels: &[f64], occluded: &[bool]) -> f64 {
 ///
 /// Taken from the exact form factor it leaves no noise where nothing is blocked. The quotient of two sampled sums, as in
 /// [`sampled_transmittance`], is biased by up to some percent with few rays.
-pub(crate) fn sampled_blocked_form_factor(source_area: f64, kernels: &[f64], occluded: &[bool]) -> f64 {
+pub(super) fn sampled_blocked_form_factor(source_area: f64, kernels: &[f64], occluded: &[bool]) -> f64 {
     let blocked: f64 = kernels.iter().zip(occluded).filter(|(_, occluded)| **occluded).map(|(kernel, _)| kernel).sum();
     source_area * blocked / kernels.len() as f64
 }

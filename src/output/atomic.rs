@@ -105,8 +105,8 @@ impl Destination {
         }
     }
 
-    /// A file in the same directory, which vanishes unless it is renamed. It gets the permissions of the file that it replaces, or those
-    /// that any new file gets.
+    /// A file in the same directory, which vanishes unless it is renamed. It gets the permissions of the file that it replaces, or
+    /// those that any new file gets.
     fn temporary_file(&self) -> Result<NamedTempFile, DestinationError> {
         let directory = match self.target.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,

@@ -5,11 +5,11 @@ use std::io::{self, Seek, Write};
 use ::exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, LayerAttributes, SmallVec, Text, WritableImage};
 
 use super::{Provenance, Quantity};
-use crate::reconstruct::Image;
+use crate::picture::Image;
 
-/// Writes `image` as OpenEXR: 32-bit float, ZIP-compressed scan lines. The channel is `Y` where there is one, `R`, `G`, `B` where there are
-/// three, else they are numbered from 0 with leading zeros, so that they sort. The attribute `software` holds name and version, `comments`
-/// one line each for software, quantity, unit and options.
+/// Writes `image` as OpenEXR: 32-bit float, ZIP-compressed scan lines. The channel is `Y` where there is one, `R`, `G`, `B` where
+/// there are three, else they are numbered from 0 with leading zeros, so that they sort. The attribute `software` holds name and
+/// version, `comments` one line each for software, quantity, unit and options.
 ///
 /// # Errors
 /// What the writer says, and [`io::ErrorKind::InvalidInput`] for an image that is not [well formed](Image::is_well_formed).
@@ -23,7 +23,7 @@ pub fn write_exr(writer: &mut (impl Write + Seek), image: &Image, quantity: Quan
         .map(|(channel, name)| AnyChannel::new(name.as_str(), FlatSamples::F32(channel_samples(image, channel, quantity))))
         .collect();
 
-    // Everything in attributes that the format knows: own attributes would be written in the order of a hash table.
+    // Only attributes that the format knows: the crate writes others in the order of a hash table.
     let attributes = LayerAttributes {
         software_name: Some(Text::from(provenance.software())),
         comments: Some(Text::from(comments(quantity, provenance).as_str())),

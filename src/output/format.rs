@@ -19,7 +19,7 @@ pub struct UnknownExtension {
 pub enum ImageFormat {
     /// Linear floats.
     Exr,
-    /// 8-bit sRGB to look at.
+    /// 8-bit sRGB for display.
     Png,
 }
 

@@ -1,14 +1,14 @@
 //! Files: reads results, computes nothing.
 //!
-//! Every file states quantity, unit, version and options ([`Provenance`]) as far as its format has room for it. The same result gives the
-//! same bytes; what belongs to the run alone (threads, times, paths) is in the [report](RunReport) and nowhere else.
+//! Every file states quantity, unit, version and options ([`Provenance`]) as far as its format has room for it. The same result
+//! gives the same bytes; what belongs to the run alone (threads, times, paths) is in the [report](RunReport) and nowhere else.
 //!
 //! Encoders write to any [`std::io::Write`]; [`Destination`] replaces a file only by a complete one.
 //!
 //! | file | written by | holds |
 //! |---|---|---|
 //! | `.exr` | [`write_exr`] | linear radiance or radiosity, 32-bit float |
-//! | `.png` | [`write_png`] | an exposed, tone-mapped picture to look at |
+//! | `.png` | [`write_png`] | an exposed, tone-mapped picture for display |
 //! | `.ply` | [`write_ply`] | the leaves of the hierarchy with float radiosities |
 //! | solution | [`write_solution`] | everything, to be read back by [`read_solution`] |
 //! | `.csv` | [`write_values`] | radiosities at the points that [`read_points`] read |
@@ -32,7 +32,7 @@ pub use format::{ExportFormat, ImageFormat, UnknownExtension};
 #[cfg(feature = "openexr")]
 pub use openexr::write_openexr;
 pub use ply::write_ply;
-pub use png::{Exposure, auto_exposure, write_png};
+pub use png::{PngExposure, auto_exposure, write_png};
 pub use provenance::{Provenance, Quantity};
 pub use report::{CpuReport, ErrorFigures, MemoryReport, REPORT_SCHEMA, RunReport, SceneReport, Timing, write_report};
 pub use solution_file::{

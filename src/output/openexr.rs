@@ -11,7 +11,7 @@ use ::openexr::prelude::{CHANNEL_FLOAT, Compression, Frame, FrameBuffer, OutputF
 
 use super::exr::{channel_names, channel_samples, comments};
 use super::{Provenance, Quantity};
-use crate::reconstruct::Image;
+use crate::picture::Image;
 
 /// Writes `image` as OpenEXR: 32-bit float, ZIP-compressed scan lines.
 ///

@@ -1,8 +1,8 @@
 //! Polygons with float radiosities, as binary little-endian PLY.
 //!
-//! Vertices (`double x y z`, in metres) are shared where they are the same to the bit. Each leaf of the hierarchy is a face: its vertex
-//! indices, the number of its surface, and its radiosity per channel in W/m^2, named `B_r`, `B_g`, `B_b` for three channels, else `B_0`,
-//! `B_1`, ... Comment lines state software, quantity, unit and options.
+//! Vertices (`double x y z`, in metres) are shared where they are the same to the bit. Each leaf of the hierarchy is a face: its
+//! vertex indices, the number of its surface, and its radiosity per channel in W/m^2, named `B_r`, `B_g`, `B_b` for three channels,
+//! else `B_0`, `B_1`, ... Comment lines state software, quantity, unit and options.
 
 use std::collections::HashMap;
 use std::io::{self, Write};

@@ -1,36 +1,38 @@
-//! Pictures to look at: 8-bit sRGB, exposed and tone-mapped.
+//! Pictures for display: 8-bit sRGB, exposed and tone-mapped.
 //!
-//! A pixel's radiance is multiplied by `2^EV`, compressed by a tone curve, and encoded with the sRGB transfer function (IEC 61966-2-1).
+//! A pixel's radiance is multiplied by `2^EV`, compressed by a tone curve, and encoded with the sRGB transfer function (IEC
+//! 61966-2-1).
 //!
-//! The tone curve leaves values up to [`SHOULDER`] as they are, so that most of the picture stays true to the radiances, and bends what
-//! is brighter towards 1 (white) without ever reaching it:
+//! The tone curve leaves values up to [`SHOULDER`] as they are, so that most of the picture stays true to the radiances, and bends
+//! what is brighter towards 1 (white) without ever reaching it:
 //!
 //! ```text
 //! f(x) = x                                x <= s
 //! f(x) = 1 - (1-s)^2 / (x + 1 - 2 s)      x >  s       value and slope continuous at s
 //! ```
 //!
-//! It is applied to the largest channel of a pixel, and the others keep their ratio to it, so that colours keep their hue; very bright
-//! pixels then fade towards white, as on film, instead of becoming flat patches of saturated colour.
+//! It is applied to the largest channel of a pixel, and the others keep their ratio to it, so that colours keep their hue; very
+//! bright pixels then fade towards white, as on film, instead of becoming flat patches of saturated colour.
 
 use std::io::{self, Write};
 
 use super::{Provenance, Quantity};
-use crate::reconstruct::Image;
+use crate::picture::Image;
 
 /// Where the tone curve leaves the straight line, in linear light.
 pub const SHOULDER: f32 = 0.5;
 
-/// How fast bright colours fade to white: at `x` the curve has taken `x - f(x)` away, and the colour keeps `1 / (1 + FADE (x - f(x)))`.
+/// How fast bright colours fade to white: at `x` the curve has taken `x - f(x)` away, and the colour keeps
+/// `1 / (1 + FADE (x - f(x)))`.
 const FADE: f32 = 0.15;
 
 /// The linear value that the average of a picture (geometric mean of the luminances) is exposed to: lighter than the 18% of a
-/// photographer's grey card, since rooms have white walls and the shoulder keeps the lamps.
+/// photographer's grey card, since rooms have white walls and the tone curve keeps emitters below white.
 const KEY: f64 = 0.22;
 
-/// How much light a picture gets.
+/// How bright a PNG picture is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Exposure {
+pub enum PngExposure {
     /// As [`auto_exposure`] finds.
     #[default]
     Auto,
@@ -40,7 +42,7 @@ pub enum Exposure {
 
 /// The exposure value that brings the geometric mean of the pixels' luminances to 0.22; 0 for a black picture.
 ///
-/// Pixels in which nothing is hit or that are black do not count, lamps count like everything else.
+/// Black pixels, such as those in which nothing is hit, do not count; emitters count like everything else.
 pub fn auto_exposure(image: &Image) -> f64 {
     let (mut sum, mut count) = (0.0, 0_u64);
     for luminance in image.pixels().map(|pixel| f64::from(luminance(pixel))).filter(|y| y.is_normal() && *y > 0.0) {
@@ -50,18 +52,18 @@ pub fn auto_exposure(image: &Image) -> f64 {
     if count == 0 { 0.0 } else { KEY.log2() - sum / count as f64 }
 }
 
-/// Writes `image` as PNG: grey for one channel, sRGB for three, else grey from the mean of the channels. Text chunks state software, quantity,
-/// unit, options and exposure. Returns the exposure value that was used.
+/// Writes `image` as PNG: grey for one channel, sRGB for three, else grey from the mean of the channels. Text chunks state
+/// software, quantity, unit, options and exposure. Returns the exposure value that was used.
 ///
 /// # Errors
 /// What the writer says, and [`io::ErrorKind::InvalidInput`] for an image that is not [well formed](Image::is_well_formed).
-pub fn write_png(writer: impl Write, image: &Image, exposure: Exposure, provenance: &Provenance) -> io::Result<f64> {
+pub fn write_png(writer: impl Write, image: &Image, exposure: PngExposure, provenance: &Provenance) -> io::Result<f64> {
     if !image.is_well_formed() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "the image has more or fewer values than pixels and channels"));
     }
     let ev = match exposure {
-        Exposure::Auto => auto_exposure(image),
-        Exposure::Ev(ev) => ev,
+        PngExposure::Auto => auto_exposure(image),
+        PngExposure::Ev(ev) => ev,
     };
     let scale = ev.exp2() as f32;
 

@@ -1,8 +1,8 @@
 //! What a run tells about itself, as JSON.
 //!
-//! The schema has a number, [`REPORT_SCHEMA`]: fields may be added under the same number, none is renamed or removed. Times are wall-clock
-//! seconds, except `visibility`, its part `first_hits`, and `form_factor`, which are added over the threads and are parts of the other
-//! stages. A number that is not known or not finite is `null`.
+//! The schema has a number, [`REPORT_SCHEMA`]: fields may be added under the same number, none is renamed or removed. Times are
+//! wall-clock seconds, except `visibility`, its part `first_hits`, and `form_factor`, which are added over the threads and are
+//! parts of the other stages. A number that is not known or not finite is `null`.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ use crate::solve::{
 };
 
 /// The version of the schema.
-pub const REPORT_SCHEMA: u32 = 1;
+pub const REPORT_SCHEMA: u32 = 2;
 
 /// A report as it is written.
 #[derive(Clone, Debug, Serialize)]
@@ -58,7 +58,7 @@ pub struct RunReport {
     pub converged: bool,
     /// Why refinement ended.
     pub stopped_by: StoppedBy,
-    /// What was repaired or looks suspicious in the scene.
+    /// What was repaired or is suspicious in the scene.
     pub warnings: Vec<String>,
 }
 

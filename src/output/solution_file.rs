@@ -11,12 +11,12 @@
 //! | 20..24 | CRC-32 (IEEE 802.3) of the body, `u32` |
 //! | 24.. | the body, in the [postcard](https://postcard.jamesmunns.com/wire-format) encoding |
 //!
-//! The body is a text (length, then UTF-8) that states software, quantity, unit and options one a line for whoever looks at the file with
-//! a text viewer, followed by the [`Solution`] as serde describes it: scene, options, hierarchy, links, exposures, radiosities of
-//! nodes and, where values are gathered over the hemisphere, of cells. Fields have no names
-//! in the encoding, so any change of the stored types is a new format version.
+//! The body is a text (length, then UTF-8) that states software, quantity, unit and options, one on each line, for people who open
+//! the file in a text viewer, followed by the [`Solution`] as serde describes it: scene, options, hierarchy, links, exposures,
+//! radiosities of nodes and, from the solver over cells, of cells. Fields have no names in the encoding, so any change of the
+//! stored types needs a new format version.
 //!
-//! Nothing in the file is believed before it is checked: magic, version, length and CRC first, then the body must decode without
+//! Nothing in the file is trusted before it is checked: magic, version, length and CRC first, then the body must decode without
 //! a byte left over, then [`Solution::validate`] must agree. Memory is taken as bytes arrive, not as the file announces them.
 
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
@@ -28,7 +28,7 @@ use super::{Provenance, Quantity};
 use crate::solve::Solution;
 
 /// The version that this software writes and reads.
-pub const SOLUTION_FORMAT_VERSION: u32 = 8;
+pub const SOLUTION_FORMAT_VERSION: u32 = 9;
 
 const MAGIC: [u8; 8] = *b"\x89PLSOL\r\n";
 const HEADER_LENGTH: usize = 24;

@@ -1,6 +1,6 @@
 //! Points in, values out, as CSV.
 //!
-//! Points: the header `x,y,z,nx,ny,nz`, then one point a line; metres, and the unit normal of the side that is looked at. Values:
+//! Points: the header `x,y,z,nx,ny,nz`, then one point a line; metres, and the unit normal of the side that is meant. Values:
 //! the same columns, then the radiosity per channel in W/m^2, `B_r,B_g,B_b` for three channels, else `B_0,B_1,...`, and where
 //! bounds are known the same with `lower` and `upper` for `B`; empty for points that lie on no surface. Numbers are the shortest
 //! that read back to the same value.
@@ -11,7 +11,8 @@ use std::io::{self, BufRead, BufReader, Read, Write};
 use thiserror::Error;
 
 use crate::bounds::PointBounds;
-use crate::reconstruct::{SurfacePoint, Values};
+use crate::scene::SurfacePoint;
+use crate::values::Values;
 
 /// The columns of a point.
 const COLUMNS: [&str; 6] = ["x", "y", "z", "nx", "ny", "nz"];

@@ -64,7 +64,7 @@ impl DistinctChannels {
     }
 
     /// Values of all channels, item after item, from those of the solved ones.
-    pub fn spread<T: Copy + Default>(&self, solved: &[T]) -> Vec<T> {
+    pub fn expand<T: Copy + Default>(&self, solved: &[T]) -> Vec<T> {
         let item = |item: &'_ [T]| -> Vec<T> {
             self.of.iter().map(|channel| channel.map_or_else(T::default, |channel| item[channel])).collect()
         };
@@ -92,7 +92,7 @@ mod tests {
     fn distinct(reflectance: &[f64], exitance: &[f64]) -> Option<(usize, usize, Vec<f64>)> {
         let channels = DistinctChannels::of(&scene(reflectance.len(), reflectance, exitance))?;
         let solved: Vec<f64> = (1..=channels.scene.channels()).map(|value| value as f64).collect();
-        Some((channels.scene.channels(), channels.copies, channels.spread(&solved)))
+        Some((channels.scene.channels(), channels.copies, channels.expand(&solved)))
     }
 
     #[test]

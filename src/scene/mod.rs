@@ -1,19 +1,22 @@
 //! What is lit: surfaces with materials, validated and immutable from here on.
 
 mod distinct_channels;
+mod error;
 pub mod import;
 mod material;
 mod planes;
+mod point;
 mod summary;
 mod twins;
 
 pub(crate) use distinct_channels::DistinctChannels;
+pub use error::SceneError;
 pub use material::Material;
+pub use point::SurfacePoint;
 pub use summary::SceneSummary;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use crate::geometry::{Aabb, Polygon};
 
@@ -64,35 +67,6 @@ impl Surface {
     pub fn twin(&self) -> Option<SurfaceId> {
         self.twin
     }
-}
-
-/// Why a scene cannot be made.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum SceneError {
-    /// There is nothing to light.
-    #[error("the scene has no surface")]
-    Empty,
-    /// A surface names a material that is not there.
-    #[error("surface {surface} has material {material}, but there are only {count}")]
-    NoSuchMaterial {
-        /// Index of the surface.
-        surface: usize,
-        /// The material it names.
-        material: u32,
-        /// How many there are.
-        count: usize,
-    },
-    /// A material has a wrong number of channels, a reflectance outside [0, 1) or an exitance that is negative or not finite.
-    #[error("material '{name}': {reason}")]
-    BadMaterial {
-        /// Its name.
-        name: String,
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// More than 2^31 surfaces.
-    #[error("too many surfaces")]
-    TooLarge,
 }
 
 /// Surfaces and materials. Immutable: every later stage relies on what [`Scene::new`] checked.

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use super::error_driven::LinkErrorReport;
-use crate::bounds::BoundsReport;
+use crate::bounds::{BoundsReport, Certainty};
 use crate::hierarchy::Hierarchy;
 use crate::links::LinkSet;
 use crate::scene::{Scene, SurfaceId};
@@ -167,6 +166,24 @@ pub struct IterationReport {
     pub incorrect_energy: f64,
     /// `sum of B_p A_p` in W (equation 2).
     pub total_energy: f64,
+}
+
+/// How wrong radiosities may be by the links of error-driven refinement, in W, channels added, weighted by importance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LinkErrorReport {
+    /// How far that can be trusted.
+    pub certainty: Certainty,
+    /// `<R, upper - lower>`: what all links, and pairs without one, leave open.
+    pub gap: f64,
+    /// The L1 error that is to be expected if radiosities are spread evenly between their bounds: a quarter of the gap (Lischinski
+    /// 1994, equation 5.7).
+    pub estimated_error: f64,
+    /// `<R, B - E>`: what is reflected of it.
+    pub reflected: f64,
+    /// The part of the gap, 0 to 1, of pairs without a link.
+    pub unlinked_share: f64,
+    /// How often links were split.
+    pub splits: u64,
 }
 
 /// What pairs of surfaces without a link hold back, in W, all channels added.

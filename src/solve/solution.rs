@@ -2,15 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Gather, InitialImportance, SolveOptions};
+use super::interest::InitialImportance;
+use super::options::{SolveOptions, Solver};
+use crate::cells::CellRadiosities;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
-use crate::reconstruct::{
-    Effort, HemisphereGather, Lattice, LightPaths, LinkGather, Reconstruction, Resolution, Resolved, Way, reflectors,
-};
-use crate::scene::Scene;
+use crate::paths::{Brightness, LightPaths, Resolution, cell_count};
+use crate::scene::{DistinctChannels, Scene};
 use crate::sweep::{Adjoint, Closure, Exposure, Importance, Radiosity};
 use crate::transmittance::Rays;
+use crate::values::{FinalGather, Gather, LinkGather, Over, RayBudget};
 
 /// The answer: scene, hierarchy, links, radiosities and the options they were found with.
 ///
@@ -24,9 +25,9 @@ pub struct Solution {
     pub(crate) exposure: Exposure,
     pub(crate) radiosity: Radiosity,
     pub(crate) point_rays: u32,
-    /// How finely radiosities are resolved, and these, where values are gathered over the hemisphere.
+    /// How finely cell radiosities are found, and these, where values end in cells.
     pub(crate) resolution: Resolution,
-    pub(crate) resolved: Option<Resolved>,
+    pub(crate) cell_radiosities: Option<CellRadiosities>,
 }
 
 impl Solution {
@@ -60,9 +61,9 @@ impl Solution {
         self.point_rays
     }
 
-    /// How values at points are gathered: over links or over the hemisphere.
-    pub fn gather(&self) -> Gather {
-        if self.resolved.is_some() { Gather::Hemisphere } else { Gather::Links }
+    /// Which solver found it: over links or over cells.
+    pub fn solver(&self) -> Solver {
+        if self.cell_radiosities.is_some() { Solver::Cells } else { Solver::Links }
     }
 
     /// Importance over the links, as the solver swept radiosities over them.
@@ -74,20 +75,34 @@ impl Solution {
         Adjoint { scene, hierarchy, links, exposure, closure: closure.as_ref(), radiosity }.importance(&initial)
     }
 
-    /// The light paths that the values at points may take.
-    pub(crate) fn light_paths<'a>(&'a self, rays: &'a Rays<'a>) -> LightPaths<'a> {
-        LightPaths::new(&self.scene, rays, &self.hierarchy, &self.radiosity, self.resolution.side)
+    /// How bright surfaces are, by the radiosities over the links.
+    fn brightness(&self) -> Brightness {
+        let Self { scene, hierarchy, radiosity, .. } = self;
+        Brightness::of_surfaces(scene, |surface| radiosity.reflected(scene, hierarchy, surface))
     }
 
-    /// Takes values at points; `paths` are [`Solution::light_paths`].
-    pub(crate) fn reconstruction<'a>(&'a self, rays: &'a Rays<'a>, paths: &'a LightPaths<'a>) -> Reconstruction<'a> {
+    /// The light paths that values at points take, where these end in cells.
+    pub(crate) fn light_paths<'a>(&'a self, rays: &'a Rays<'a>) -> Option<LightPaths<'a>> {
+        self.cell_radiosities.as_ref()?;
+        Some(LightPaths::new(&self.scene, rays, &self.brightness(), self.resolution.side))
+    }
+
+    /// Gathers values at points; `paths` are [`Solution::light_paths`].
+    pub(crate) fn gather_at_points<'a>(&'a self, rays: &'a Rays<'a>, paths: Option<&'a LightPaths<'a>>) -> Gather<'a> {
         let Self { scene, hierarchy, links, radiosity, exposure, .. } = self;
-        let way = match &self.resolved {
-            Some(resolved) => Way::Hemisphere(HemisphereGather { paths, resolved, bounces: 0 }),
-            None => Way::Links(LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays)),
+        let over = match (&self.cell_radiosities, paths) {
+            (Some(radiosities), Some(paths)) => Over::Cells(FinalGather { paths, radiosities, bounces: 0 }),
+            _ => Over::Links(LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays)),
         };
-        let effort = Effort::of_values(self.point_rays, self.options.seed);
-        Reconstruction { scene, hierarchy, way, effort }
+        let budget = RayBudget::of_values(self.point_rays, self.options.seed);
+        Gather { scene, hierarchy, over, budget }
+    }
+
+    /// The same for all channels of `scene`, from those that were solved.
+    pub(super) fn expanded(self, channels: &DistinctChannels, scene: Scene) -> Self {
+        let radiosity = self.radiosity.expanded(channels);
+        let cell_radiosities = self.cell_radiosities.map(|radiosities| radiosities.expanded(channels));
+        Self { scene, radiosity, cell_radiosities, ..self }
     }
 
     /// Visits the leaves of the hierarchy: polygon (counter-clockwise), surface index, radiosity per channel in W/m^2.
@@ -105,7 +120,7 @@ impl Solution {
         self.hierarchy.memory_bytes()
             + self.links.memory_bytes()
             + size_of_val(self.radiosity.values()) as u64
-            + self.resolved.as_ref().map_or(0, Resolved::memory_bytes)
+            + self.cell_radiosities.as_ref().map_or(0, CellRadiosities::memory_bytes)
     }
 
     /// Checks everything that later stages rely on: ids in range, trees well formed, numbers finite.
@@ -134,11 +149,10 @@ impl Solution {
         if !resolution.is_valid() {
             return Err("the size of the cells is out of range".to_owned());
         }
-        if let Some(resolved) = &self.resolved {
-            let cells =
-                Lattice::new(&self.scene, &reflectors(&self.scene, &self.hierarchy, &self.radiosity), resolution.side).count();
-            if !cells.is_some_and(|cells| resolved.is_valid(cells, channels)) {
-                return Err("the resolved radiosities do not fit the scene".to_owned());
+        if let Some(radiosities) = &self.cell_radiosities {
+            let cells = cell_count(&self.scene, &self.brightness(), resolution.side);
+            if !cells.is_some_and(|cells| radiosities.is_valid(cells, channels)) {
+                return Err("the cell radiosities do not fit the scene".to_owned());
             }
         }
         Ok(())

@@ -1,33 +1,34 @@
-//! What a leaf should see in all: the sum of its form factors, and the light that is missing from it.
+//! Closure: what the form factors of a leaf must add up to, and how its reflected light is scaled to that.
 //!
-//! Links of clusters have estimated form factors, and some pairs sleep. In a closed scene the form factors of every leaf add up to 1, so
-//! what is missing is known: it is filled with the mean of the reflected light that the leaf does gather (the ambient term of Holzschuch, Sillion,
-//! Drettakis 1994, section 2.2, with the leaf's own surroundings instead of one ambient radiosity for the scene). Where the sum
-//! exceeds 1 reflected light is scaled down to it, in open scenes too; so sweeps converge whatever the links say. Emitted light is left alone.
+//! Links of clusters have estimated form factors, and some pairs are dormant. In a closed scene the form factors of each leaf
+//! should add up to 1. What is missing is filled with the mean of the reflected light that the leaf gathers (the ambient term of
+//! Holzschuch, Sillion, Drettakis 1994, section 2.2, but by the leaf's own surroundings instead of one ambient radiosity for the
+//! scene). Where the sum exceeds 1, in open scenes too, reflected light is scaled down, so that sweeps converge whatever the links
+//! say. Emitted light is left alone.
 //!
-//! Without clusters the sums are off by noise alone, and scaling down all that came out too large would turn noise into a bias: 0.4% on a
-//! Cornell box. So there only the leaves are scaled at which sweeps might diverge, those where `rho` times the sum reaches 1.
+//! Without clusters the sums are off by noise alone, and scaling down those above 1 would turn noise into a bias. So there only the
+//! leaves are scaled at which sweeps might diverge: those where `rho` times the sum reaches 1.
 
 use super::{Exposure, Radiosity, gather, push};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::scene::{Scene, SurfaceId};
 
-/// The reflected light of a leaf is not multiplied by more than this.
+/// The reflected light of a leaf is multiplied by at most this. Safety limit.
 const MOST: f64 = 4.0;
 
-/// The sum of form factors and the emitted light at every leaf.
+/// What reflected light at every leaf is multiplied by.
 #[derive(Clone, Debug)]
 pub(crate) struct Closure {
     channels: usize,
-    /// What reflected light is multiplied by, by node; at leaves it is used.
+    /// The factor on reflected light, by node; used at leaves.
     factors: Vec<f64>,
-    /// Irradiance by emitted light, in W/m^2, node after node.
+    /// The irradiance by emitted light, in W/m^2, by node and channel.
     emitted: Vec<f64>,
 }
 
 impl Closure {
-    /// What sweeps over `links` need: for every leaf if clusters are linked, else for those that diverge.
+    /// What sweeps over `links` need: all leaves closed if clusters are linked, else those at which sweeps might diverge.
     pub fn needed(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure, clusters: bool) -> Option<Self> {
         if clusters {
             Some(Self::of_estimates(scene, hierarchy, links, exposure))
@@ -36,14 +37,14 @@ impl Closure {
         }
     }
 
-    /// Closes every leaf, because its form factors are estimates.
+    /// Closes every leaf, for links with estimated form factors.
     pub(super) fn of_estimates(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure) -> Self {
         let most = if exposure.is_closed() { MOST } else { 1.0 };
         let close = |_, sum: f64| if sum > 0.0 { (1.0 / sum).min(most) } else { 1.0 };
         Self::by(close, scene, hierarchy, links, exposure)
     }
 
-    /// Closes the leaves that would reflect as much as all that their sources send, or more; `None` if there are none.
+    /// Closes the leaves at which sweeps might diverge; `None` if there are none.
     fn of_divergent(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure) -> Option<Self> {
         let close = |leaf: NodeId, sum: f64| {
             let reflectance = &scene.material_of(SurfaceId(hierarchy.node(leaf).surface)).reflectance;
@@ -53,7 +54,7 @@ impl Closure {
         closure.factors.iter().any(|&factor| factor != 1.0).then_some(closure)
     }
 
-    /// With the factor that `close` gives to a leaf and the sum of its form factors.
+    /// With the factor that `close` gives for a leaf and the sum of its form factors.
     fn by(close: impl Fn(NodeId, f64) -> f64, scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure) -> Self {
         let channels = scene.channels();
         let emission = Radiosity::emitted(scene, hierarchy, exposure);
@@ -64,7 +65,7 @@ impl Closure {
         Self { channels, factors: hierarchy.ids().map(factor).collect(), emitted }
     }
 
-    /// What reflected light is multiplied by at a leaf.
+    /// The factor on reflected light at a leaf.
     pub(super) fn factor(&self, leaf: NodeId) -> f64 {
         self.factors[leaf.index()]
     }
@@ -78,7 +79,7 @@ impl Closure {
         material.exitance.iter().zip(&material.reflectance).zip(arriving).map(|((e, rho), h)| e + rho * h).collect()
     }
 
-    /// Fills in, or takes away, reflected light at a leaf.
+    /// Scales the reflected part of the irradiance at a leaf.
     pub(crate) fn close(&self, leaf: NodeId, irradiance: &mut [f64]) {
         let factor = self.factor(leaf);
         for (h, emitted) in irradiance.iter_mut().zip(&self.emitted[leaf.index() * self.channels..]) {

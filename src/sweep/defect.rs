@@ -1,8 +1,8 @@
-//! What a change of radiosities brings about by interreflection.
+//! Defect correction: how a change of radiosities is reflected over links.
 //!
-//! Sweeps over links end at `B = E + rho K B`, K being the links. Gathered once more with care, by an operator G that knows more than the links
-//! do, leaves change by `d = E + rho G B - B`. That light is reflected in turn, and what comes of it the links can tell well enough: the
-//! answer to `B' = E + rho G B'` differs from `B + (I - rho K)^-1 d` by the difference of the operators applied to what is small already.
+//! Sweeps over links solve `B = E + rho K B`, K being the links. A gather at points is a more exact operator G: with it leaves
+//! change by the defect `d = E + rho G B - B`. The correction `B + (I - rho K)^-1 d` reflects that over the links, and is close to
+//! the solution of `B' = E + rho G B'`: it differs by the difference of G and K, applied to a correction that is small already.
 
 use super::{Closure, Exposure, Radiosity, gather, push};
 use crate::hierarchy::{Hierarchy, NodeId};
@@ -12,7 +12,7 @@ use crate::scene::{Scene, SurfaceId};
 /// Reflections are followed down to this part of the change.
 const TOLERANCE: f64 = 0.01;
 
-/// At a reflectance of 0.95 fewer are needed for that.
+/// Reflections at most; a reflectance of 0.95 needs fewer to reach [`TOLERANCE`].
 const MOST_REFLECTIONS: u32 = 100;
 
 /// The links over which a change is reflected.
@@ -25,8 +25,8 @@ pub(crate) struct Reflections<'a> {
 }
 
 impl Reflections<'_> {
-    /// Adds to the radiosities of all leaves what comes of a change of them, `(rho K + (rho K)^2 + ...) change`; `change` is by node and
-    /// channel, of which that of leaves counts. Inner nodes are left to be pulled. Reflections after `stop` says so are missing.
+    /// Adds the reflections of a change, `(rho K + (rho K)^2 + ...) change`, to the radiosities of all leaves; of `change` only
+    /// that of leaves counts. Inner nodes are left to be pulled. Ends early if `stop` says so.
     pub fn add(&self, mut change: Radiosity, radiosity: &mut Radiosity, stop: &dyn Fn() -> bool) {
         let Self { scene, hierarchy, links, exposure, closure } = *self;
         let leaves: Vec<NodeId> = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)).collect();
@@ -35,6 +35,7 @@ impl Reflections<'_> {
         };
         let enough = TOLERANCE * size(&change);
         for _ in 0..MOST_REFLECTIONS {
+            // One bounce of what is left.
             change.pull(hierarchy, exposure);
             let irradiance = push(hierarchy, gather(hierarchy, links, exposure, &change), change.channels());
             for &leaf in &leaves {
@@ -63,7 +64,8 @@ mod tests {
     use crate::transmittance::Rays;
     use crate::visibility::{Backend, OccluderMesh, build};
 
-    /// Six plates that are linked all alike: `b_0 = 1 + rho b`, `b = rho (b_0 + 4 b) / 5` for a change of 1 at the first.
+    /// Six plates, each linked with all others alike: a change of 1 at the first gives `b_0 = 1 + rho b`,
+    /// `b = rho (b_0 + 4 b) / 5`.
     #[test]
     fn a_change_of_one_plate_of_six_is_reflected() {
         let square = |at: f64| [[at, 0.0, 0.0], [at + 1.0, 0.0, 0.0], [at + 1.0, 1.0, 0.0], [at, 1.0, 0.0]];

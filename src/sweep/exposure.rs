@@ -1,19 +1,20 @@
-//! Which part of a node is exposed: not covered by something that stands on it.
+//! Exposure: the part of a node that nothing stands on.
 //!
-//! The floor under a box is part of the floor's polygon, yet no light comes from there or arrives. Were its darkness averaged into the
-//! floor around it, that darkness would count twice: in the radiosity, and in the visibility of the covered part. So radiosities are
-//! means over the exposed part, form factors and visibilities are of the whole, and what a node gathers is divided by its exposure.
+//! The floor under a box is part of the floor's polygon, yet it neither sends nor receives light. If its darkness were averaged
+//! into the floor around, it would count twice: in the radiosity, and in the visibility of the hidden part. So radiosities are
+//! means over the exposed part, form factors and visibilities are those of the whole, and the irradiance that a node gathers is
+//! divided by its exposure.
 //!
-//! A point is covered if a ray that leaves it by the cosine first meets a back, or if it leaves the scene but the point lies on another
-//! surface of the same plane that looks the other way, as the underside of a box does that stands on a floor: rays pass what lies in their
-//! own plane. Such points are found by sampling.
+//! Exposure is sampled, by one cosine-distributed ray from each point. A point is hidden if its ray first meets a back. It is
+//! hidden, too, if the ray leaves the scene and the point lies on a surface of the same plane that faces the other way, such as the
+//! underside of a box on a floor: rays ignore what lies in their own plane.
 
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::PARALLEL;
-use crate::geometry::{Facet, Frame, sampling};
+use crate::geometry::{Facet, Frame, sampling, streams};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
@@ -23,16 +24,16 @@ use crate::visibility::{Hit, Ray};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Exposure {
     by_node: Vec<f32>,
-    /// Whether a ray was seen to leave the scene.
+    /// Whether a ray has left the scene.
     open: bool,
 }
 
-/// Rays that look whether a surface is covered anywhere: fewer where there are many surfaces, so that all together take no more than
-/// [`ALL_SAMPLES`], but not less than the least.
+/// Rays from a surface that tell whether something stands on it: fewer where surfaces are many, so that all of them take
+/// [`ALL_SAMPLES`], but within this range.
 const SURFACE_SAMPLES: std::ops::RangeInclusive<u32> = 8..=64;
 const ALL_SAMPLES: u32 = 1 << 19;
 
-/// Rays for a piece of a surface that is covered in part.
+/// Rays from a piece of a surface that something stands on.
 const PIECE_SAMPLES: u32 = 16;
 
 impl Exposure {
@@ -41,12 +42,12 @@ impl Exposure {
         f64::from(self.by_node[node.index()])
     }
 
-    /// Whether the scene is closed, as far as the rays from all surfaces tell.
+    /// Whether no ray from any surface has left the scene.
     pub(crate) fn is_closed(&self) -> bool {
         !self.open
     }
 
-    /// Turns the irradiance of the whole node into that of its exposed part, where all of it arrives.
+    /// Turns the irradiance of the whole node into that of its exposed part, where all of the light arrives.
     pub(crate) fn concentrate(&self, node: NodeId, irradiance: &mut [f64]) {
         let exposure = self.of(node);
         if exposure > 0.0 && exposure < 1.0 {
@@ -59,12 +60,12 @@ impl Exposure {
         self.by_node.len()
     }
 
-    /// Whether all are parts of a whole.
+    /// Whether all exposures are in [0, 1].
     pub(crate) fn is_valid(&self) -> bool {
         self.by_node.iter().all(|exposure| (0.0..=1.0).contains(exposure))
     }
 
-    /// Looks at nodes that are new. Pieces of a surface on which nothing seems to stand are exposed.
+    /// Samples the exposure of new nodes. Pieces of a surface that is wholly exposed are exposed.
     pub(crate) fn grow(&mut self, scene: &Scene, hierarchy: &Hierarchy, rays: &Rays<'_>, seed: u64) {
         let known = self.by_node.len();
         if known == hierarchy.len() {
@@ -72,14 +73,14 @@ impl Exposure {
         }
         self.by_node.resize(hierarchy.len(), 1.0);
 
-        // A surface is looked at for itself, a piece if anything stands on its surface.
+        // Surfaces, and pieces of surfaces that something stands on, by rays.
         let by_plane = ByPlane::new(scene);
         let (least, most) = SURFACE_SAMPLES.into_inner();
         let surface_samples = (ALL_SAMPLES / scene.surfaces().len() as u32).clamp(least, most);
         let levels = hierarchy.levels();
         let first = known.max(hierarchy.cluster_count());
         for level in levels.iter().map(|level| level.start.max(first)..level.end).filter(|level| !level.is_empty()) {
-            let looked: Vec<(f32, bool)> = (level.clone().into_par_iter())
+            let sampled: Vec<(f32, bool)> = (level.clone().into_par_iter())
                 .map(|node| {
                     let node = NodeId(node as u32);
                     let surface = hierarchy.node_of(SurfaceId(hierarchy.node(node).surface));
@@ -92,13 +93,13 @@ impl Exposure {
                     }
                 })
                 .collect();
-            for (exposure, (found, open)) in self.by_node[level].iter_mut().zip(looked) {
+            for (exposure, (found, open)) in self.by_node[level].iter_mut().zip(sampled) {
                 *exposure = found;
                 self.open |= open;
             }
         }
 
-        // What was split takes the mean of its pieces.
+        // Nodes that are split take the mean of their children.
         for level in levels.into_iter().rev() {
             let (own, below) = self.by_node[level.start..].split_at_mut(level.len());
             own.par_iter_mut().with_min_len(PARALLEL).enumerate().for_each(|(index, exposure)| {
@@ -115,8 +116,8 @@ impl Exposure {
     }
 }
 
-/// A point of `node` that is exposed, as far as one ray from it tells: the centroid where all is exposed, else the first of
-/// [`PIECE_SAMPLES`] sampled points that is; `None` if none is.
+/// An exposed point of `node`: the centroid if the node is wholly exposed, else the first exposed one of [`PIECE_SAMPLES`] sampled
+/// points; `None` if there is none.
 pub(crate) fn sampled_exposed_point(
     hierarchy: &Hierarchy,
     by_plane: &ByPlane<'_>,
@@ -165,7 +166,7 @@ impl<'a> ByPlane<'a> {
         Self { scene, order }
     }
 
-    /// The surfaces in the plane of `surface` that look the other way, the other side of a sheet left out.
+    /// The surfaces in the plane of `surface` that face the other way, without the other side of its own sheet.
     fn opposite(&self, surface: SurfaceId) -> impl Iterator<Item = Facet<'a>> {
         let (scene, own) = (self.scene, self.scene.surface(surface));
         let first = self.order.partition_point(|&other| scene.surface(other).plane < own.plane);
@@ -183,7 +184,7 @@ enum End {
     Outside,
 }
 
-/// Points of a node, uniform by area, each with where a ray ends that leaves it by the cosine; a point is covered if that is a back.
+/// Points of a node, uniform by area, each with where a cosine-distributed ray from it ends; a point is hidden if that is a back.
 fn sampled_points(
     hierarchy: &Hierarchy,
     by_plane: &ByPlane<'_>,
@@ -197,24 +198,28 @@ fn sampled_points(
     let surface = SurfaceId(hierarchy.node(node).surface);
     let origin_plane = scene.surface(surface).plane;
     let frame = Frame::around(facet.normal);
-    let seed = sampling::hash(seed, u64::from(node.0) | 1 << 40);
-    let look = |sample| {
+    let seed = sampling::hash(seed, streams::EXPOSURE + u64::from(node.0));
+
+    // The rays.
+    let ray = |sample| {
         let [u, v, s, t] = sampling::sobol_4d(sample, seed);
         Ray { origin: facet.point_at(u, v).to_array(), direction: frame.sampled_by_cosine(s, t).to_array(), origin_plane }
     };
-    let looks: Vec<Ray> = (0..samples).map(look).collect();
+    let cast: Vec<Ray> = (0..samples).map(ray).collect();
     let mut hits = Vec::new();
-    rays.first_hits(&looks, &mut hits);
+    rays.first_hits(&cast, &mut hits);
+
+    // Where they end.
     let leaves_scene = hits.iter().any(Option::is_none);
     let opposite: Vec<Facet<'_>> = if leaves_scene { by_plane.opposite(surface).collect() } else { Vec::new() };
-    let end = |look: &Ray, hit: Option<Hit>| match hit {
-        None if opposite.iter().any(|facing| facing.contains(DVec3::from(look.origin))) => End::Back,
+    let end = |ray: &Ray, hit: Option<Hit>| match hit {
+        None if opposite.iter().any(|facing| facing.contains(DVec3::from(ray.origin))) => End::Back,
         None => End::Outside,
         Some(hit) => {
-            let side = scene.side_towards(SurfaceId(hit.surface), -DVec3::from(look.direction));
+            let side = scene.side_towards(SurfaceId(hit.surface), -DVec3::from(ray.direction));
             side.map_or(End::Back, |_| End::Front)
         }
     };
-    let ends: Vec<(DVec3, End)> = looks.iter().zip(hits).map(|(look, hit)| (DVec3::from(look.origin), end(look, hit))).collect();
+    let ends: Vec<(DVec3, End)> = cast.iter().zip(hits).map(|(ray, hit)| (DVec3::from(ray.origin), end(ray, hit))).collect();
     ends.into_iter()
 }

@@ -1,4 +1,4 @@
-//! Gathering: light travels over all links once.
+//! The gather: light travels over all links once.
 
 use rayon::prelude::*;
 
@@ -7,19 +7,19 @@ use crate::geometry::Lobes;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::{Link, LinkSet};
 
-/// What arrives at every node over its own links, by channel, over the exposed part of the node.
+/// The irradiance of every node's exposed part by its own links, by channel.
 pub(crate) struct Irradiance {
     /// H of each surface and element, in W/m^2; clusters have none.
     pub(super) values: Vec<f64>,
-    /// Of each cluster: H of a face by its normal.
+    /// Of each cluster: H of a face as a function of its normal.
     pub(super) lobes: Vec<Lobes>,
 }
 
 /// What every node gathers over its own links from the radiosities as they stand, in parallel over receivers:
 /// `H_r = sum over links of F_rs B_s`.
 ///
-/// A cluster gathers light with the directions it comes from. Each link's power is spread over the faces of the cluster as they look to the
-/// source, so that all of it arrives.
+/// A cluster keeps the directions that light comes from. The power of each link is shared out over the cluster's faces by the
+/// cosine to the source, so that all of it arrives.
 pub(crate) fn gather(hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure, radiosity: &Radiosity) -> Irradiance {
     let channels = radiosity.channels();
     let clusters = hierarchy.cluster_count();
@@ -57,9 +57,9 @@ pub(super) fn gather_cluster(hierarchy: &Hierarchy, receiver: NodeId, links: &[L
     for link in links {
         let direction = hierarchy.direction(receiver, link.source);
         let Some(exposed) = radiosity.exposed_area(receiver, direction) else { return };
-        let spread = hierarchy.area(receiver) / exposed;
+        let concentration = hierarchy.area(receiver) / exposed;
         arriving.fill(0.0);
-        radiosity.add_shown(hierarchy, receiver, link.source, link.occluded_form_factor() * spread, &mut arriving);
+        radiosity.add_shown(hierarchy, receiver, link.source, link.occluded_form_factor() * concentration, &mut arriving);
         lobes.iter_mut().zip(&arriving).for_each(|(lobes, &h)| lobes.add(h, direction));
     }
 }
@@ -114,7 +114,7 @@ mod tests {
                 let leaves = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node));
                 let power: f64 = leaves.map(|leaf| exposed(leaf) * arrived[leaf.index()]).sum();
 
-                // Towards what it hardly shows itself to, a cluster takes less.
+                // A cluster that shows a source little of itself takes less.
                 let mut lobe = Lobes::default();
                 lobe.add(1.0, hierarchy.direction(receiver, source));
                 let below = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node) && is_below(&hierarchy, node, receiver));

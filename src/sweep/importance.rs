@@ -1,19 +1,19 @@
-//! Importance: how much a unit of exitance anywhere adds to what one wants to know.
+//! Importance: how much a unit of exitance anywhere adds to what the answer is wanted for.
 //!
-//! Any linear functional of the radiosities is `<R, B> = sum R_i B_i`, R being the initial importance: exposed areas for the power of
-//! all surfaces, what a camera sees of each leaf for a picture. With `B = E + T B`, T being what a sweep over the links does,
-//! importance solves the adjoint equation
+//! That is a linear functional of the radiosities, `<R, B> = sum R_i B_i`. R is the initial importance: the exposed areas for the
+//! power of all surfaces, the part that a camera sees of each leaf for a picture. With `B = E + T B`, T being a sweep over the
+//! links, importance solves the adjoint equation
 //!
 //! ```text
 //! Z = R + T' Z       so that      <R, B> = <Z, E>
 //! ```
 //!
-//! (Smits, Arvo, Salesin 1992; Lischinski 1994, equation 5.9.) T pulls radiosities up, gathers over links, pushes irradiance down and
-//! reflects; T' does the opposite of each in the opposite order. So both sides agree to rounding whatever the links say: clusters,
-//! exposure and noisy transmittances are turned around as they are.
+//! (Smits, Arvo, Salesin 1992; Lischinski 1994, equation 5.9.) T pulls radiosities up, gathers over links, pushes irradiance down
+//! and reflects. T' applies the transpose of each step in the opposite order, clusters, exposure and noisy transmittances included;
+//! so both sides agree to rounding, whatever the links say.
 //!
-//! Where a [`Closure`] fills in or takes away reflected light, B is that of another exitance `E + rho (1 - f) H_E`, f being its factor and
-//! H_E the irradiance by emitted light, which it leaves alone.
+//! With a [`Closure`] B has another exitance, `E + rho (1 - f) H_E`: f is the closure's factor, and H_E the irradiance by emitted
+//! light, which it leaves alone.
 
 use super::{Closure, Exposure, Radiosity};
 use crate::geometry::Lobes;
@@ -21,8 +21,8 @@ use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::scene::{Scene, SurfaceId};
 
-/// The importance Z of every node, in units of R: what `<R, B>` gains if each point of the node emits one more W/m^2. That of an inner
-/// node is the sum over its leaves.
+/// The importance Z of every node, in units of R: by how much `<R, B>` rises if each point of the node emits 1 W/m^2 more. That of
+/// an inner node is the sum over its leaves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Importance {
     channels: usize,
@@ -41,32 +41,32 @@ impl Importance {
     }
 }
 
-/// What light travels over, to be walked against its direction.
+/// The adjoint of sweeps: what light travels over, followed against its direction.
 pub(crate) struct Adjoint<'a> {
     pub scene: &'a Scene,
     pub hierarchy: &'a Hierarchy,
     pub links: &'a LinkSet,
     pub exposure: &'a Exposure,
     pub closure: Option<&'a Closure>,
-    /// Radiosities over the same hierarchy: they know the exposed areas of clusters.
+    /// Radiosities over the same hierarchy, for the exposed areas of clusters.
     pub radiosity: &'a Radiosity,
 }
 
-/// The change of a sweep that ends the iteration, as a part of all importance: what is to come is no more than `1 / (1 - rho)` times it.
+/// The iteration ends once a sweep adds less than this part of all importance. All later sweeps together would add at most
+/// `1 / (1 - rho)` times as much.
 const SWEEP_TOLERANCE: f64 = 1e-14;
 
 /// No more sweeps than this, as for radiosities.
 const MOST_SWEEPS: u32 = 20_000;
 
 impl Adjoint<'_> {
-    /// The importance that follows from `initial`, R of every leaf by channel, node after node; what stands at inner nodes is not
-    /// looked at.
+    /// The importance Z for `initial`, the initial importance R by node and channel, of which only that of leaves counts.
     pub fn importance(&self, initial: &[f64]) -> Importance {
         let channels = self.radiosity.channels();
         let is_leaf = |at: usize| self.hierarchy.is_leaf(NodeId((at / channels) as u32));
         let initial: Vec<f64> = initial.iter().enumerate().map(|(at, r)| if is_leaf(at) { *r } else { 0.0 }).collect();
 
-        // Z = R + T' R + T' T' R + ...: each term is what arrives after one more bounce.
+        // Z = R + T' R + T' T' R + ...: each term is one bounce more.
         let (mut values, mut term) = (initial.clone(), initial);
         for _ in 0..MOST_SWEEPS {
             term = self.sweep(&term);
@@ -87,67 +87,86 @@ impl Adjoint<'_> {
         Importance { channels, values }
     }
 
-    /// `T' z`: what the sources of all leaves are worth if the leaves are worth `z`.
+    /// `T' z`: the worth of a unit of radiosity of each leaf, if a unit of radiosity of the leaves that it lights is worth `z`.
     fn sweep(&self, z: &[f64]) -> Vec<f64> {
-        let Self { hierarchy, exposure, .. } = *self;
-        let channels = self.radiosity.channels();
-        let clusters = hierarchy.cluster_count();
+        let irradiance = self.worth_of_irradiance(z);
+        let radiosity = self.worth_of_radiosity(&irradiance);
+        self.worth_of_leaves(radiosity)
+    }
 
-        // Reflect backwards, and collect upward: what a unit of irradiance is worth at a node, at clusters by its direction.
-        let mut worth = vec![0.0; z.len()];
-        let mut cluster_worth = vec![Lobes::default(); channels * clusters];
+    /// Transposed reflection and push: the worth of a unit of irradiance of each node.
+    fn worth_of_irradiance(&self, z: &[f64]) -> Worth {
+        let (hierarchy, channels) = (self.hierarchy, self.radiosity.channels());
+        let mut worth = self.nothing();
         for node in hierarchy.ids().rev() {
+            // A leaf reflects.
             let own = node.index() * channels..(node.index() + 1) * channels;
             if hierarchy.is_leaf(node) {
                 let reflectance = &self.scene.material_of(SurfaceId(hierarchy.node(node).surface)).reflectance;
                 let factor = self.closure.map_or(1.0, |closure| closure.factor(node));
                 for (at, rho) in own.clone().zip(reflectance) {
-                    worth[at] = factor * rho * z[at];
+                    worth.values[at] = factor * rho * z[at];
                 }
             }
+
+            // What arrives at a node arrives at all its children.
             let Some(parent) = hierarchy.parent(node) else { continue };
             for (channel, at) in own.enumerate() {
                 let above = parent.index() * channels + channel;
                 if hierarchy.is_cluster(node) {
-                    let of_node = cluster_worth[at];
-                    cluster_worth[above] += of_node;
+                    let of_node = worth.lobes[at];
+                    worth.lobes[above] += of_node;
                 } else if hierarchy.is_cluster(parent) {
-                    cluster_worth[above].add(worth[at], hierarchy.normal(node));
+                    worth.lobes[above].add(worth.values[at], hierarchy.normal(node));
                 } else {
-                    worth[above] += worth[at];
+                    worth.values[above] += worth.values[at];
                 }
             }
         }
+        worth
+    }
 
-        // Over every link from receiver to source.
-        let mut shown = vec![0.0; z.len()];
-        let mut cluster_shown = vec![Lobes::default(); channels * clusters];
-        let mut irradiance_worth = vec![0.0; channels];
+    /// Transposed gather: the worth of a unit of radiosity of each node to the receivers of its links; of a cluster by the
+    /// direction in which the light leaves.
+    fn worth_of_radiosity(&self, irradiance: &Worth) -> Worth {
+        let Self { hierarchy, exposure, .. } = *self;
+        let channels = self.radiosity.channels();
+        let mut worth = self.nothing();
+        let mut arriving = vec![0.0; channels];
         for (receiver, link) in self.links.iter() {
+            // The worth of a unit that arrives.
             let own = receiver.index() * channels..(receiver.index() + 1) * channels;
             if hierarchy.is_cluster(receiver) {
                 let direction = hierarchy.direction(receiver, link.source);
                 let Some(exposed) = self.radiosity.exposed_area(receiver, direction) else { continue };
-                let spread = hierarchy.area(receiver) / exposed;
-                irradiance_worth.iter_mut().zip(&cluster_worth[own]).for_each(|(worth, of)| *worth = spread * of.at(direction));
+                let concentration = hierarchy.area(receiver) / exposed;
+                arriving.iter_mut().zip(&irradiance.lobes[own]).for_each(|(worth, of)| *worth = concentration * of.at(direction));
             } else {
-                irradiance_worth.copy_from_slice(&worth[own]);
-                exposure.concentrate(receiver, &mut irradiance_worth);
+                arriving.copy_from_slice(&irradiance.values[own]);
+                exposure.concentrate(receiver, &mut arriving);
             }
+
+            // The worth of a unit that leaves the source.
             let form_factor = link.occluded_form_factor();
             let at_source = link.source.index() * channels;
             if hierarchy.is_cluster(link.source) {
                 let direction = hierarchy.direction(link.source, receiver);
                 let Some(area) = self.radiosity.exposed_area(link.source, direction) else { continue };
-                for (shown, worth) in cluster_shown[at_source..].iter_mut().zip(&irradiance_worth) {
+                for (shown, worth) in worth.lobes[at_source..].iter_mut().zip(&arriving) {
                     shown.add(form_factor * worth / area, direction);
                 }
             } else {
-                shown[at_source..].iter_mut().zip(&irradiance_worth).for_each(|(shown, worth)| *shown += form_factor * worth);
+                worth.values[at_source..].iter_mut().zip(&arriving).for_each(|(shown, worth)| *shown += form_factor * worth);
             }
         }
+        worth
+    }
 
-        // Hand down to the leaves, as means come up: a child takes part by its exposed area.
+    /// Transposed pull: hands the worth of nodes down to their leaves, to children by exposed area.
+    fn worth_of_leaves(&self, radiosity: Worth) -> Vec<f64> {
+        let Self { hierarchy, exposure, .. } = *self;
+        let channels = self.radiosity.channels();
+        let Worth { mut values, mut lobes } = radiosity;
         for node in hierarchy.ids().filter(|&node| !hierarchy.is_leaf(node)) {
             let exposed_area = |child: NodeId| hierarchy.area(child) * exposure.of(child);
             let whole: f64 = hierarchy.children(node).map(exposed_area).sum();
@@ -155,21 +174,35 @@ impl Adjoint<'_> {
                 for channel in 0..channels {
                     let (above, own) = (node.index() * channels + channel, child.index() * channels + channel);
                     if hierarchy.is_cluster(child) {
-                        let from_above = cluster_shown[above];
-                        cluster_shown[own] += from_above;
+                        let from_above = lobes[above];
+                        lobes[own] += from_above;
                     } else if hierarchy.is_cluster(node) {
-                        shown[own] += exposed_area(child) * cluster_shown[above].at(hierarchy.normal(child));
+                        values[own] += exposed_area(child) * lobes[above].at(hierarchy.normal(child));
                     } else {
-                        shown[own] += shown[above] * exposed_area(child) / whole;
+                        values[own] += values[above] * exposed_area(child) / whole;
                     }
                 }
             }
         }
         for node in hierarchy.ids().filter(|&node| !hierarchy.is_leaf(node)) {
-            shown[node.index() * channels..][..channels].fill(0.0);
+            values[node.index() * channels..][..channels].fill(0.0);
         }
-        shown
+        values
     }
+
+    fn nothing(&self) -> Worth {
+        let channels = self.radiosity.channels();
+        let (nodes, clusters) = (self.hierarchy.len(), self.hierarchy.cluster_count());
+        Worth { values: vec![0.0; channels * nodes], lobes: vec![Lobes::default(); channels * clusters] }
+    }
+}
+
+/// The worth of a unit of irradiance, or of radiosity, of every node, by channel.
+struct Worth {
+    /// Of each surface and element; clusters have none.
+    values: Vec<f64>,
+    /// Of each cluster, by direction.
+    lobes: Vec<Lobes>,
 }
 
 #[cfg(test)]
@@ -227,11 +260,11 @@ mod tests {
     /// Links between any nodes with any numbers on them, below what would make sweeps diverge.
     fn any_links(random: &mut Random, hierarchy: &Hierarchy) -> LinkSet {
         let mut links = Vec::new();
-        let lamp = hierarchy.node_of(SurfaceId(0));
+        let emitter = hierarchy.node_of(SurfaceId(0));
         for receiver in hierarchy.ids() {
-            // Lobes are negative in some directions, and sweeps do not let radiosity be: so every surface sees the lamp.
-            if hierarchy.surface_of(receiver).is_some_and(|surface| hierarchy.node_of(surface) == receiver && receiver != lamp) {
-                links.push((receiver, Link { form_factor: 0.1, source: lamp, transmittance: 1.0, seen: 0.0 }));
+            // Lobes are negative in some directions, and sweeps keep radiosity at 0 or above: so every surface sees the emitter.
+            if hierarchy.surface_of(receiver).is_some_and(|surface| hierarchy.node_of(surface) == receiver && receiver != emitter) {
+                links.push((receiver, Link { form_factor: 0.1, source: emitter, transmittance: 1.0, seen: 0.0 }));
             }
             for _ in 0..random.below(5) {
                 let source = NodeId(random.below(hierarchy.len()) as u32);

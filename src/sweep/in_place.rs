@@ -1,8 +1,10 @@
-//! A sweep in place (Lischinski 1994, section 5.1.3): gathering and push-pull in one descent, so that each node already gathers from
-//! what the nodes before it have just reflected (Gauss-Seidel). Needs fewer sweeps than Jacobi; runs on one thread, because order counts.
+//! A sweep in place (Lischinski 1994, section 5.1.3): gather and push-pull in one descent. Each node gathers from radiosities that
+//! the nodes before it have just changed (Gauss-Seidel). It takes fewer sweeps than Jacobi, but runs on one thread, because the
+//! order counts.
 
 use super::gather::{gather_cluster, gather_polygon};
-use super::{Change, Closure, Exposure, Radiosity, Reflection};
+use super::reflection::Reflection;
+use super::{Change, Closure, Exposure, Radiosity};
 use crate::geometry::Lobes;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
@@ -34,7 +36,7 @@ struct InPlace<'a> {
 }
 
 impl InPlace<'_> {
-    /// Gathers at a cluster, hands everything down, and takes the means of what comes back. The tree is a few dozen levels deep.
+    /// Gathers at a cluster, descends to its children, and pulls their radiosities. The tree is some dozens of levels deep.
     fn descend_cluster(&mut self, cluster: NodeId, from_above: &[Lobes]) {
         let mut lobes = from_above.to_vec();
         gather_cluster(self.hierarchy, cluster, self.links.of(cluster), self.radiosity, &mut lobes);
@@ -50,7 +52,7 @@ impl InPlace<'_> {
         self.radiosity.pull_level(self.hierarchy, self.exposure, cluster.index()..cluster.index() + 1);
     }
 
-    /// The same at a surface or element; a leaf reflects.
+    /// The same at a surface or element. A leaf reflects.
     fn descend(&mut self, node: NodeId, from_above: &[f64]) {
         let mut irradiance = vec![0.0; from_above.len()];
         gather_polygon(self.hierarchy, node, self.links.of(node), self.exposure, self.radiosity, &mut irradiance);

@@ -1,7 +1,7 @@
-//! What of a surface's surroundings its links represent, and what energy goes wrong because they do not represent all.
+//! Which part of a surface's surroundings its links represent, and how much energy is incorrect because it is not all of them.
 //!
-//! In a closed scene the form factors of all links leaving a surface add up to 1. What is missing is due to pairs without a link, what is
-//! missing or too much to form factors and visibilities that are estimates (Holzschuch, Sillion, Drettakis 1994, section 3.2).
+//! In a closed scene the form factors of all links of a surface add up to 1. They miss the pairs without a link, and may be off
+//! either way by estimated form factors and visibilities (Holzschuch, Sillion, Drettakis 1994, section 3.2).
 
 use super::{Exposure, Radiosity, gather, push};
 use crate::hierarchy::{Hierarchy, NodeId};
@@ -22,7 +22,7 @@ pub(crate) fn row_sums(scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, ex
     sums
 }
 
-/// Equations 1 and 2 of the paper: the energy that goes wrong, `sum of |1 - F_p| B_p A_p`, and all there is, `sum of B_p A_p`, in W, all
+/// Equations 1 and 2 of the paper: the incorrect energy, `sum of |1 - F_p| B_p A_p`, and all energy, `sum of B_p A_p`, in W, all
 /// channels added.
 pub(crate) fn incorrect_energy(
     scene: &Scene,
@@ -43,10 +43,10 @@ pub(crate) fn incorrect_energy(
 
 /// The ambient term: the irradiance of each surface, by channel, over the links that it misses.
 ///
-/// A surface misses `1 - F_p` of its surroundings, but no more than `dormant_form_factor` tells, so that what leaves through openings does not come
-/// back. What it would see there is taken for equally bright everywhere: the mean radiosity of the surfaces, each weighted by area and by
-/// what it misses itself. So all power that leaves over missing links arrives over missing links. The ambient light is reflected too, and adds to itself:
-/// `a = sum of w_p (B_p + rho_p m_p a)` with weights w_p, which is solved for a.
+/// Surface p misses the part `m_p = 1 - F_p` of its surroundings, but at most `dormant_form_factor`: light that leaves through
+/// openings does not come back. Over that part it receives the same ambient radiosity a as all others: the mean over the surfaces,
+/// weighted by w_p, the area times m_p, so that the power that leaves over missing links arrives over missing links. Ambient light
+/// is reflected, too: `a = sum of w_p (B_p + rho_p m_p a)`, with weights that add up to 1, is solved for a.
 pub(crate) fn estimate_ambient(
     scene: &Scene,
     hierarchy: &Hierarchy,
@@ -58,11 +58,15 @@ pub(crate) fn estimate_ambient(
     let channels = radiosity.channels();
     let missing: Vec<f64> =
         surfaces(scene).zip(row_sums).map(|(surface, sum)| (1.0 - sum).clamp(0.0, dormant_form_factor(surface))).collect();
+
+    // Weights.
     let weight = |surface: SurfaceId| missing[surface.index()] * exposed_area(hierarchy, exposure, hierarchy.node_of(surface));
     let whole: f64 = surfaces(scene).map(weight).sum();
     if whole <= 0.0 {
         return vec![0.0; channels * missing.len()];
     }
+
+    // The ambient radiosity by channel.
     let ambient: Vec<f64> = (0..channels)
         .map(|channel| {
             let seen: f64 =

@@ -11,9 +11,9 @@ use crate::geometry::Lobes;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{DistinctChannels, Scene, SurfaceId};
 
-/// The radiosity B of every node in W/m^2, a mean over its exposed part: of a leaf its own, above from the children.
+/// The radiosity B of every node in W/m^2, a mean over its exposed part; above the leaves the mean of the children.
 ///
-/// Clusters also know what they show to each direction, so that light goes where their faces look.
+/// Clusters also have a radiosity by direction: they send light in the directions that their faces face.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Radiosity {
     channels: usize,
@@ -23,7 +23,7 @@ pub struct Radiosity {
     shown: Vec<Lobes>,
 }
 
-/// A cluster shows at least this part of its area to every direction: what it shows divides what it receives.
+/// A cluster is taken to show at least this part of its area to every direction: results are divided by what it shows.
 const LEAST_SHOWN: f64 = 0.1;
 
 impl Radiosity {
@@ -45,7 +45,7 @@ impl Radiosity {
         radiosity
     }
 
-    /// One channel with radiosity 1 everywhere: what a leaf gathers of it is the sum of its form factors.
+    /// One channel with radiosity 1 everywhere: a leaf gathers the sum of its form factors from it.
     pub(crate) fn ones(hierarchy: &Hierarchy, exposure: &Exposure) -> Self {
         let clusters = vec![Lobes::default(); hierarchy.cluster_count()];
         let mut ones = Self { channels: 1, values: vec![1.0; hierarchy.len()], exposed: clusters.clone(), shown: clusters };
@@ -63,11 +63,12 @@ impl Radiosity {
         &self.values[node.index() * self.channels..][..self.channels]
     }
 
-    /// The same, to change it.
+    /// All values, to change them.
     pub(super) fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
     }
 
+    /// The radiosity of a node, to change it.
     pub(crate) fn of_mut(&mut self, node: NodeId) -> &mut [f64] {
         &mut self.values[node.index() * self.channels..][..self.channels]
     }
@@ -85,15 +86,22 @@ impl Radiosity {
         }
     }
 
-    /// The exposed area in m^2 that a cluster shows to a direction; `None` if all of it is covered.
+    /// What a surface reflects, in W/m^2 in its brightest channel.
+    pub(crate) fn reflected(&self, scene: &Scene, hierarchy: &Hierarchy, surface: SurfaceId) -> f64 {
+        let exitance = &scene.material_of(surface).exitance;
+        let sent = self.of(hierarchy.node_of(surface));
+        sent.iter().zip(exitance).map(|(sent, emitted)| sent - emitted).fold(0.0, f64::max)
+    }
+
+    /// The exposed area in m^2 that a cluster shows to a direction; `None` if none of it is exposed.
     pub(crate) fn exposed_area(&self, cluster: NodeId, direction: DVec3) -> Option<f64> {
         let exposed = &self.exposed[cluster.index()];
         (exposed.weight() > 0.0).then(|| exposed.at(direction).max(LEAST_SHOWN * exposed.weight()))
     }
 
-    /// The same for all channels, from those that were solved.
-    pub(crate) fn spread(&self, channels: &DistinctChannels) -> Self {
-        let (values, shown) = (channels.spread(&self.values), channels.spread(&self.shown));
+    /// The same for all channels, from those that were solved for.
+    pub(crate) fn expanded(&self, channels: &DistinctChannels) -> Self {
+        let (values, shown) = (channels.expand(&self.values), channels.expand(&self.shown));
         Self { channels: channels.count(), values, exposed: self.exposed.clone(), shown }
     }
 
@@ -110,14 +118,14 @@ impl Radiosity {
         }
     }
 
-    /// Sets every inner node to the mean of its children, weighted by exposed area; 0 where all is covered.
+    /// Sets every inner node to the mean of its children, weighted by exposed area; 0 if none is exposed.
     pub(crate) fn pull(&mut self, hierarchy: &Hierarchy, exposure: &Exposure) {
         for level in hierarchy.levels().into_iter().rev() {
             self.pull_level(hierarchy, exposure, level);
         }
     }
 
-    /// The same for nodes of which none is above another, from children that are up to date.
+    /// The same for a run of nodes of which none is above another; their children must be up to date.
     pub(super) fn pull_level(&mut self, hierarchy: &Hierarchy, exposure: &Exposure, level: Range<usize>) {
         let channels = self.channels;
         let (means, below) = self.values[level.start * channels..].split_at_mut(level.len() * channels);
@@ -141,7 +149,7 @@ impl Radiosity {
         }
     }
 
-    /// What a cluster shows is what its children show.
+    /// Sets what clusters show to the sum over their children.
     fn pull_lobes(&mut self, hierarchy: &Hierarchy, exposure: &Exposure, clusters: Range<usize>) {
         let Self { channels, ref values, ref mut exposed, ref mut shown } = *self;
         let (exposed, exposed_below) = exposed[clusters.start..].split_at_mut(clusters.len());
@@ -178,19 +186,20 @@ impl Radiosity {
     }
 }
 
-/// The reflectance of every cluster by channel, a mean over its area.
+/// The largest reflectance below each cluster, by channel: what it may do with light that arrives. A mean would hang on what light does not
+/// meet.
 pub(crate) fn cluster_reflectance(scene: &Scene, hierarchy: &Hierarchy) -> Vec<f64> {
     let (channels, clusters) = (scene.channels(), hierarchy.cluster_count());
-    let mut reflectance = vec![0.0; channels * clusters];
+    let mut reflectance = vec![0.0_f64; channels * clusters];
     for cluster in (0..clusters as u32).rev().map(NodeId) {
         for child in hierarchy.children(cluster) {
-            let share = hierarchy.area(child) / hierarchy.area(cluster);
             for channel in 0..channels {
                 let of_child = match hierarchy.surface_of(child) {
                     Some(surface) => scene.material_of(surface).reflectance[channel],
                     None => reflectance[child.index() * channels + channel],
                 };
-                reflectance[cluster.index() * channels + channel] += share * of_child;
+                let own = &mut reflectance[cluster.index() * channels + channel];
+                *own = own.max(of_child);
             }
         }
     }

@@ -1,23 +1,23 @@
-//! Pairs of planes between which nothing stands: what their surfaces send each other arrives, and no ray need be asked.
+//! Pairs of planes with nothing between their surfaces, by proof: rays between these are never blocked, and are not cast.
 
 use crate::geometry::{Aabb, Facet, in_front, is_apart};
 use crate::scene::{Scene, Surface, SurfaceId};
 use crate::visibility::{NO_PLANE, Segment};
 
-/// With more surfaces proofs cost more than the rays that they spare: they grow like the cube of the number.
+/// With more surfaces nothing is proved: the cost grows with the cube of their number, and would exceed that of the rays.
 const MOST_SURFACES: usize = 32;
 
-/// Overlap that counts as contact, as a part of the size of the scene.
+/// An overlap up to this part of the scene's diagonal counts as contact.
 const CONTACT_OF_SIZE: f64 = 1e-12;
 
-/// For every pair of planes, whether all surfaces of the one see all surfaces of the other, by proof.
+/// For every pair of planes, whether it is proved that nothing stands between any of their surfaces.
 pub(super) struct ClearPairs {
     planes: usize,
     clear: Vec<bool>,
 }
 
 impl ClearPairs {
-    /// `None` where no pair is clear, or where there are too many surfaces to look.
+    /// `None` if no pair is clear, or if there are more than [`MOST_SURFACES`].
     pub fn of(scene: &Scene) -> Option<Self> {
         let surfaces = scene.surfaces();
         if surfaces.len() > MOST_SURFACES {
@@ -36,14 +36,14 @@ impl ClearPairs {
         clear.contains(&true).then_some(Self { planes, clear })
     }
 
-    /// Whether a segment between surfaces is free, because all segments between their planes are.
+    /// Whether a segment lies between surfaces of a clear pair of planes.
     pub fn is_clear(&self, segment: &Segment) -> bool {
         let Segment { from_plane, to_plane, .. } = *segment;
         from_plane != NO_PLANE && to_plane != NO_PLANE && self.clear[from_plane as usize * self.planes + to_plane as usize]
     }
 }
 
-/// Whether no surface meets the hull of any two surfaces of these planes, as far as the two are in front of each other.
+/// Whether no surface reaches into the convex hull of any two surfaces of these planes, cut to their parts in front of each other.
 fn is_clear(scene: &Scene, planes: [u32; 2], tolerance: f64) -> bool {
     let surfaces = scene.surfaces();
     let [first, second] = planes.map(|plane| surfaces.iter().filter(move |surface| surface.plane() == plane));
@@ -64,7 +64,7 @@ fn is_clear(scene: &Scene, planes: [u32; 2], tolerance: f64) -> bool {
     })
 }
 
-/// Whether a surface may reach into the hull of two others that are in front of each other.
+/// Whether a surface may reach into the convex hull of two others that are in front of each other.
 fn is_between(receiver: &Facet<'_>, source: &Facet<'_>, surface: &Surface, tolerance: f64) -> bool {
     let blocker = surface.polygon.facet();
     let around = Aabb::around(receiver.vertices.iter().chain(source.vertices).copied());

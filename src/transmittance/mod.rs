@@ -1,6 +1,5 @@
-//! How much of the light between two places arrives: visibility of given sample pairs, by rays.
-//!
-//! The places and the kernel at them are the caller's business; here are only the rays, and the count of them.
+//! Transmittance: rays that tell how much light between two places arrives. Callers choose the pairs of points; here are the rays,
+//! and counts of them.
 
 mod clear_pairs;
 
@@ -12,9 +11,8 @@ use clear_pairs::ClearPairs;
 use crate::scene::{Scene, Surface};
 use crate::visibility::{Hit, Ray, Segment, Visibility};
 
-/// Asks a visibility backend, and counts and times what was asked.
-///
-/// Segments are not asked where it is proved that nothing occludes.
+/// Casts rays through a visibility backend, and counts and times them. Segments of which it is proved that nothing occludes them
+/// are not cast.
 pub(crate) struct Rays<'a> {
     backend: &'a dyn Visibility,
     proof: Proof,
@@ -29,7 +27,7 @@ enum Proof {
     Everywhere,
     /// Between some planes.
     Between(ClearPairs),
-    /// Nothing is known.
+    /// Nothing is proved.
     Nowhere,
 }
 
@@ -42,7 +40,7 @@ impl<'a> Rays<'a> {
         Self { backend, proof, spared: AtomicU64::new(0), segments: Tally::default(), first_hits: Tally::default() }
     }
 
-    /// The same, but asks even in a scene where nothing can occlude anything.
+    /// The same, but casts rays even in a scene where nothing can occlude anything.
     pub fn asking_in_clear_scenes(self) -> Self {
         match self.proof {
             Proof::Everywhere => Self { proof: Proof::Nowhere, ..self },
@@ -50,7 +48,7 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// The same, but asks even between planes with nothing in between, where something else occludes.
+    /// The same, but casts rays even between clear pairs of planes.
     pub fn asking_between_clear_planes(self) -> Self {
         match self.proof {
             Proof::Between(_) => Self { proof: Proof::Nowhere, ..self },
@@ -78,6 +76,7 @@ impl<'a> Rays<'a> {
         }
     }
 
+    /// Asks the backend, and counts.
     fn ask(&self, segments: &[Segment], occluded: &mut [bool]) {
         let start = Instant::now();
         self.backend.occluded(segments, occluded);
@@ -98,17 +97,17 @@ impl<'a> Rays<'a> {
         self.first_hits.add(rays.len(), start);
     }
 
-    /// Segments asked so far.
+    /// Segments cast so far.
     pub fn segments(&self) -> &Tally {
         &self.segments
     }
 
-    /// Rays asked so far for their first hits, which cost more than segments.
+    /// Rays cast so far for their first hits; they cost more than segments.
     pub fn first_hit_rays(&self) -> &Tally {
         &self.first_hits
     }
 
-    /// Segments answered without a ray, because nothing can occlude them.
+    /// Segments that were not cast, because nothing can occlude them.
     pub fn spared(&self) -> u64 {
         self.spared.load(Ordering::Relaxed)
     }
@@ -119,7 +118,7 @@ impl<'a> Rays<'a> {
     }
 }
 
-/// How many questions of a kind the backend was asked, and how long it took to answer.
+/// How many queries of a kind the backend answered, and how long it took.
 #[derive(Default)]
 pub(crate) struct Tally {
     count: AtomicU64,
@@ -132,7 +131,7 @@ impl Tally {
         self.nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
     }
 
-    /// Questions so far.
+    /// Queries so far.
     pub fn count(&self) -> u64 {
         self.count.load(Ordering::Relaxed)
     }
@@ -143,10 +142,11 @@ impl Tally {
     }
 }
 
-/// Whether every surface has every other in front of its plane or in it: then all see each other (a convex room seen from inside, or
-/// polygons that face each other across an empty space).
+/// Whether every surface has every other in front of its plane or in it. Then all see each other: a convex room seen from inside,
+/// or polygons that face each other across an empty space.
 ///
-/// O(n^2) where it is so; where it is not, the first pair that fails ends it, and a few pairs of every surface come first.
+/// O(n^2) if it is so. If not, the first pair that fails ends the test, and [`FEW_PAIRS`] of each surface are tested first to find
+/// one.
 fn nothing_occludes(scene: &Scene) -> bool {
     let tolerance = 1e-9 * scene.bounds().diagonal();
     let surfaces = scene.surfaces();
@@ -160,5 +160,5 @@ fn nothing_occludes(scene: &Scene) -> bool {
         && surfaces.iter().all(|surface| surfaces.iter().all(|other| in_front(surface, other)))
 }
 
-/// Pairs of each surface that are looked at before all pairs are.
+/// Pairs of each surface that are tested before all others.
 const FEW_PAIRS: usize = 4;

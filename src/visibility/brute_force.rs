@@ -1,9 +1,9 @@
 //! The reference: every triangle, in f64, in the coordinates of the scene.
 //!
-//! A segment passes through a triangle if the three volumes that it spans with the edges have the same sign (Pluecker
-//! coordinates). Each is computed from its edge alone and changes nothing but its sign when the edge is walked the other way, so
-//! no segment slips through between two triangles that share an edge; and a volume that rounding may have made counts as 0, on
-//! the edge, so none slips through where many meet at a vertex.
+//! A segment passes through a triangle if the three volumes that it spans with the edges have the same sign (Pluecker coordinates).
+//! Each is computed from its edge alone, and only its sign changes if the edge is taken in the other direction, so no segment slips
+//! through between two triangles that share an edge. A volume no larger than rounding counts as 0, on the edge, so none slips
+//! through where many meet at a vertex.
 
 use glam::DVec3;
 

@@ -1,8 +1,8 @@
 //! Embree 3 or 4, through wrapper/occlusion.h.
 //!
-//! The only state that Rust shares with the wrapper are the plane numbers and equations, which the wrapper reads in Embree's
-//! filter callback. The tree is built on one thread: it costs about 0.5 s for a million triangles, does not depend on the number
-//! of threads, and leaves no threads of Embree's behind that would compete with the solver's.
+//! The only state that Rust shares with the wrapper are the plane numbers and equations, which the wrapper reads in Embree's filter
+//! callback. The tree is built on one thread, so that it does not depend on the number of threads, and no threads of Embree's
+//! remain that would compete with the solver's.
 #![allow(unsafe_code, reason = "calls into wrapper/occlusion.c")]
 
 use std::{ffi::CStr, ptr::NonNull};
@@ -116,7 +116,7 @@ impl Visibility for Embree {
         let mut places = [0_usize; BATCH];
         let mut answers = [0_u8; BATCH];
         for (segments, occluded) in segments.chunks(BATCH).zip(occluded.chunks_mut(BATCH)) {
-            // Answer what needs no tracing, and gather the rest.
+            // Answer what needs no tracing, and collect the rest.
             let mut open = 0;
             for (place, (segment, occluded)) in segments.iter().zip(occluded.iter_mut()).enumerate() {
                 match self.frame.segment(segment) {
@@ -141,7 +141,7 @@ impl Visibility for Embree {
         let mut triangles = [0_u32; BATCH];
         let mut open = Vec::with_capacity(BATCH.min(rays.len()));
         for (rays, hits) in rays.chunks(BATCH).zip(hits.chunks_mut(BATCH)) {
-            // Gather the rays that can hit something.
+            // Collect the rays that can hit something.
             open.clear();
             for (place, (ray, hit)) in rays.iter().zip(hits.iter_mut()).enumerate() {
                 *hit = None;

@@ -8,8 +8,8 @@ use crate::{geometry::Aabb, scene::Scene};
 /// Coordinates may not be larger than this, so that squares and products of them stay finite.
 const LARGEST_COORDINATE: f64 = 1e75;
 
-/// The part of the size of the scene within which an end counts as touching a plane. Inputs that are exact to rounding need
-/// none of it (measured in tests/backends.rs); it is there for points that callers compute in several steps.
+/// The part of the scene's diagonal within which an end counts as touching a plane: room for points that callers compute in several
+/// steps. Points that are exact to rounding need none of it (tests/backends).
 const CONTACT_OF_SIZE: f64 = 1e-12;
 
 /// Roundings of the largest coordinate within which an end counts as touching a plane: one for the point, one for each vertex,

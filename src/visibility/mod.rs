@@ -24,6 +24,7 @@
 
 mod backend;
 mod brute_force;
+mod build;
 #[cfg(has_embree)]
 mod embree;
 #[cfg(feature = "embree4-sys")]
@@ -32,7 +33,8 @@ mod mesh;
 mod obvhs;
 mod occluders;
 
-pub use backend::{Backend, VisibilityError, build};
+pub use backend::{Backend, VisibilityError};
+pub use build::build;
 pub use mesh::OccluderMesh;
 
 /// A plane number that belongs to no surface: nothing is ignored at that end.

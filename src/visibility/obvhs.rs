@@ -49,8 +49,8 @@ pub(super) struct Obvhs {
     surfaces: Vec<u32>,
 }
 
-/// What `obvhs::cwbvh::builder::build_cwbvh` makes, without its test of the tree in debug builds: that allows quantized boxes to stand out
-/// of their parents by 1e-5 in absolute terms, less than a rounding at [`HALF_SIDE`], and panics.
+/// What `obvhs::cwbvh::builder::build_cwbvh` makes, without its test of the tree in debug builds: that allows quantized boxes to
+/// stand out of their parents by 1e-5 in absolute terms, less than a rounding at [`HALF_SIDE`], and panics.
 fn wide_tree(boxes: &[Aabb], parameters: BvhBuildParams) -> CwBvh {
     let BvhBuildParams { ploc_search_distance, sort_precision, search_depth_threshold, .. } = parameters;
     let indices = (0..boxes.len() as u32).collect();
@@ -142,8 +142,8 @@ fn tree_ray(origin: Vec3A, direction: Vec3A) -> (TreeRay, f32) {
     (TreeRay::new(origin, direction / length + Vec3A::ZERO, 0.0, length * 1.000_01), length)
 }
 
-/// Whether the line through `origin` passes the edges of a triangle all on the same side. What rounding leaves at vertices, where
-/// many triangles meet, is covered by one rounding of the sum, as in Embree.
+/// Whether the line through `origin` passes the edges of a triangle all on the same side. At vertices, where many triangles meet,
+/// one rounding of the sum is allowed, as in Embree.
 #[inline]
 fn passes(corners: &[Vec3A; 3], origin: Vec3A, direction: Vec3A) -> bool {
     let [a, b, c] = corners.map(|corner| corner - origin);

@@ -1,7 +1,7 @@
 //! What the f32 backends share: a frame of their own around the occluders, and the sides of planes in f64.
 //!
 //! The frame puts the middle of the scene at 0 and scales it by a power of two into a cube of some thousands. Both are done in
-//! f64 before anything is rounded to f32, so a scene of any size and place is resolved to the same part of its size, 2^-24.
+//! f64 before anything is rounded to f32, so a scene of any size and place is represented to the same part of its size, 2^-24.
 
 use glam::{DVec3, Vec3};
 
@@ -16,8 +16,8 @@ pub(super) const HALF_SIDE: f64 = 4096.0;
 const CUT: f64 = 1.001 * HALF_SIDE;
 
 /// Embree is asked from this distance on, 1.2e-7 of the size of the scene: four roundings of the largest coordinate, of which two
-/// may be in the origin already. Nearly all nearer hits are on the surface that the origin lies on, and handing them to the
-/// filter costs 5 to 25% of the time.
+/// may be in the origin already. Nearly all nearer hits are on the surface that the origin lies on, and calls of the filter for
+/// them would cost time.
 const NEAR: f64 = 4.0 * HALF_SIDE / (1 << 24) as f64;
 
 /// Directions whose length differs from 1 by less than half of this are taken as they are.

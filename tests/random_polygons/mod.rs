@@ -130,6 +130,19 @@ fn facing(random: &mut Random, centre: Vector, target: Vector, size: f64, width:
     shape(random, origin, first, second)
 }
 
+/// A polygon that has the first edge of `a`, which runs along `x`, for its own first, the other way round; it rises by `up`.
+fn on_edge(random: &mut Random, a: &[Vector], x: Vector, up: Vector) -> Vec<Vector> {
+    let mut b = shape(random, a[1], scaled(-1.0, x), up);
+    b[1] = a[0];
+    b
+}
+
+/// The same on a part of the edge that runs along `x` from the origin, and beyond it.
+fn on_part_of_edge(random: &mut Random, x: Vector, up: Vector) -> Vec<Vector> {
+    let (start, length) = (1.0 + random.unit(), 0.3 + 2.0 * random.unit());
+    shape(random, scaled(start, x), scaled(-length, x), up)
+}
+
 /// A pair of polygons; the first is of size 1 and somewhere around the origin.
 pub fn random_pair(random: &mut Random, kind: Kind) -> (Vec<Vector>, Vec<Vector>) {
     let (x, y, normal) = random.frame();
@@ -156,17 +169,10 @@ pub fn random_pair(random: &mut Random, kind: Kind) -> (Vec<Vector>, Vec<Vector>
             facing(random, at, centre, size, width)
         }
         Kind::Edge | Kind::PartOfEdge => {
-            // The common edge is the first of both and runs the other way; the angle between the two is 6 to 166 degrees.
+            // The angle between the two is 6 to 166 degrees.
             let (sin, cos) = (0.1 + 2.8 * random.unit()).sin_cos();
             let up = scaled(size, add(scaled(cos, y), scaled(sin, normal)));
-            if kind == Kind::Edge {
-                let mut b = shape(random, a[1], scaled(-1.0, x), up);
-                b[1] = a[0];
-                b
-            } else {
-                let (start, length) = (1.0 + random.unit(), 0.3 + 2.0 * random.unit());
-                shape(random, scaled(start, x), scaled(-length, x), up)
-            }
+            if kind == Kind::Edge { on_edge(random, &a, x, up) } else { on_part_of_edge(random, x, up) }
         }
         Kind::Vertex => {
             let first = random.direction();

@@ -6,9 +6,9 @@ use std::path::Path;
 use patchlight::output::{Provenance, read_solution_from, write_ply, write_solution};
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
-use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{Gather, RunOptions, SolveOptions, SolveReport};
+use patchlight::solve::{RunOptions, SolveOptions, SolveReport, Solver};
 use patchlight::visibility::Backend;
 
 use crate::hard_scenes::HardScene;
@@ -19,7 +19,7 @@ use crate::triangles::Random;
 #[derive(Clone, Copy, Debug)]
 pub struct Way {
     pub backend: Backend,
-    pub gather: Gather,
+    pub solver: Solver,
     pub seed: u64,
 }
 
@@ -45,10 +45,10 @@ const POINTS: usize = 1000;
 
 /// Runs a scene: panics where any output is not finite or negative, or does not fit the others; gives the claim if the truth is known.
 pub fn run(hard: &HardScene, way: Way, requested: f64) -> Option<Claim> {
-    let run = format!("{}, {}, {:?}, seed {}", hard.name, way.backend.name(), way.gather, way.seed);
+    let run = format!("{}, {}, {:?}, seed {}", hard.name, way.backend.name(), way.solver, way.seed);
     let options = SolveOptions {
         error: requested,
-        gather: way.gather,
+        solver: way.solver,
         seed: way.seed,
         max_links: Some(MOST_LINKS),
         ..SolveOptions::default()

@@ -1,14 +1,21 @@
-//! Reference cases from tests/fixtures: each has its name, its source and the digits that can be trusted.
+//! Reference cases from tests/fixtures: each has its name, its source and the digits that can be trusted. Their groups:
+//! - A1: from a point to a polygon (Lambert's sum; Baum, Rushmeier, Winget 1989);
+//! - A2: between rectangles (C-11 to C-15 of Howell's catalogue of configuration factors);
+//! - A3: between any polygons (contour integral; Schroeder, Hanrahan 1993);
+//! - A4: with something between. From `x` to `y` in parallel planes, blocked in a plane at the part t of the way, the change of variables
+//!   `m = x + t (y - x)` makes of the blocked part a signed sum of the terms of Howell's C-13;
+//! - A5: closed forms of the radiosity equation: furnaces, patches, concentric spheres;
+//! - A6: continuous solutions by Nystroem's method, and a cube by collocation, good to some 2e-5.
 #![allow(dead_code, reason = "each test uses a part")]
 
 use serde_json::Value;
 
-/// Form factors, groups A1 to A4.
+/// Form factors: groups A1 to A4.
 pub fn form_factor_cases() -> Vec<Value> {
     cases(include_str!("../fixtures/exact_cases.json"))
 }
 
-/// Solutions of the radiosity equation, groups A5 and A6.
+/// Solutions of the radiosity equation: groups A5 and A6.
 pub fn solution_cases() -> Vec<Value> {
     cases(include_str!("../fixtures/solution_cases.json"))
 }

@@ -4,7 +4,7 @@
 use patchlight::geometry::Polygon;
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
-use patchlight::reconstruct::SurfacePoint;
+use patchlight::scene::SurfacePoint;
 use patchlight::scene::{Material, Scene, Sides};
 use patchlight::solve::{RunOptions, SolveOptions, SolveReport};
 

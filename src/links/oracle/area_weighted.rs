@@ -5,7 +5,7 @@
 //! at the point and ask visibility again. An error on a small receiver is worth less: without the receiver's area the links pour into
 //! penumbrae. The constants are empirical.
 
-use super::{Candidate, Decision, RefinementOracle};
+use super::decision::{Candidate, Decision, RefinementOracle};
 
 /// Links a pair when its weighted error is at most `tolerance`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! BF refinement (Hanrahan, Salzman, Aupperle 1991, section 4.2): a pair interacts if what it carries is little.
 
-use super::{Candidate, Decision, RefinementOracle};
+use super::decision::{Candidate, Decision, RefinementOracle};
 
 /// Splits the larger of the two while `rho_r B_s F_rs` exceeds `tolerance` and it is larger than `min_area`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 //!
 //! It does not look at pairs that may be linked, but at links after a solve, because what a link does wrong is known by then.
 
-use super::Decision;
+use super::decision::Decision;
 
 /// What a link does wrong, and the nodes it is between.
 #[derive(Clone, Copy, Debug, PartialEq)]

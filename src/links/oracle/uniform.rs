@@ -1,6 +1,6 @@
 //! Every pair down to the same size of element: for convergence tests and comparisons.
 
-use super::{Candidate, Decision, RefinementOracle};
+use super::decision::{Candidate, Decision, RefinementOracle};
 
 /// Splits both until neither is larger than `element_area`.
 #[derive(Clone, Copy, Debug, PartialEq)]

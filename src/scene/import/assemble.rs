@@ -8,7 +8,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::cut::{Cut, convex_pieces};
+use super::cut::{Cut, Pieces, convex_pieces};
 use super::obj::ObjFile;
 use super::{Diagnostic, DiagnosticKind, Diagnostics};
 use crate::geometry::{Aabb, Polygon};
@@ -36,35 +36,15 @@ pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics
         let line = obj.lines[face.number as usize];
         let mut note = |kind, text: String| diagnostics.push(Diagnostic::new(kind, text).at(file, line).face(face.number + 1));
 
-        // Corners that follow themselves add nothing.
-        let mut corners: Vec<(u32, DVec3)> = Vec::with_capacity(face.end - face.start);
-        for &corner in &obj.corners[face.start..face.end] {
-            let next = ids.len() as u32;
-            let id = *ids.entry(position_key(corner)).or_insert(next);
-            if corners.last().is_none_or(|last| last.0 != id) {
-                corners.push((id, corner));
-            }
-        }
-        while corners.len() > 1 && corners[0].0 == corners[corners.len() - 1].0 {
-            corners.pop();
-        }
+        let corners = distinct_corners(&obj.corners[face.start..face.end], &mut ids);
         if corners.len() < 3 {
             dropped += 1;
             note(DiagnosticKind::DegenerateFace, "dropped: it has fewer than three different corners".to_owned());
             continue;
         }
 
-        // A convex face keeps its corners in the order of the file. What is changed is changed in an order that does not depend on the
-        // winding, so that the two sides of a sheet stay the same.
         let (key, side) = unwound(&corners);
-        let mut pieces = convex_pieces(&corners.iter().map(|corner| corner.1).collect::<Vec<_>>(), rounding);
-        if pieces.cut != Cut::Whole || pieces.flattened > 0.0 {
-            let by_id: HashMap<u32, DVec3> = corners.iter().copied().collect();
-            pieces = convex_pieces(&key.iter().map(|id| by_id[id]).collect::<Vec<_>>(), rounding);
-            if side == 1 {
-                pieces.polygons = pieces.polygons.iter().map(Polygon::reversed).collect();
-            }
-        }
+        let pieces = pieces_of(&corners, &key, side, rounding);
         if pieces.polygons.is_empty() {
             dropped += 1;
             note(DiagnosticKind::DegenerateFace, "dropped: it has no area".to_owned());
@@ -90,18 +70,7 @@ pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics
         if pieces.flattened > 0.0 {
             flattened = (flattened.0 + 1, flattened.1.max(pieces.flattened));
         }
-        let count = pieces.polygons.len();
-        match pieces.cut {
-            Cut::Whole => {}
-            Cut::Concave => note(DiagnosticKind::ConcaveFace, format!("is concave: cut into {count} convex pieces")),
-            Cut::NonPlanar(distance) => {
-                let text = format!("is not planar (its corners lie up to {distance:.2e} off): cut into {count} triangles");
-                note(DiagnosticKind::NonPlanarFace, text);
-            }
-        }
-        if pieces.crossing {
-            note(DiagnosticKind::CrossingFace, "crosses itself: its pieces may not be what was meant".to_owned());
-        }
+        note_cuts(&pieces, note);
         polygons.extend(pieces.polygons.into_iter().map(|polygon| (polygon, face.material, face.number)));
     }
 
@@ -110,6 +79,55 @@ pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics
         diagnostics.push(Diagnostic::new(DiagnosticKind::Flattened, text).at(file, 0));
     }
     Assembled { polygons, dropped }
+}
+
+/// The corners of a face with the ids of their positions; corners that follow themselves add nothing.
+fn distinct_corners(corners: &[DVec3], ids: &mut HashMap<[u64; 3], u32>) -> Vec<(u32, DVec3)> {
+    let mut distinct: Vec<(u32, DVec3)> = Vec::with_capacity(corners.len());
+    for &corner in corners {
+        let next = ids.len() as u32;
+        let id = *ids.entry(position_key(corner)).or_insert(next);
+        if distinct.last().is_none_or(|last| last.0 != id) {
+            distinct.push((id, corner));
+        }
+    }
+    while distinct.len() > 1 && distinct[0].0 == distinct[distinct.len() - 1].0 {
+        distinct.pop();
+    }
+    distinct
+}
+
+/// The convex pieces of a face with these corners, `key` and `side` being what [`unwound`] makes of them.
+///
+/// A convex face keeps its corners in the order of the file. What is changed is changed in an order that does not depend on the
+/// winding, so that the two sides of a sheet stay the same.
+fn pieces_of(corners: &[(u32, DVec3)], key: &[u32], side: usize, rounding: f64) -> Pieces {
+    let pieces = convex_pieces(&corners.iter().map(|corner| corner.1).collect::<Vec<_>>(), rounding);
+    if pieces.cut == Cut::Whole && pieces.flattened == 0.0 {
+        return pieces;
+    }
+    let by_id: HashMap<u32, DVec3> = corners.iter().copied().collect();
+    let mut pieces = convex_pieces(&key.iter().map(|id| by_id[id]).collect::<Vec<_>>(), rounding);
+    if side == 1 {
+        pieces.polygons = pieces.polygons.iter().map(Polygon::reversed).collect();
+    }
+    pieces
+}
+
+/// Notes into what a face was cut.
+fn note_cuts(pieces: &Pieces, mut note: impl FnMut(DiagnosticKind, String)) {
+    let count = pieces.polygons.len();
+    match pieces.cut {
+        Cut::Whole => {}
+        Cut::Concave => note(DiagnosticKind::ConcaveFace, format!("is concave: cut into {count} convex pieces")),
+        Cut::NonPlanar(distance) => {
+            let text = format!("is not planar (its corners lie up to {distance:.2e} off): cut into {count} triangles");
+            note(DiagnosticKind::NonPlanarFace, text);
+        }
+    }
+    if pieces.crossing {
+        note(DiagnosticKind::CrossingFace, "crosses itself: its pieces may not be what was meant".to_owned());
+    }
 }
 
 /// Equal for equal positions; adding 0 makes -0 and 0 the same.

@@ -60,7 +60,7 @@ pub enum DiagnosticKind {
     /// Corners were moved onto the plane of their face by less than the digits of the file are worth.
     Flattened,
     /// Part of the surfaces lies inside of closed objects, as a floor does under a box.
-    Covered,
+    Inside,
     /// A concave face was cut into convex pieces, which changes nothing.
     ConcaveFace,
     /// Two faces on the same vertices with opposite winding: the two sides of a sheet.
@@ -88,7 +88,7 @@ impl DiagnosticKind {
             | Self::IgnoredProperty
             | Self::UnknownKeyword
             | Self::IgnoredElement => Severity::Suspicion,
-            Self::Open | Self::Flattened | Self::Covered | Self::ConcaveFace | Self::Sheet => Severity::Note,
+            Self::Open | Self::Flattened | Self::Inside | Self::ConcaveFace | Self::Sheet => Severity::Note,
         }
     }
 }

@@ -11,6 +11,8 @@ mod error;
 mod mtl;
 mod obj;
 mod statements;
+mod structure;
+mod text;
 
 use std::path::{Path, PathBuf};
 
@@ -72,16 +74,4 @@ pub fn read_scene(path: &Path, options: &ImportOptions) -> Result<Imported, Impo
         diagnostics.push(Diagnostic::new(DiagnosticKind::NoLight, text).at(path, 0));
     }
     Ok(Imported { scene, diagnostics, file: file(), lines: obj.lines, vertices: obj.vertices })
-}
-
-/// The bytes of a file; what is no regular file might never end. The error is what the system says.
-fn read_regular_file(path: &Path) -> Result<Vec<u8>, String> {
-    let metadata = std::fs::metadata(path).map_err(|error| error.to_string())?;
-    if metadata.is_dir() {
-        return Err("it is a directory".to_owned());
-    }
-    if !metadata.is_file() {
-        return Err("it is not a regular file".to_owned());
-    }
-    std::fs::read(path).map_err(|error| error.to_string())
 }

@@ -10,7 +10,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::statements::{decode, statements};
+use super::statements::statements;
+use super::text::{decode, read_regular_file};
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
 use crate::scene::Material;
 
@@ -45,7 +46,7 @@ pub(super) struct Libraries {
 impl Libraries {
     /// Reads one library. A missing one is a warning, a malformed one an error.
     pub fn read(&mut self, file: &Path, named_in: (&Path, u32), diagnostics: &mut Diagnostics) -> Result<(), ImportError> {
-        let bytes = match super::read_regular_file(file) {
+        let bytes = match read_regular_file(file) {
             Ok(bytes) => bytes,
             Err(reason) => {
                 let text = format!("material library {} cannot be read ({reason}): its materials are grey 0.5", file.display());
@@ -172,52 +173,12 @@ impl Libraries {
                     diagnostics.push(Diagnostic::new(kind, text).at(&definition.file, line));
                 }
             };
-            let name = &definition.name;
-            let values = |read: Option<[f64; 3]>, source: &Option<(u32, String)>| match (read, source) {
-                (Some(values), _) => Ok(Some(values)),
-                (None, None) => Ok(None),
-                (None, Some((line, text))) => Err(ImportError::Syntax {
-                    file: definition.file.clone(),
-                    line: *line,
-                    face: None,
-                    reason: format!("'{text}' of material '{name}' should be three numbers"),
-                }),
-            };
             let parsed = read.get(index);
-
-            // Reflectance: grey where there is none, raised to 0 and lowered to 0.99 where it is out of range.
-            let line = definition.reflectance.as_ref().map_or(definition.line, |value| value.0);
-            let mut reflectance = match values(parsed.and_then(|m| m.diffuse), &definition.reflectance)? {
-                Some(values) => values,
-                None => {
-                    let text = format!("material '{name}' has no Kd: grey {DEFAULT_REFLECTANCE}");
-                    warn(DiagnosticKind::NoReflectance, line, text);
-                    [DEFAULT_REFLECTANCE; 3]
-                }
-            };
-            let written = reflectance;
-            if written.iter().any(|&rho| rho >= 1.0) {
-                let text = format!("material '{name}' has Kd {}: 1 and more become {LARGEST_REFLECTANCE}", triple(written));
-                warn(DiagnosticKind::ReflectanceClamped, line, text);
-            }
-            if written.iter().any(|&rho| rho < 0.0) {
-                let text = format!("material '{name}' has Kd {}: negative values become 0", triple(written));
-                warn(DiagnosticKind::NegativeValue, line, text);
-            }
-            for rho in &mut reflectance {
-                // Adding 0 turns -0 into 0.
-                *rho = if *rho >= 1.0 { LARGEST_REFLECTANCE } else { rho.max(0.0) + 0.0 };
-            }
-
-            // Emission: MTL gives a radiance, the exitance of a diffuse emitter is pi times as much.
-            let line = definition.radiance.as_ref().map_or(definition.line, |value| value.0);
-            let radiance = values(parsed.and_then(|m| m.emissive), &definition.radiance)?.unwrap_or([0.0; 3]);
-            if radiance.iter().any(|&value| value < 0.0) {
-                let text = format!("material '{name}' has Ke {}: negative values become 0", triple(radiance));
-                warn(DiagnosticKind::NegativeValue, line, text);
-            }
-            let exitance = radiance.map(|value| std::f64::consts::PI * (value.max(0.0) + 0.0));
-            materials.push(Material { name: name.clone(), reflectance: reflectance.to_vec(), exitance: exitance.to_vec() });
+            materials.push(Material {
+                name: definition.name.clone(),
+                reflectance: definition.reflectance_in_range(parsed, &mut warn)?.to_vec(),
+                exitance: definition.exitance_in_range(parsed, &mut warn)?.to_vec(),
+            });
         }
 
         // What was left out, once for each keyword.
@@ -231,6 +192,63 @@ impl Libraries {
             }
         }
         Ok(materials)
+    }
+}
+
+impl Definition {
+    /// Reflectance: grey where there is none, raised to 0 and lowered to 0.99 where it is out of range.
+    fn reflectance_in_range(
+        &self,
+        parsed: Option<&tobj::Material>,
+        warn: &mut impl FnMut(DiagnosticKind, u32, String),
+    ) -> Result<[f64; 3], ImportError> {
+        let (name, line) = (&self.name, self.reflectance.as_ref().map_or(self.line, |value| value.0));
+        let written = match self.values(parsed.and_then(|m| m.diffuse), &self.reflectance)? {
+            Some(values) => values,
+            None => {
+                let text = format!("material '{name}' has no Kd: grey {DEFAULT_REFLECTANCE}");
+                warn(DiagnosticKind::NoReflectance, line, text);
+                [DEFAULT_REFLECTANCE; 3]
+            }
+        };
+        if written.iter().any(|&rho| rho >= 1.0) {
+            let text = format!("material '{name}' has Kd {}: 1 and more become {LARGEST_REFLECTANCE}", triple(written));
+            warn(DiagnosticKind::ReflectanceClamped, line, text);
+        }
+        if written.iter().any(|&rho| rho < 0.0) {
+            let text = format!("material '{name}' has Kd {}: negative values become 0", triple(written));
+            warn(DiagnosticKind::NegativeValue, line, text);
+        }
+        // Adding 0 turns -0 into 0.
+        Ok(written.map(|rho| if rho >= 1.0 { LARGEST_REFLECTANCE } else { rho.max(0.0) + 0.0 }))
+    }
+
+    /// Emission: MTL gives a radiance, the exitance of a diffuse emitter is pi times as much.
+    fn exitance_in_range(
+        &self,
+        parsed: Option<&tobj::Material>,
+        warn: &mut impl FnMut(DiagnosticKind, u32, String),
+    ) -> Result<[f64; 3], ImportError> {
+        let line = self.radiance.as_ref().map_or(self.line, |value| value.0);
+        let radiance = self.values(parsed.and_then(|m| m.emissive), &self.radiance)?.unwrap_or([0.0; 3]);
+        if radiance.iter().any(|&value| value < 0.0) {
+            let text = format!("material '{}' has Ke {}: negative values become 0", self.name, triple(radiance));
+            warn(DiagnosticKind::NegativeValue, line, text);
+        }
+        Ok(radiance.map(|value| std::f64::consts::PI * (value.max(0.0) + 0.0)))
+    }
+
+    /// What tobj read; an error where it read nothing from what is written.
+    fn values(&self, read: Option<[f64; 3]>, written: &Option<(u32, String)>) -> Result<Option<[f64; 3]>, ImportError> {
+        match (read, written) {
+            (None, Some((line, text))) => Err(ImportError::Syntax {
+                file: self.file.clone(),
+                line: *line,
+                face: None,
+                reason: format!("'{text}' of material '{}' should be three numbers", self.name),
+            }),
+            _ => Ok(read),
+        }
     }
 }
 

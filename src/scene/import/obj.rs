@@ -12,15 +12,15 @@
 //! So this pass first reads the structure (statements, vertex counts, indices, names, with their lines), and gives tobj a text of
 //! `v`, `f` and `usemtl` alone, in which nothing can be misunderstood. Cost: one pass over the file and a copy of its vertices and faces.
 
-use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 use super::mtl::{self, Libraries};
-use super::statements::{Statement, decode, statements};
+use super::structure::{Structure, bad_vertex, read_structure};
+use super::text::{decode, read_regular_file};
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
 use crate::scene::Material;
 
@@ -50,35 +50,9 @@ pub(super) struct ObjFile {
     pub materials: Vec<Material>,
 }
 
-/// What the first pass finds.
-#[derive(Default)]
-struct Structure<'a> {
-    /// The vertices for tobj, one statement a line.
-    vertices: String,
-    vertex_lines: Vec<u32>,
-    /// The faces for tobj, as resolved indices; faces of fewer than three corners are not among them.
-    corners: Vec<u64>,
-    faces: Vec<PreparedFace>,
-    face_lines: Vec<u32>,
-    libraries: Vec<(u32, String)>,
-    /// Names in the order of their first use, each with the line of that.
-    names: Vec<(Cow<'a, str>, u32)>,
-    by_name: HashMap<String, usize>,
-    nameless: (usize, u32, u32),
-    weights: (usize, u32),
-    ignored: BTreeMap<String, (usize, PathBuf, u32)>,
-    unknown: BTreeMap<String, (usize, PathBuf, u32)>,
-}
-
-struct PreparedFace {
-    number: u32,
-    name: Option<usize>,
-    end: usize,
-}
-
 /// Reads an OBJ file and its material libraries.
 pub(super) fn read(file: &Path, diagnostics: &mut Diagnostics) -> Result<ObjFile, ImportError> {
-    let bytes = super::read_regular_file(file).map_err(|reason| ImportError::Unreadable { file: file.to_owned(), reason })?;
+    let bytes = read_regular_file(file).map_err(|reason| ImportError::Unreadable { file: file.to_owned(), reason })?;
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         let reason = "the file is UTF-16; save it as UTF-8".to_owned();
         return Err(ImportError::Syntax { file: file.to_owned(), line: 1, face: None, reason });
@@ -116,144 +90,6 @@ fn library_files(scene: &Path, argument: &str) -> Vec<PathBuf> {
     }
 }
 
-/// The first pass: everything but the values of numbers.
-fn read_structure<'a>(text: &'a str, file: &Path, diagnostics: &mut Diagnostics) -> Result<Structure<'a>, ImportError> {
-    let mut structure = Structure::default();
-    let mut name = None;
-    let mut highest = (0, 0, 0);
-    for statement in statements(text) {
-        let line = statement.line;
-        match &*statement.keyword {
-            "v" => structure.vertex(&statement, file)?,
-            "f" | "fo" => structure.face(&statement, name, &mut highest, file, diagnostics)?,
-            "usemtl" => name = structure.name(statement),
-            "mtllib" => structure.libraries.push((line, statement.arguments.into_owned())),
-            // Names, smoothing, texture coordinates and normals: a planar polygon does not need them.
-            "vn" | "vt" | "vp" | "g" | "o" | "s" | "mg" | "lod" | "usemap" | "maplib" | "bevel" | "c_interp" | "d_interp"
-            | "shadow_obj" | "trace_obj" => {}
-            key @ ("p" | "l" | "curv" | "curv2" | "surf") => mtl::count(&mut structure.ignored, key, file, line),
-            // What belongs to curves and curved surfaces is mentioned with them.
-            "parm" | "trim" | "hole" | "scrv" | "sp" | "end" | "con" | "cstype" | "deg" | "bmat" | "step" | "ctech" | "stech" => {}
-            key => mtl::count(&mut structure.unknown, key, file, line),
-        }
-    }
-
-    // A positive index may name a vertex further down, but not beyond the last one.
-    let (index, line, face) = highest;
-    if index > structure.vertex_lines.len() as u64 {
-        let vertices = structure.vertex_lines.len();
-        return Err(ImportError::IndexOutOfRange { file: file.to_owned(), line, face, index: index.to_string(), vertices });
-    }
-    Ok(structure)
-}
-
-impl<'a> Structure<'a> {
-    /// `v x y z`, perhaps with a weight or a colour behind.
-    fn vertex(&mut self, statement: &Statement<'_>, file: &Path) -> Result<(), ImportError> {
-        let number = self.vertex_lines.len() + 1;
-        let line = statement.line;
-        let mut words = 0;
-        self.vertices.push('v');
-        for word in statement.arguments.split_whitespace() {
-            // Only the letters are looked at here, tobj reads the number.
-            let plain = word.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
-            if !plain && mtl::is_not_a_number_word(word) {
-                return Err(not_finite(file, line, number, word));
-            }
-            if !plain {
-                return Err(bad_vertex(file, line, number, &statement.arguments));
-            }
-            // Without an exponent it takes more than thirty characters to be too large.
-            let may_be_large = word.len() > 30 || word.contains(['e', 'E']);
-            if may_be_large && word.parse::<f64>().is_ok() && !mtl::is_representable(word) {
-                return Err(not_finite(file, line, number, word));
-            }
-            if words < 3 {
-                self.vertices.push(' ');
-                self.vertices.push_str(word);
-            }
-            if words == 3 && statement.arguments.split_whitespace().count() == 4 && word.parse::<f64>() != Ok(1.0) {
-                self.weights = (self.weights.0 + 1, if self.weights.0 == 0 { line } else { self.weights.1 });
-            }
-            words += 1;
-        }
-        if words < 3 {
-            return Err(bad_vertex(file, line, number, &statement.arguments));
-        }
-        self.vertices.push('\n');
-        self.vertex_lines.push(line);
-        Ok(())
-    }
-
-    /// `f v/vt/vn ...`: resolves the vertex index of each corner; `highest` keeps the highest index of all.
-    fn face(
-        &mut self,
-        statement: &Statement<'_>,
-        name: Option<usize>,
-        highest: &mut (u64, u32, u32),
-        file: &Path,
-        diagnostics: &mut Diagnostics,
-    ) -> Result<(), ImportError> {
-        let line = statement.line;
-        let number = self.face_lines.len() as u32;
-        let defined = self.vertex_lines.len();
-        let start = self.corners.len();
-        self.face_lines.push(line);
-
-        for word in statement.arguments.split_whitespace() {
-            let mut parts = word.split('/');
-            let index = parts.next().unwrap_or_default();
-            if !is_integer(index) || word.split('/').count() > 3 || !parts.all(|part| part.is_empty() || is_integer(part)) {
-                let reason = format!("'{word}' should be a vertex index, as in 7, -1, 7/1 or 7//1");
-                return Err(ImportError::Syntax { file: file.to_owned(), line, face: Some(number + 1), reason });
-            }
-            // What is too long for a number is out of range all the more.
-            let value = index.parse::<i64>().unwrap_or(0);
-            let distance = value.unsigned_abs();
-            if value > 0 {
-                if distance > highest.0 {
-                    *highest = (distance, line, number + 1);
-                }
-                self.corners.push(distance);
-            } else if value < 0 && distance <= defined as u64 {
-                self.corners.push(defined as u64 + 1 - distance);
-            } else {
-                let (file, index) = (file.to_owned(), index.to_owned());
-                return Err(ImportError::IndexOutOfRange { file, line, face: number + 1, index, vertices: defined });
-            }
-        }
-
-        // A point or a line has no area and goes no further.
-        let corners = self.corners.len() - start;
-        if corners < 3 {
-            self.corners.truncate(start);
-            let text = format!("dropped: it has {corners} corners");
-            diagnostics.push(Diagnostic::new(DiagnosticKind::DegenerateFace, text).at(file, line).face(number + 1));
-            return Ok(());
-        }
-        if name.is_none() {
-            let (count, first_line, first_face) = self.nameless;
-            self.nameless = if count == 0 { (1, line, number + 1) } else { (count + 1, first_line, first_face) };
-        }
-        self.faces.push(PreparedFace { number, name, end: self.corners.len() });
-        Ok(())
-    }
-
-    /// `usemtl name`: the number of the name, `None` for no name.
-    fn name(&mut self, statement: Statement<'a>) -> Option<usize> {
-        if statement.arguments.is_empty() {
-            return None;
-        }
-        if let Some(&index) = self.by_name.get(&*statement.arguments) {
-            return Some(index);
-        }
-        let index = self.names.len();
-        self.by_name.insert(statement.arguments.clone().into_owned(), index);
-        self.names.push((statement.arguments, statement.line));
-        Some(index)
-    }
-}
-
 /// The second pass: tobj reads numbers, faces and materials from the prepared text.
 fn read_values(
     mut structure: Structure<'_>,
@@ -261,39 +97,8 @@ fn read_values(
     file: &Path,
     diagnostics: &mut Diagnostics,
 ) -> Result<ObjFile, ImportError> {
-    // Which material each name means; what no face uses is not looked up.
-    let mut used = vec![false; structure.names.len()];
-    for face in &structure.faces {
-        if let Some(name) = face.name {
-            used[name] = true;
-        }
-    }
-    let mut material_of: Vec<u32> = Vec::with_capacity(used.len());
-    for ((name, line), used) in structure.names.iter().zip(&used) {
-        material_of.push(if *used { libraries.find_or_default(name, file, *line, diagnostics) } else { u32::MAX });
-    }
-
-    // The text for tobj. A face without a name stands before all others, where no material is set.
-    let mut text = std::mem::take(&mut structure.vertices);
-    text.push_str("mtllib prepared\n");
-    let mut order: Vec<usize> = Vec::with_capacity(structure.faces.len());
-    order.extend((0..structure.faces.len()).filter(|&k| structure.faces[k].name.is_none()));
-    order.extend((0..structure.faces.len()).filter(|&k| structure.faces[k].name.is_some()));
-    let start_of = |k: usize| if k == 0 { 0 } else { structure.faces[k - 1].end };
-    let mut current = None;
-    for &k in &order {
-        let face = &structure.faces[k];
-        if face.name != current {
-            current = face.name;
-            let _ = writeln!(text, "usemtl m{}", face.name.map_or(0, |name| material_of[name]));
-        }
-        text.push('f');
-        for corner in &structure.corners[start_of(k)..face.end] {
-            let _ = write!(text, " {corner}");
-        }
-        text.push('\n');
-    }
-
+    let material_of = materials_of_names(&structure, &mut libraries, file, diagnostics);
+    let (text, order) = prepared_text(&mut structure, &material_of);
     let prepared = libraries.prepared();
     let (models, read_materials) =
         tobj::load_obj_buf(&mut text.as_bytes(), &tobj::LoadOptions::default(), |_| tobj::load_mtl_buf(&mut prepared.as_bytes()))
@@ -326,6 +131,47 @@ fn read_values(
 
     note_left_out(&structure.ignored, &structure.unknown, structure.weights, file, diagnostics);
     Ok(obj)
+}
+
+/// Which material each name means; what no face uses is not looked up.
+fn materials_of_names(
+    structure: &Structure<'_>,
+    libraries: &mut Libraries,
+    file: &Path,
+    diagnostics: &mut Diagnostics,
+) -> Vec<u32> {
+    let mut used = vec![false; structure.names.len()];
+    for name in structure.faces.iter().filter_map(|face| face.name) {
+        used[name] = true;
+    }
+    let names = structure.names.iter().zip(&used);
+    names
+        .map(|((name, line), used)| if *used { libraries.find_or_default(name, file, *line, diagnostics) } else { u32::MAX })
+        .collect()
+}
+
+/// The text for tobj, and the order of the faces in it: one without a name stands before all others, where no material is set.
+fn prepared_text(structure: &mut Structure<'_>, material_of: &[u32]) -> (String, Vec<usize>) {
+    let mut text = std::mem::take(&mut structure.vertices);
+    text.push_str("mtllib prepared\n");
+    let mut order: Vec<usize> = Vec::with_capacity(structure.faces.len());
+    order.extend((0..structure.faces.len()).filter(|&k| structure.faces[k].name.is_none()));
+    order.extend((0..structure.faces.len()).filter(|&k| structure.faces[k].name.is_some()));
+    let start_of = |k: usize| if k == 0 { 0 } else { structure.faces[k - 1].end };
+    let mut current = None;
+    for &k in &order {
+        let face = &structure.faces[k];
+        if face.name != current {
+            current = face.name;
+            let _ = writeln!(text, "usemtl m{}", face.name.map_or(0, |name| material_of[name]));
+        }
+        text.push('f');
+        for corner in &structure.corners[start_of(k)..face.end] {
+            let _ = write!(text, " {corner}");
+        }
+        text.push('\n');
+    }
+    (text, order)
 }
 
 /// The faces that tobj returned, in the order of the file, and their corners.
@@ -411,20 +257,4 @@ fn note_left_out(
         let text = format!("the weights of {} vertices are left out: they have a meaning for curves only", weights.0);
         diagnostics.push(Diagnostic::new(DiagnosticKind::IgnoredProperty, text).at(file, weights.1));
     }
-}
-
-fn is_integer(word: &str) -> bool {
-    let digits = word.strip_prefix(['-', '+']).unwrap_or(word);
-    !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
-}
-
-fn bad_vertex(file: &Path, line: u32, number: usize, arguments: &str) -> ImportError {
-    let shown: String = arguments.chars().take(80).collect();
-    let reason = format!("vertex {number} is '{shown}', but should be three numbers");
-    ImportError::Syntax { file: file.to_owned(), line, face: None, reason }
-}
-
-fn not_finite(file: &Path, line: u32, number: usize, value: &str) -> ImportError {
-    let what = format!("a coordinate of vertex {number}");
-    ImportError::NotFinite { file: file.to_owned(), line, what, value: value.to_owned() }
 }

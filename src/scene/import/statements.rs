@@ -17,16 +17,6 @@ pub(super) struct Statement<'a> {
     pub arguments: Cow<'a, str>,
 }
 
-/// A file's bytes as text: UTF-8 with or without a byte order mark, else Latin-1. The flag says that it was not UTF-8.
-pub(super) fn decode(bytes: &[u8]) -> (Cow<'_, str>, bool) {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    match std::str::from_utf8(bytes) {
-        Ok(text) => (Cow::Borrowed(text), false),
-        // Latin-1 maps every byte to the character of the same number, so different names stay different.
-        Err(_) => (Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()), true),
-    }
-}
-
 /// The statements of `text`, in order.
 pub(super) fn statements(text: &str) -> impl Iterator<Item = Statement<'_>> {
     let mut lines = Lines { rest: text, line: 0 };
@@ -156,11 +146,5 @@ mod tests {
         );
         assert_eq!(read("\\\n\\\nf 1"), vec![of(1, "f", "1")]);
         assert_eq!(read("\\"), vec![]);
-    }
-
-    #[test]
-    fn bytes_that_are_not_utf8_become_latin1() {
-        assert_eq!(decode(b"\xef\xbb\xbfv 1"), (Cow::Borrowed("v 1"), false));
-        assert_eq!(decode(b"usemtl W\xe4nde"), (Cow::Owned("usemtl W\u{e4}nde".to_owned()), true));
     }
 }

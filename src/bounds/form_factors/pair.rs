@@ -1,0 +1,158 @@
+//! Bounds on the form factor of a pair of nodes: from every point of the receiver to the source, with what is in the way.
+//!
+//! Clusters are bounded by their boxes and normals (`boxes`). Polygons are bounded unoccluded first (`form_factor::bounds`), then by the
+//! parts of the source that all of the receiver sees, and by those that some of it may see (`blockers`).
+
+use glam::DVec3;
+
+use super::blockers::{Blockers, Sight, Views};
+use super::boxes::Boxes;
+use super::interval::{FormFactorBounds, FormFactorRule};
+use crate::bounds::evidence::{Certainty, Evidence};
+use crate::form_factor::{Search, bound_unoccluded, centre_and_vertices, point_to_polygon};
+use crate::geometry::ClippedFacet;
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::scene::{Scene, SurfaceId};
+
+/// Bounds on the form factor from every point of `receiver` to `source`, nodes of a hierarchy over `scene`.
+pub fn bound_pair(
+    scene: &Scene,
+    hierarchy: &Hierarchy,
+    receiver: NodeId,
+    source: NodeId,
+    rule: FormFactorRule,
+) -> FormFactorBounds {
+    PairBounds::new(scene, hierarchy, rule).bounds(receiver, source)
+}
+
+/// Bounds pairs of nodes of one scene.
+pub(in crate::bounds) struct PairBounds<'a> {
+    scene: &'a Scene,
+    hierarchy: &'a Hierarchy,
+    rule: FormFactorRule,
+    search: Search,
+    blockers: Blockers<'a>,
+    boxes: Boxes<'a>,
+}
+
+impl<'a> PairBounds<'a> {
+    pub fn new(scene: &'a Scene, hierarchy: &'a Hierarchy, rule: FormFactorRule) -> Self {
+        let (blockers, boxes) = (Blockers::new(scene, hierarchy), Boxes::new(hierarchy));
+        Self { scene, hierarchy, rule, search: Search::CLOSE, blockers, boxes }
+    }
+
+    /// The same, for so many pairs that each can have little time.
+    pub fn fairly(self) -> Self {
+        Self { search: Search::FAIR, ..self }
+    }
+
+    /// The pair with everything that can be proved about it.
+    pub fn bounds(&self, receiver: NodeId, source: NodeId) -> FormFactorBounds {
+        if self.has_cluster(receiver, source) {
+            return FormFactorBounds::guaranteed(0.0, self.upper_of_boxes(receiver, source), Evidence::Boxes);
+        }
+        let plane = |node| self.scene.surface(SurfaceId(self.hierarchy.node(node).surface)).plane;
+        if plane(receiver) == plane(source) {
+            return FormFactorBounds::guaranteed(0.0, 0.0, Evidence::Sight);
+        }
+
+        match self.rule {
+            FormFactorRule::QuasiConcave => self.proved(receiver, source),
+            FormFactorRule::CentreAndVertices => self.estimated(receiver, source),
+        }
+    }
+
+    /// Two polygons by theorem and proof.
+    fn proved(&self, receiver: NodeId, source: NodeId) -> FormFactorBounds {
+        // Unoccluded; if nothing can arrive then, nothing can be in the way.
+        let (receiver_facet, source_facet) = (self.hierarchy.facet(receiver), self.hierarchy.facet(source));
+        let [least, most] = bound_unoccluded(&receiver_facet, &source_facet, self.search);
+        if most == 0.0 {
+            return FormFactorBounds::guaranteed(0.0, 0.0, Evidence::Sight);
+        }
+
+        // At least what is certainly visible, at most what is possibly visible.
+        match self.blockers.sight(receiver, source) {
+            Sight::Whole => FormFactorBounds::guaranteed(least, most, Evidence::Sight),
+            Sight::Partial { certain, possible, shadowed } => {
+                let sum = |parts: &[ClippedFacet], end: usize| {
+                    parts.iter().map(|part| bound_unoccluded(&receiver_facet, &part.facet(), self.search)[end]).sum::<f64>()
+                };
+                let lower = sum(&certain, 0).min(most);
+                let upper = sum(&possible, 1).min(most).max(lower);
+                let evidence = if shadowed || upper == 0.0 { Evidence::Shadows } else { Evidence::Unproved };
+                FormFactorBounds::guaranteed(lower, upper, evidence)
+            }
+        }
+    }
+
+    /// Two polygons by what the centre and the vertices of the receiver see.
+    fn estimated(&self, receiver: NodeId, source: NodeId) -> FormFactorBounds {
+        let (factors, evidence) = self.point_factors(receiver, source);
+        let [mut lower, upper] =
+            factors.iter().fold([f64::INFINITY, 0.0], |[least, most], &factor| [factor.min(least), factor.max(most)]);
+        if evidence == Evidence::Unproved {
+            lower = 0.0;
+        }
+        FormFactorBounds { lower, upper, certainty: Certainty::Estimate, evidence }
+    }
+
+    /// The form factors from the centre and from near the vertices of `receiver`, both surfaces or elements, with what is in the way as
+    /// each point sees it. Where too much is in the way to tell, as if nothing were.
+    pub fn point_factors(&self, receiver: NodeId, source: NodeId) -> (Vec<f64>, Evidence) {
+        let (facet, source_facet) = (self.hierarchy.facet(receiver), self.hierarchy.facet(source));
+        let points: Vec<DVec3> = centre_and_vertices(&facet).collect();
+        let factor = |&x: &DVec3| point_to_polygon(x, facet.normal, &source_facet);
+        let unoccluded: Vec<f64> = points.iter().map(factor).collect();
+        if unoccluded.iter().all(|&factor| factor == 0.0) {
+            return (unoccluded, Evidence::Sight);
+        }
+        match self.blockers.views(receiver, source, &points) {
+            Views::Whole => (unoccluded, Evidence::Sight),
+            Views::Unknown => (unoccluded, Evidence::Unproved),
+            Views::Parts(views) => {
+                let of_view = |(&x, view): (&DVec3, &Vec<ClippedFacet>)| {
+                    view.iter().map(|part| point_to_polygon(x, facet.normal, &part.facet())).sum::<f64>()
+                };
+                (points.iter().zip(&views).map(of_view).collect(), Evidence::Shadows)
+            }
+        }
+    }
+
+    /// The pair with what is known of it whatever is in the way, by what takes little time.
+    pub fn bounds_unoccluded(&self, receiver: NodeId, source: NodeId) -> FormFactorBounds {
+        let evidence = if self.has_cluster(receiver, source) { Evidence::Boxes } else { Evidence::Unproved };
+        FormFactorBounds::guaranteed(0.0, self.upper_quickly(receiver, source), evidence)
+    }
+
+    /// No point of the receiver has a larger form factor, whatever is in the way: by what takes little time.
+    pub fn upper_quickly(&self, receiver: NodeId, source: NodeId) -> f64 {
+        let by_boxes = self.upper_of_boxes(receiver, source);
+        if by_boxes == 0.0 || self.has_cluster(receiver, source) {
+            return by_boxes;
+        }
+        by_boxes.min(bound_unoccluded(&self.hierarchy.facet(receiver), &self.hierarchy.facet(source), Search::QUICK)[1])
+    }
+
+    /// The same, of two polygons by the theorem as closely as the search goes.
+    pub fn upper_unlinked(&self, receiver: NodeId, source: NodeId) -> f64 {
+        let plane = |surface| self.scene.surface(surface).plane;
+        let planes = [receiver, source].map(|node| self.hierarchy.surface_of(node).map(plane));
+        if planes[0].is_some() && planes[0] == planes[1] {
+            0.0
+        } else if self.has_cluster(receiver, source) {
+            self.upper_of_boxes(receiver, source)
+        } else {
+            bound_unoccluded(&self.hierarchy.facet(receiver), &self.hierarchy.facet(source), self.search)[1]
+        }
+    }
+
+    /// The same, by the boxes around both alone.
+    pub fn upper_of_boxes(&self, receiver: NodeId, source: NodeId) -> f64 {
+        self.boxes.upper(receiver, source)
+    }
+
+    fn has_cluster(&self, receiver: NodeId, source: NodeId) -> bool {
+        self.hierarchy.is_cluster(receiver) || self.hierarchy.is_cluster(source)
+    }
+}

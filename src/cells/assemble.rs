@@ -1,0 +1,205 @@
+//! Makes the equations of cell radiosities from light paths.
+//!
+//! The paths from a cell's position make its row. The points where they arrive become view points of the cells there, from which
+//! next-event estimation adds direct light.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::equations::{BATCH, Equations, ReflectorTerms};
+use super::positions::{Cell, positions};
+use super::view_points::{Arrival, VIEW_POINTS, view_points};
+use crate::geometry::{sampling, streams};
+use crate::paths::{Directions, Ends, INSIDE, LightPaths, NO_CELL, PathScratch, Place};
+
+/// The rows of a batch of cells, while they are filled in.
+struct Rows<'a> {
+    /// By cell and channel.
+    constant: &'a mut [f64],
+    /// By cell and path, the cell where the path ends.
+    end: &'a mut [u32],
+    /// By cell, path and channel.
+    weight: &'a mut [f32],
+    /// By cell, the part of its paths that meets a back first.
+    backs: &'a mut [f32],
+}
+
+/// The positions in a batch of cells.
+struct Positions<'a> {
+    paths: &'a LightPaths<'a>,
+    /// Paths from each position.
+    count: usize,
+    /// By position, the index of its cell in the batch.
+    cells: Vec<usize>,
+    places: Vec<Place>,
+}
+
+impl Equations {
+    /// Follows `count` paths from the position of each cell, and casts as many next-event rays from its view points.
+    pub fn of_paths(paths: &LightPaths<'_>, cells: &[Cell], count: u32, seed: u64) -> Self {
+        let mut equations = Self::empty(cells.len(), count as usize, paths.scene.channels());
+        let arrivals = equations.follow(paths, cells, seed);
+        let points = view_points(cells.len(), &arrivals, sampling::hash(seed, streams::VIEW_POINTS));
+        equations.add_next_event(paths, cells, &points);
+        equations
+    }
+
+    /// Follows the paths from all positions and fills in the rows; returns where paths arrive.
+    fn follow(&mut self, paths: &LightPaths<'_>, cells: &[Cell], seed: u64) -> Vec<Vec<Arrival>> {
+        let (channels, count) = (self.channels, self.paths);
+        let Self { constant, end, weight, backs, .. } = self;
+        let batches = cells
+            .par_chunks(BATCH)
+            .zip(constant.par_chunks_mut(BATCH * channels))
+            .zip(end.par_chunks_mut(BATCH * count))
+            .zip(weight.par_chunks_mut(BATCH * count * channels))
+            .zip(backs.par_chunks_mut(BATCH));
+        let (of_reflectors, arrivals) = batches
+            .map_init(PathScratch::default, |scratch, ((((batch, constant), end), weight), backs)| {
+                let (indices, places) = positions(batch);
+                let from = Positions { paths, count, cells: indices, places };
+                let directions: Vec<Directions> =
+                    from.places.iter().map(|place| directions(paths, place, count as u64, seed)).collect();
+                paths.follow_towards(&from.places, &directions, count as u32, 0, scratch);
+                let mut rows = Rows { constant, end, weight, backs };
+                let arrivals = from.fill_first_arrivals(&mut rows, &scratch.ends, cells);
+                from.fill_continuations(&mut rows, &scratch.ends);
+                (from.reflector_terms(&scratch.ends), arrivals)
+            })
+            .unzip();
+        self.of_reflectors = of_reflectors;
+        arrivals
+    }
+
+    /// Casts as many next-event rays from the view points of each cell as paths left it, and adds the light to the rows.
+    fn add_next_event(&mut self, paths: &LightPaths<'_>, cells: &[Cell], points: &[Option<[[f32; 2]; VIEW_POINTS]>]) {
+        let (channels, count) = (self.channels, self.paths);
+        let Self { constant, end, weight, backs, of_reflectors, .. } = self;
+        let batches = cells
+            .par_chunks(BATCH)
+            .zip(points.par_chunks(BATCH))
+            .zip(constant.par_chunks_mut(BATCH * channels))
+            .zip(end.par_chunks(BATCH * count))
+            .zip(weight.par_chunks(BATCH * count * channels))
+            .zip(backs.par_chunks(BATCH))
+            .zip(of_reflectors);
+        batches.for_each_init(PathScratch::default, |scratch, ((((((batch, points), constant), end), weight), backs), terms)| {
+            // View points of the cells that lie outside of solids; from inside paths arrive elsewhere.
+            let (indices, places) = positions(batch);
+            let starts: Vec<Place> = indices
+                .iter()
+                .zip(&places)
+                .flat_map(|(&index, place)| {
+                    let points = points[index].filter(|_| backs[index] <= INSIDE);
+                    (0..VIEW_POINTS).map(move |number| at_view_point(paths, place, number, points.map(|points| points[number])))
+                })
+                .collect();
+            let mut irradiance = vec![0.0; starts.len() * channels];
+            paths.add_next_event(&starts, VIEW_POINTS, count.div_ceil(VIEW_POINTS) as u32, scratch, &mut irradiance);
+
+            // A cell gets the mean over its view points.
+            let part = 1.0 / VIEW_POINTS as f64;
+            for (number, irradiance) in irradiance.chunks(channels).enumerate() {
+                let position = number / VIEW_POINTS;
+                let reflectance = &paths.scene.material_of(places[position].surface).reflectance;
+                let constant = constant[indices[position] * channels..].iter_mut();
+                constant.zip(irradiance).zip(reflectance).for_each(|((constant, h), rho)| *constant += part * rho * h);
+            }
+            for seen in &scratch.seen {
+                let position = seen.by / VIEW_POINTS;
+                let reflectance = &paths.scene.material_of(places[position].surface).reflectance;
+                terms.add(indices[position], seen.cell, std::iter::repeat(part * seen.weight), reflectance);
+            }
+            terms.limit_row_sums(end, weight, count, channels);
+        });
+    }
+}
+
+impl Positions<'_> {
+    /// The indices of a position's paths.
+    fn paths_of(&self, position: usize) -> Range<usize> {
+        position * self.count..(position + 1) * self.count
+    }
+
+    /// Fills in the exitance at positions, and the paths that end where their first rays arrive; returns these arrivals, but none
+    /// of positions inside a solid, which see other parts of cells.
+    fn fill_first_arrivals(&self, rows: &mut Rows<'_>, ends: &Ends, cells: &[Cell]) -> Vec<Arrival> {
+        let Self { paths, count, .. } = *self;
+        let channels = paths.scene.channels();
+        let mut arrivals = Vec::with_capacity(self.places.len() * count);
+        for (position, (&index, place)) in self.cells.iter().zip(&self.places).enumerate() {
+            let own = self.paths_of(position);
+            rows.end[index * count..][..count].copy_from_slice(&ends.cell[own.clone()]);
+            rows.backs[index] = ends.back[own.clone()].iter().filter(|&&back| back).count() as f32 / count as f32;
+
+            // The row: each path brings its share of the reflected light.
+            let material = paths.scene.material_of(place.surface);
+            let exitance = paths.unsampled_exitance(place.surface);
+            for channel in 0..channels {
+                let rho = material.reflectance[channel];
+                let weights = rows.weight[index * count * channels..][..count * channels].iter_mut();
+                weights.skip(channel).step_by(channels).for_each(|weight| *weight = (rho / count as f64) as f32);
+                rows.constant[index * channels + channel] = exitance.map_or(0.0, |exitance| exitance[channel]);
+            }
+
+            // Where in their cells paths arrive.
+            let arriving = own.filter(|&path| rows.backs[index] <= INSIDE && ends.cell[path] != NO_CELL);
+            arrivals.extend(arriving.filter_map(|path| {
+                let Cell::Position(there) = cells[ends.cell[path] as usize] else { return None };
+                let at = paths.grids.within_cell(there.surface, ends.point[path])?.map(|along| along as f32);
+                Some(Arrival { cell: ends.cell[path], at, weight: paths.grids.cell_area(place.surface)? as f32 })
+            }));
+        }
+        arrivals
+    }
+
+    /// Fills in the paths that went on: where they end, and the light that they collected before.
+    fn fill_continuations(&self, rows: &mut Rows<'_>, ends: &Ends) {
+        let Self { paths, count, .. } = *self;
+        let channels = paths.scene.channels();
+        for (number, continuation) in ends.continued.iter().enumerate() {
+            let (position, path) = (continuation.path / count, continuation.path % count);
+            let (index, material) = (self.cells[position], paths.scene.material_of(self.places[position].surface));
+            rows.end[index * count + path] = continuation.cell;
+            for channel in 0..channels {
+                let share = material.reflectance[channel] / count as f64;
+                rows.constant[index * channels + channel] += share * ends.constant[number * channels + channel];
+                rows.weight[(index * count + path) * channels + channel] =
+                    (share * ends.weight[number * channels + channel]) as f32;
+            }
+        }
+    }
+
+    /// The terms of reflectors that next-event rays of continuations see.
+    fn reflector_terms(&self, ends: &Ends) -> ReflectorTerms {
+        let channels = self.paths.scene.channels();
+        let mut terms = ReflectorTerms::default();
+        for (&(continuation, cell), weights) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
+            let position = ends.continued[continuation].path / self.count;
+            let reflectance = &self.paths.scene.material_of(self.places[position].surface).reflectance;
+            terms.add(self.cells[position], cell, weights.iter().map(|weight| weight / self.count as f64), reflectance);
+        }
+        terms
+    }
+}
+
+/// The first directions of a position's paths. Neighbouring positions, along the Morton curve, take consecutive blocks of one Sobol
+/// sequence, so that together they sample all directions evenly. That lowers the error common to many cells, which adds up from
+/// bounce to bounce.
+fn directions(paths: &LightPaths<'_>, position: &Place, count: u64, seed: u64) -> Directions {
+    let points = u64::from(sampling::SOBOL_2D_POINTS);
+    let first = u64::from(paths.grids.along_curve(position.surface, position.point)) * count;
+    let of_surface = sampling::hash(seed, streams::POSITION_DIRECTIONS + u64::from(position.surface.0));
+    Directions { seed: sampling::hash(of_surface, first / points), first: (first % points) as u32 }
+}
+
+/// View point `number` of the cell around `position`, at the coordinates `at` of the cell; the position itself if there are none,
+/// or if they lie beside the surface.
+fn at_view_point(paths: &LightPaths<'_>, position: &Place, number: usize, at: Option<[f32; 2]>) -> Place {
+    let facet = paths.scene.surface(position.surface).polygon.facet();
+    let [u, v] = at.unwrap_or_default().map(f64::from);
+    let point = at.and_then(|_| paths.grids.point_beside(position.surface, position.point, u, v));
+    let point = point.filter(|&point| facet.contains(point)).unwrap_or(position.point);
+    Place { point, seed: sampling::hash(position.seed, streams::VIEW_POINT + number as u64), ..*position }
+}

@@ -1,0 +1,187 @@
+//! The equations of cell radiosities, one sparse random row for each cell, and how they are solved.
+
+use rayon::prelude::*;
+
+use crate::paths::{INSIDE, NO_CELL};
+
+/// The most that the weights in a row may sum to where terms of reflectors are in it: below 1, so that sweeps converge.
+const MOST_TAKEN: f32 = 0.99;
+
+/// Cells whose rows are made and multiplied together.
+pub(super) const BATCH: usize = 256;
+
+/// Sweeps end once all changes still to come are estimated below this part of the brightest radiosity, or after so many sweeps.
+const TOLERANCE: f64 = 1e-5;
+const MAX_SWEEPS: u32 = 5000;
+
+/// The ratio of successive changes is steady if the rest of their geometric series is known to this part.
+const STEADY: f64 = 0.02;
+
+/// That ratio is taken to be at most this: rows sum to less than 1, so sweeps converge.
+const MAX_RATIO: f64 = 0.9999;
+
+/// One equation for each cell: `B = constant + sum over paths of weight * B_end + terms of reflectors`.
+pub(super) struct Equations {
+    pub channels: usize,
+    /// Paths from each cell.
+    pub paths: usize,
+    /// By cell and channel.
+    pub constant: Vec<f64>,
+    /// By cell and path, the cell where the path ends.
+    pub end: Vec<u32>,
+    /// By cell, path and channel; includes the reflectance and `1 / paths`.
+    pub weight: Vec<f32>,
+    /// By cell, the part of its paths that meets a back first.
+    pub backs: Vec<f32>,
+    /// What next-event rays to reflectors bring, by [`BATCH`] of cells.
+    pub of_reflectors: Vec<ReflectorTerms>,
+}
+
+/// The terms of reflectors in the rows of a batch: seen from the view points of its cells, and from where their paths go on.
+#[derive(Default)]
+pub(super) struct ReflectorTerms {
+    /// The index of the row in the batch, and the cell of the reflector.
+    cells: Vec<(usize, u32)>,
+    /// By entry of `cells` and channel; includes the reflectance and the number of rays.
+    weight: Vec<f32>,
+}
+
+impl ReflectorTerms {
+    /// Adds a term to row `by`: the radiosity of `cell` times `weights` and `reflectance`, by channel.
+    pub fn add(&mut self, by: usize, cell: u32, weights: impl Iterator<Item = f64>, reflectance: &[f64]) {
+        self.cells.push((by, cell));
+        self.weight.extend(weights.zip(reflectance).map(|(weight, rho)| (rho * weight) as f32));
+    }
+
+    /// Scales terms down where the weights of a row sum to more than [`MOST_TAKEN`]: with noise they may reach 1, and light would
+    /// grow from sweep to sweep. `end` and `weight` are those of the batch's paths, `count` from each cell.
+    pub fn limit_row_sums(&mut self, end: &[u32], weight: &[f32], count: usize, channels: usize) {
+        if self.cells.is_empty() {
+            return;
+        }
+
+        // The sums by row and channel, over paths and over these terms.
+        let cells = end.len() / count;
+        let (mut of_paths, mut seen) = (vec![0.0_f32; cells * channels], vec![0.0_f32; cells * channels]);
+        let add = |sums: &mut [f32], cell: usize, weights: &[f32]| {
+            sums[cell * channels..][..channels].iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight);
+        };
+        let ending = end.iter().zip(weight.chunks(channels)).enumerate().filter(|(_, (end, _))| **end != NO_CELL);
+        ending.for_each(|(path, (_, weights))| add(&mut of_paths, path / count, weights));
+        self.cells.iter().zip(self.weight.chunks(channels)).for_each(|(&(by, _), weights)| add(&mut seen, by, weights));
+
+        // The terms get what paths leave.
+        for (&(by, _), weights) in self.cells.iter().zip(self.weight.chunks_mut(channels)) {
+            for (channel, weight) in weights.iter_mut().enumerate() {
+                let sum = by * channels + channel;
+                let room = (MOST_TAKEN - of_paths[sum]).max(0.0);
+                if seen[sum] > room {
+                    *weight *= room / seen[sum];
+                }
+            }
+        }
+    }
+}
+
+impl Equations {
+    /// Rows in which no light comes from anywhere yet.
+    pub fn empty(cells: usize, paths: usize, channels: usize) -> Self {
+        Self {
+            channels,
+            paths,
+            constant: vec![0.0; cells * channels],
+            end: vec![NO_CELL; cells * paths],
+            weight: vec![0.0; cells * paths * channels],
+            backs: vec![0.0; cells],
+            of_reflectors: Vec::new(),
+        }
+    }
+
+    /// Replaces each cell on a right-hand side by its representative, as seen from outside of solids or from inside.
+    pub fn redirect(&mut self, representative: &[Vec<u32>; 2]) {
+        let Self { paths, end, backs, of_reflectors, .. } = self;
+        let seen_by = |backs: f32, cell: &mut u32| *cell = representative[usize::from(backs > INSIDE)][*cell as usize];
+        for (ends, &backs) in end.chunks_mut(*paths).zip(&*backs) {
+            ends.iter_mut().filter(|end| **end != NO_CELL).for_each(|end| seen_by(backs, end));
+        }
+        for (seen, backs) in of_reflectors.iter_mut().zip(backs.chunks(BATCH)) {
+            seen.cells.iter_mut().for_each(|(by, cell)| seen_by(backs[*by], cell));
+        }
+    }
+
+    /// Whether the position of a cell lies inside a solid.
+    pub fn is_inside(&self, cell: usize) -> bool {
+        self.backs[cell] > INSIDE
+    }
+
+    /// The radiosities of all cells, by Jacobi sweeps with Aitken extrapolation.
+    ///
+    /// Changes that fall by a steady ratio are a geometric series, whose rest is added at once; else a reflectance of 0.999 would
+    /// take some ten thousand sweeps. Two sweeps make one step: light between two facing surfaces changes the one and the other in
+    /// turn.
+    pub fn iterate(&self) -> Vec<f64> {
+        let mut values = self.constant.clone();
+        let (mut between, mut next) = (vec![0.0; values.len()], vec![0.0; values.len()]);
+        let (mut previous, mut previous_ratio) = (f64::INFINITY, f64::INFINITY);
+        let mut slowest: f64 = 0.0;
+        let mut before_extrapolation: Option<(f64, Vec<f64>)> = None;
+        for _ in 0..MAX_SWEEPS / 2 {
+            // A step, and how much it changes.
+            self.sweep(&values, &mut between);
+            self.sweep(&between, &mut next);
+            let changes = next.par_iter().zip(&values).map(|(new, old)| ((new - old).abs(), *new));
+            let (change, brightest) = changes.reduce(|| (0.0, 0.0), |a, b| (f64::max(a.0, b.0), f64::max(a.1, b.1)));
+
+            // An extrapolation after which changes are larger is taken back.
+            if let Some((change_before, values_before)) = before_extrapolation.take()
+                && change > change_before
+            {
+                values = values_before;
+                (previous, previous_ratio) = (f64::INFINITY, f64::INFINITY);
+                continue;
+            }
+
+            // Done once the rest of the series is small. After an extrapolation fast changes hide the slow ones, so the slowest
+            // ratio counts.
+            std::mem::swap(&mut values, &mut next);
+            let ratio = if previous.is_finite() { (change / previous).min(MAX_RATIO) } else { MAX_RATIO };
+            let slow = ratio.max(slowest);
+            if change * slow <= TOLERANCE * brightest * (1.0 - slow) {
+                break;
+            }
+
+            // Extrapolate a steady series.
+            if (ratio - previous_ratio).abs() <= STEADY * (1.0 - ratio) {
+                slowest = slowest.max(ratio);
+                before_extrapolation = Some((change, values.clone()));
+                let to_come = ratio / (1.0 - ratio);
+                values.par_iter_mut().zip(&next).with_min_len(1024).for_each(|(new, old)| *new += to_come * (*new - old));
+                (previous, previous_ratio) = (f64::INFINITY, f64::INFINITY);
+            } else {
+                (previous, previous_ratio) = (change, ratio);
+            }
+        }
+        values
+    }
+
+    /// One Jacobi sweep: `next` is the right-hand side of all equations for the radiosities `values`.
+    fn sweep(&self, values: &[f64], next: &mut [f64]) {
+        let (channels, paths) = (self.channels, self.paths);
+        let add = |next: &mut [f64], cell: u32, weight: &[f32]| {
+            let sent = &values[cell as usize * channels..][..channels];
+            next.iter_mut().zip(weight).zip(sent).for_each(|((next, weight), sent)| *next += f64::from(*weight) * sent);
+        };
+        let batches = next.par_chunks_mut(BATCH * channels).zip(&self.of_reflectors).with_min_len(4).enumerate();
+        batches.for_each(|(batch, (next, seen))| {
+            for (cell, next) in (batch * BATCH..).zip(next.chunks_mut(channels)) {
+                next.copy_from_slice(&self.constant[cell * channels..][..channels]);
+                let ends = &self.end[cell * paths..][..paths];
+                let weights = self.weight[cell * paths * channels..].chunks(channels);
+                ends.iter().zip(weights).filter(|(end, _)| **end != NO_CELL).for_each(|(&end, weight)| add(next, end, weight));
+            }
+            for (&(by, cell), weight) in seen.cells.iter().zip(seen.weight.chunks(channels)) {
+                add(&mut next[by * channels..][..channels], cell, weight);
+            }
+        });
+    }
+}

@@ -1,0 +1,15 @@
+//! The second solver's radiosities: one for each cell, from random light paths, as a sparse system that is iterated until it stands
+//! still (stochastic Jacobi radiosity).
+//!
+//! Start with `radiosity`: what is solved. `assemble` makes the equations from paths, `equations` holds and iterates them.
+
+mod assemble;
+mod equations;
+mod positions;
+mod radiosity;
+mod representatives;
+mod solved;
+mod view_points;
+
+pub(crate) use radiosity::CellRadiosities;
+pub(crate) use solved::SolvedCells;

@@ -1,0 +1,103 @@
+//! All that flags and `--set` reach: collected first, then judged together, so that their order does not matter.
+
+use patchlight::scene::Sides;
+use patchlight::solve::{Interest, RunOptions, SolveOptions};
+
+use super::arguments::{RunArguments, SettingArguments};
+use super::exit::Failure;
+use super::process;
+
+/// Of the memory that is available, the solution gets so much if nobody says: while it refines, the process takes up to five times what
+/// nodes and links do (measured at 3 million links), and is to stay below three quarters.
+const DEFAULT_MEMORY: f64 = 0.75 / 5.0;
+
+fn default_memory_bytes() -> Option<u64> {
+    process::available_memory_bytes().map(|available| (DEFAULT_MEMORY * available as f64) as u64)
+}
+
+/// What is asked of a solve, and how it runs.
+#[derive(Default)]
+pub struct Settings {
+    pub options: SolveOptions,
+    pub run: RunOptions,
+    pub sides: Sides,
+}
+
+impl Settings {
+    /// Of a solve: flags first, then `--set` in the order in which it was typed; of two values for a key the last one counts. `camera` is
+    /// that of the picture.
+    pub fn new(typed: &SettingArguments, run: &RunArguments, camera: Option<&str>) -> Result<Self, Failure> {
+        // Each by itself.
+        let mut settings = Self { run: run_options(run)?, ..Self::default() };
+        for (key, value) in typed.flags() {
+            settings.set(key, value)?;
+        }
+        for setting in &typed.set {
+            let (key, value) = setting
+                .split_once('=')
+                .ok_or_else(|| Failure::usage(format_args!("--set {setting}: write --set key=value, as in --set error=0.01")))?;
+            settings.set(key.trim(), value.trim())?;
+        }
+
+        // All together. A view that says nothing more is that of the picture.
+        if let (Interest::View(view), Some(camera)) = (&settings.options.importance, camera)
+            && view.is_empty()
+        {
+            settings.set("importance", &format!("view {camera}"))?;
+        }
+        settings.options.validate().map_err(Failure::usage)?;
+        settings.run.memory_bytes = settings.run.memory_bytes.or_else(default_memory_bytes);
+        Ok(settings)
+    }
+
+    /// Sets one option from text: those of the run here, all others by [`SolveOptions::set`].
+    fn set(&mut self, key: &str, value: &str) -> Result<(), Failure> {
+        let positive = |unit: &str| {
+            let number = value.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
+            number.ok_or_else(|| Failure::usage(format_args!("{key} is '{value}', it must be a number of {unit} above 0")))
+        };
+        match key {
+            "sides" => self.sides = parse_sides(value)?,
+            "backend" => self.run.backend = value.parse().map_err(Failure::usage)?,
+            "threads" => {
+                let threads = value.parse();
+                self.run.threads = threads.map_err(|_| {
+                    Failure::usage(format_args!("threads is '{value}', it must be a whole number, 0 for one per core"))
+                })?;
+                check_threads(self.run.threads)?;
+            }
+            "time" => self.run.time_s = Some(positive("seconds")?),
+            "memory" => self.run.memory_bytes = Some((positive("GB")? * 1e9) as u64),
+            _ => self.options.set(key, value).map_err(Failure::usage)?,
+        }
+        Ok(())
+    }
+}
+
+/// How a run goes by its flags.
+pub fn run_options(typed: &RunArguments) -> Result<RunOptions, Failure> {
+    let mut run = RunOptions { threads: typed.threads.unwrap_or(0), ..RunOptions::default() };
+    if let Some(name) = &typed.backend {
+        run.backend = name.parse().map_err(Failure::usage)?;
+    }
+    check_threads(run.threads)?;
+    Ok(run)
+}
+
+/// More threads than any machine has are a slip, and the system would fail on them in the middle of the work.
+fn check_threads(threads: usize) -> Result<(), Failure> {
+    const MOST: usize = 4096;
+    if threads > MOST {
+        return Err(Failure::usage(format_args!("threads is {threads}, it must be at most {MOST}; 0 takes one per core")));
+    }
+    Ok(())
+}
+
+/// Sides by name.
+pub fn parse_sides(text: &str) -> Result<Sides, Failure> {
+    match text {
+        "front" => Ok(Sides::Front),
+        "both" => Ok(Sides::Both),
+        _ => Err(Failure::usage(format_args!("sides is '{text}', it must be front or both"))),
+    }
+}

@@ -1,0 +1,128 @@
+//! Independent replicates: at every point two estimates, by other random numbers, of the true light or of by how much values are
+//! too bright.
+
+use crate::geometry::{sampling, streams};
+use crate::hierarchy::Hierarchy;
+use crate::paths::{PathScratch, Place};
+use crate::scene::Scene;
+use crate::sweep::Radiosity;
+use crate::values::FinalGather;
+
+use super::residual::ResidualGather;
+
+/// The rays of the replicates at a point, relative to the mean over all points, lie between these. Ratios.
+const LEAST_SHARE: f64 = 0.25;
+const MOST_SHARE: f64 = 32.0;
+
+/// What a replicate estimates at a point, as irradiance.
+pub(crate) enum ReplicateGather<'a> {
+    /// The true irradiance, where values go over links.
+    Truth(FinalGather<'a>),
+    /// By how much the irradiance of values over cells is too large.
+    Residual(ResidualGather<'a>),
+}
+
+/// What replicates are taken with.
+pub(crate) struct Replication<'a> {
+    pub scene: &'a Scene,
+    pub hierarchy: &'a Hierarchy,
+    /// Radiosities of the leaves: more points lie where it is bright.
+    pub radiosity: &'a Radiosity,
+    pub gathers: [ReplicateGather<'a>; 2],
+    pub seed: u64,
+}
+
+/// A point with what its two replicates found.
+pub(super) struct ErrorSample {
+    pub place: Place,
+    /// The area in m^2 that the point stands for if it is the only one.
+    pub stands_for: f64,
+    /// By replicate: the mean of what its rays found, in W/m^2 by channel.
+    pub found: [Vec<f64>; 2],
+    /// Rays of each replicate so far.
+    pub rays: u32,
+    /// The mean square of what a single ray finds, times the area: how much noise here matters, in W^2/m^2.
+    pub noisiness: f64,
+}
+
+impl ReplicateGather<'_> {
+    /// The mean square of the reflected residual by a single ray, in W^2/m^4, by pilot rays that no replicate takes; 0 over links.
+    pub(super) fn sampled_noisiness(&self, place: Place, count: u32, scene: &Scene, scratch: &mut PathScratch) -> f64 {
+        let Self::Residual(gather) = self else { return 0.0 };
+        let channels = scene.channels();
+        let of_ray = |ray| Place { seed: sampling::hash(place.seed, streams::REPLICATE_PILOT + ray), ..place };
+        let rays: Vec<Place> = (0..u64::from(count)).map(of_ray).collect();
+        let mut found = vec![0.0; rays.len() * channels];
+        gather.sampled_residual(&rays, 1, scratch, &mut found);
+        let reflectance = scene.material_of(place.surface).reflectance.iter().cycle();
+        found.iter().zip(reflectance).map(|(found, rho)| (rho * found).powi(2)).sum::<f64>() / f64::from(count)
+    }
+
+    fn sample(&self, place: Place, rays: u32, scratch: &mut PathScratch, found: &mut [f64]) {
+        match self {
+            Self::Truth(gather) => gather.sampled_irradiance(&[place], rays, scratch, found),
+            Self::Residual(gather) => gather.sampled_residual(&[place], rays, scratch, found),
+        }
+    }
+}
+
+impl ErrorSample {
+    /// Takes more rays, until each replicate has `rays`; `found` is memory for one result.
+    pub fn take_up_to(&mut self, rays: u32, gathers: &[ReplicateGather<'_>; 2], scratch: &mut PathScratch, found: &mut [f64]) {
+        let more = rays.saturating_sub(self.rays);
+        if more == 0 {
+            return;
+        }
+        let share = f64::from(more) / f64::from(self.rays + more);
+        for ((number, known), gather) in (0..).zip(&mut self.found).zip(gathers) {
+            let seed = sampling::hash(self.place.seed, streams::replicate(number, self.rays));
+            gather.sample(Place { seed, ..self.place }, more, scratch, found);
+            known.iter_mut().zip(found.iter()).for_each(|(known, found)| *known += share * (found - *known));
+        }
+        self.rays += more;
+    }
+}
+
+/// How the rays of replicates are shared out over the points.
+///
+/// The variance of a product of two replicates goes with the square of `noisiness / rays`. For a given number of rays in all, the
+/// variance of the sum over points is least with `rays` in proportion to `noisiness^(2/3)`.
+pub(super) struct RayShares {
+    mean_power: f64,
+}
+
+impl RayShares {
+    pub fn new(samples: &[ErrorSample]) -> Self {
+        let powers = samples.iter().map(|sample| sample.noisiness.cbrt().powi(2));
+        Self { mean_power: powers.sum::<f64>() / samples.len().max(1) as f64 }
+    }
+
+    /// The rays at a sample as a multiple of the mean.
+    pub fn of(&self, sample: &ErrorSample) -> f64 {
+        let share = if self.mean_power > 0.0 { sample.noisiness.cbrt().powi(2) / self.mean_power } else { 1.0 };
+        share.clamp(LEAST_SHARE, MOST_SHARE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SurfaceId;
+
+    #[test]
+    fn noisy_points_take_more_rays_within_limits() {
+        let sample = |noisiness: f64| ErrorSample {
+            place: Place { point: glam::DVec3::ZERO, surface: SurfaceId(0), seed: 0 },
+            stands_for: 1.0,
+            found: [vec![], vec![]],
+            rays: 0,
+            noisiness,
+        };
+        let samples: Vec<ErrorSample> = [1.0, 8.0, 0.0, 1e9].map(sample).into();
+        let shares = RayShares::new(&samples[..2]);
+        assert!((shares.of(&samples[1]) / shares.of(&samples[0]) - 4.0).abs() < 1e-12);
+        assert!((shares.of(&samples[0]) + shares.of(&samples[1]) - 2.0).abs() < 1e-12);
+        assert_eq!((shares.of(&samples[2]), shares.of(&samples[3])), (LEAST_SHARE, MOST_SHARE));
+        assert_eq!(RayShares::new(&samples[2..3]).of(&samples[2]), 1.0);
+    }
+}

@@ -1,0 +1,196 @@
+//! Grids of cells over the surfaces: the second solver knows one radiosity for each cell.
+//!
+//! The grid of a surface fills a rectangle around it, in its plane, along its longest edge. A point finds its cell by one division
+//! for each axis, whatever the size of the scene. All cells have about the same size; each surface has at least one.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use super::reflectors::Brightness;
+use crate::geometry::{Facet, sampling};
+use crate::scene::{Scene, SurfaceId};
+
+/// The cell of a path that ends on none.
+pub(crate) const NO_CELL: u32 = u32::MAX;
+
+/// Only so many surfaces have cells, the largest ones: cells are numbered in 32 bits.
+const MAX_SURFACES: usize = 1 << 22;
+
+/// Cells on bright reflectors are so many times smaller in area, unless that makes more than this part more cells in all.
+/// Empirical.
+const MORE_ON_REFLECTORS: f64 = 64.0;
+const MORE_CELLS: f64 = 0.25;
+
+/// Cells on one side of a surface, at most.
+const MAX_SIDE: f64 = 4096.0;
+
+/// The cells of one surface, row after row.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Grid {
+    pub first: u32,
+    pub columns: u32,
+    pub rows: u32,
+    origin: DVec3,
+    /// Unit vectors along rows and columns.
+    across: DVec3,
+    along: DVec3,
+    /// Width and height of a cell, in metres.
+    cell: [f64; 2],
+}
+
+impl Grid {
+    fn around(facet: &Facet<'_>, side: f64, first: u32) -> Self {
+        // Axes along and across the longest edge.
+        let count = facet.vertices.len();
+        let edge = |k: usize| facet.vertices[if k + 1 == count { 0 } else { k + 1 }] - facet.vertices[k];
+        let longest = (0..count).map(edge).max_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(DVec3::X);
+        let across = longest.normalize_or_zero();
+        let along = facet.normal.cross(across);
+
+        // The rectangle around the polygon in these axes, cut into cells.
+        let extent = |axis: DVec3| {
+            let heights = facet.vertices.iter().map(|vertex| (*vertex - facet.vertices[0]).dot(axis));
+            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), height| (low.min(height), high.max(height)))
+        };
+        let ((left, right), (bottom, top)) = (extent(across), extent(along));
+        let cells = |length: f64| (length / side).round().clamp(1.0, MAX_SIDE);
+        let (columns, rows) = (cells(right - left), cells(top - bottom));
+        Self {
+            first,
+            columns: columns as u32,
+            rows: rows as u32,
+            origin: facet.vertices[0] + left * across + bottom * along,
+            across,
+            along,
+            cell: [(right - left) / columns, (top - bottom) / rows],
+        }
+    }
+
+    /// How many cells the grid has.
+    pub fn len(&self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
+    /// The point at `(u, v)`, each in [0, 1], of cell number `index` of this grid; it may lie beside the surface.
+    pub fn point_in(&self, index: usize, u: f64, v: f64) -> DVec3 {
+        let (column, row) = (index as u32 % self.columns, index as u32 / self.columns);
+        let (x, y) = ((f64::from(column) + u) * self.cell[0], (f64::from(row) + v) * self.cell[1]);
+        self.origin + x * self.across + y * self.along
+    }
+
+    /// The cell that `point` of the surface lies in, counted over all grids.
+    fn cell_at(&self, point: DVec3) -> u32 {
+        // Float to integer conversion saturates, so points before the first cell fall into it.
+        let from_origin = point - self.origin;
+        let place = |axis: DVec3, size: f64, count: u32| ((from_origin.dot(axis) / size) as u32).min(count - 1);
+        self.first + place(self.along, self.cell[1], self.rows) * self.columns + place(self.across, self.cell[0], self.columns)
+    }
+}
+
+/// How fine the cells are, and how many paths leave each.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Resolution {
+    /// The size of a cell, in metres.
+    pub side: f64,
+    /// Paths from each cell, and as many next-event rays.
+    pub rays: u32,
+}
+
+impl Resolution {
+    /// Whether the numbers are in range.
+    pub fn is_valid(&self) -> bool {
+        self.side.is_finite() && self.side > 0.0 && self.rays > 0
+    }
+}
+
+/// How many cells of about `side` metres a scene has, if they can be counted in 32 bits.
+pub(crate) fn cell_count(scene: &Scene, brightness: &Brightness, side: f64) -> Option<usize> {
+    let cells = Grids::new(scene, brightness, side).cells;
+    (cells < NO_CELL as usize).then_some(cells)
+}
+
+/// The cells of all surfaces.
+pub(crate) struct Grids {
+    /// By surface; `None` where a surface is too small to have a cell.
+    grids: Vec<Option<Grid>>,
+    cells: usize,
+}
+
+impl Grids {
+    /// Cells of about `side` metres, smaller ones on reflectors, larger ones where it is dim.
+    pub fn new(scene: &Scene, brightness: &Brightness, side: f64) -> Self {
+        let surfaces = scene.surfaces();
+        let area = |index: &usize| surfaces[*index].polygon.area();
+
+        // The largest surfaces, in the order of their numbers.
+        let mut order: Vec<usize> = (0..surfaces.len()).collect();
+        if order.len() > MAX_SURFACES {
+            order.sort_by(|a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
+            order.truncate(MAX_SURFACES);
+            order.sort_unstable();
+        }
+
+        // Larger cells where it is dim, smaller ones on reflectors.
+        let reflectors = &brightness.reflectors;
+        let mut sides: Vec<f64> = brightness.coarser.iter().map(|coarser| side * coarser.sqrt()).collect();
+        let reflecting: f64 = reflectors.iter().map(|of| area(&of.surface.index())).sum();
+        let all: f64 = (0..surfaces.len()).map(|index| area(&index)).sum();
+        let more = (1.0 + MORE_CELLS * all / reflecting).min(MORE_ON_REFLECTORS);
+        reflectors.iter().for_each(|of| sides[of.surface.index()] = side / more.sqrt());
+
+        // A grid for each, its cells numbered after those before it.
+        let (mut grids, mut cells) = (vec![None; surfaces.len()], 0);
+        for index in order {
+            let grid = Grid::around(&surfaces[index].polygon.facet(), sides[index], cells as u32);
+            cells += grid.len();
+            grids[index] = Some(grid);
+        }
+        Self { grids, cells }
+    }
+
+    /// The cell that a point of a surface lies in, and its longer side in metres; `None` if the surface has no cells.
+    pub fn cell_at(&self, surface: SurfaceId, point: DVec3) -> Option<(u32, f64)> {
+        let grid = self.grids[surface.index()].as_ref()?;
+        Some((grid.cell_at(point), grid.cell[0].max(grid.cell[1])))
+    }
+
+    /// The point at `(u, v)`, each in [0, 1], of the cell that `point` of the surface lies in; it may lie beside the surface.
+    /// `None` if the surface has no cells.
+    pub fn point_beside(&self, surface: SurfaceId, point: DVec3, u: f64, v: f64) -> Option<DVec3> {
+        let grid = self.grids[surface.index()].as_ref()?;
+        Some(grid.point_in((grid.cell_at(point) - grid.first) as usize, u, v))
+    }
+
+    /// The place of a point's cell on the Morton curve through the cells of its surface; 0 if that has no cells.
+    pub fn along_curve(&self, surface: SurfaceId, point: DVec3) -> u32 {
+        let Some(grid) = &self.grids[surface.index()] else { return 0 };
+        let index = grid.cell_at(point) - grid.first;
+        sampling::along_curve(index % grid.columns, index / grid.columns)
+    }
+
+    /// The mean area in m^2 of a surface's cells. `None` if it has none.
+    pub fn cell_area(&self, surface: SurfaceId) -> Option<f64> {
+        self.grids[surface.index()].as_ref().map(|grid| grid.cell[0] * grid.cell[1])
+    }
+
+    /// The coordinates of a point within its cell, each in [0, 1]. `None` if the surface has no cells.
+    pub fn within_cell(&self, surface: SurfaceId, point: DVec3) -> Option<[f64; 2]> {
+        let grid = self.grids[surface.index()].as_ref()?;
+        let from_corner = point - grid.point_in((grid.cell_at(point) - grid.first) as usize, 0.0, 0.0);
+        let along = |axis: DVec3, size: f64| (from_corner.dot(axis) / size).clamp(0.0, 1.0);
+        Some([along(grid.across, grid.cell[0]), along(grid.along, grid.cell[1])])
+    }
+
+    /// The cells of a surface: of each its number, a corner, and the two edges from there, in metres.
+    pub fn cells_of(&self, surface: SurfaceId) -> impl Iterator<Item = (u32, DVec3, [DVec3; 2])> {
+        self.grids[surface.index()].iter().flat_map(|grid| {
+            let edges = [grid.cell[0] * grid.across, grid.cell[1] * grid.along];
+            (0..grid.len()).map(move |index| (grid.first + index as u32, grid.point_in(index, 0.0, 0.0), edges))
+        })
+    }
+
+    /// The surfaces that have cells, with their grids.
+    pub fn grids(&self) -> impl Iterator<Item = (SurfaceId, &Grid)> {
+        self.grids.iter().enumerate().filter_map(|(index, grid)| Some((SurfaceId(index as u32), grid.as_ref()?)))
+    }
+}

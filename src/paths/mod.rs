@@ -1,0 +1,26 @@
+//! Light by rays: paths, and next-event estimation from emitters and bright reflectors. No link is known here.
+//!
+//! Start with `trace`: how a path goes on, and where it ends. Paths end in the cells of `grid`. `emitters` and `reflectors` say
+//! which surfaces are sampled by next-event estimation; `next_event` and `reflector_rays` how, both by draws from a `light_tree`.
+
+mod emission;
+mod emitters;
+mod ends;
+mod grid;
+mod light_tree;
+mod next_event;
+mod particles;
+mod place;
+mod reflector_rays;
+mod reflectors;
+mod trace;
+
+pub(crate) use ends::{Ends, INSIDE};
+pub(crate) use grid::{Grid, NO_CELL, Resolution, cell_count};
+pub(crate) use particles::Illumination;
+pub(crate) use place::{Directions, Place, place_at};
+pub(crate) use reflector_rays::SeenCell;
+pub(crate) use reflectors::Brightness;
+#[cfg(test)]
+pub(crate) use reflectors::Reflector;
+pub(crate) use trace::{LightPaths, PathScratch};

@@ -1,0 +1,224 @@
+//! Next-event estimation from bright reflectors: rays to their cells.
+//!
+//! Cells are drawn from a light tree. Only cells that are small as seen from the place count; light from others is left to paths.
+//! While radiosities are solved for they are not known yet, so the result is a list of cells with weights.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::grid::Grids;
+use super::light_tree::{Draws, LightTree, Source};
+use super::place::Place;
+use super::reflectors::Reflector;
+use crate::form_factor::kernel;
+use crate::geometry::{Aabb, sampling, streams};
+use crate::scene::{Scene, SurfaceId};
+use crate::transmittance::Rays;
+use crate::visibility::Segment;
+
+/// A cell of a reflector that a ray from a place sees, and where.
+pub(crate) struct SeenCell {
+    /// The number of the place.
+    pub by: usize,
+    pub cell: u32,
+    pub surface: SurfaceId,
+    pub point: DVec3,
+    /// Times the radiosity of the cell it is a sample of the irradiance at the place.
+    pub weight: f64,
+}
+
+/// A cell that rays go to.
+struct Target {
+    cell: u32,
+    surface: SurfaceId,
+    corner: DVec3,
+    edges: [DVec3; 2],
+    brightness: f64,
+}
+
+/// The cells of all bright reflectors, and the tree from which they are drawn.
+pub(super) struct Reflectors<'a> {
+    scene: &'a Scene,
+    targets: Vec<Target>,
+    /// By surface.
+    is_reflector: Vec<bool>,
+    /// A cell is small from so many times its size.
+    small_from: f64,
+    /// Over the targets; `None` if there are none.
+    tree: Option<LightTree>,
+}
+
+/// The rays from some places; memory that is reused.
+#[derive(Default)]
+pub(super) struct ReflectorRays {
+    draws: Draws,
+    segments: Vec<Segment>,
+    occluded: Vec<bool>,
+}
+
+impl<'a> Reflectors<'a> {
+    pub fn new(scene: &'a Scene, reflectors: &[Reflector], grids: &Grids, small_from: f64) -> Self {
+        let mut is_reflector = vec![false; scene.surfaces().len()];
+        let (mut targets, mut sources) = (Vec::new(), Vec::new());
+        for &Reflector { surface, brightness } in reflectors {
+            is_reflector[surface.index()] = true;
+            let normal = scene.surface(surface).polygon.facet().normal;
+            for (cell, corner, edges) in grids.cells_of(surface) {
+                let target = Target { cell, surface, corner, edges, brightness };
+                let power = target.area() * brightness;
+                if power <= 0.0 {
+                    continue;
+                }
+                sources.push(Source { number: targets.len() as u32, bounds: Aabb::around(target.corners()), normal, power });
+                targets.push(target);
+            }
+        }
+        let tree = (!sources.is_empty()).then(|| LightTree::new(sources));
+        Self { scene, targets, is_reflector, small_from, tree }
+    }
+
+    /// Whether next-event rays from one surface bring what another reflects. Reflectors send none to one another: they are too
+    /// close.
+    pub fn is_sampled(&self, from: SurfaceId, surface: SurfaceId) -> bool {
+        self.is_reflector[surface.index()] && !self.is_reflector[from.index()]
+    }
+
+    /// Samples the reflectors by `count` rays from each place that is not on one. The sum of weight times radiosity over what a
+    /// place has seen estimates the irradiance from all cells that are small as seen from there, without bias.
+    pub fn see(&self, places: &[Place], rays: &Rays<'_>, count: u32, memory: &mut ReflectorRays, seen: &mut Vec<SeenCell>) {
+        seen.clear();
+        if self.tree.is_none() {
+            return;
+        }
+        memory.segments.clear();
+        for (by, place) in places.iter().enumerate().filter(|(_, place)| !self.is_reflector[place.surface.index()]) {
+            self.cast(place, by, count, memory, seen);
+        }
+        rays.occluded(&memory.segments, &mut memory.occluded);
+        let mut occluded = memory.occluded.iter();
+        seen.retain(|_| occluded.next() == Some(&false));
+    }
+
+    /// Draws a cell for each ray of a place by systematic sampling, and a point of the cell.
+    fn cast(&self, place: &Place, by: usize, count: u32, memory: &mut ReflectorRays, seen: &mut Vec<SeenCell>) {
+        let Some(tree) = &self.tree else { return };
+        let receiver = self.scene.surface(place.surface);
+        let normal = receiver.polygon.facet().normal;
+
+        // The cells.
+        let seed = sampling::hash(place.seed, streams::REFLECTORS);
+        let start = sampling::unit(seed);
+        let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
+        let unoccluded = |number: u32| self.bound_brought(&self.targets[number as usize], place.point, normal);
+        tree.draw(std::iter::once(place.point), normal, unoccluded, numbers, &mut memory.draws);
+
+        // A point in each.
+        let sobol = sampling::shifted_sobol_2d(seed);
+        for (ray, drawn) in (0..).zip(&memory.draws.drawn) {
+            let target = &self.targets[drawn.number as usize];
+            let [u, v] = sobol(ray);
+            let point = target.corner + u * target.edges[0] + v * target.edges[1];
+
+            // Beside the surface, behind the place, or so near that the cell is not small it brings nothing.
+            let source = self.scene.surface(target.surface);
+            let facet = source.polygon.facet();
+            let kernel = kernel(place.point, normal, point, facet.normal);
+            let is_small = point.distance(place.point) >= self.small_from * target.size();
+            if kernel <= 0.0 || !is_small || !facet.contains(point) {
+                continue;
+            }
+            let (from, to) = (place.point.to_array(), point.to_array());
+            memory.segments.push(Segment { from, to, from_plane: receiver.plane, to_plane: source.plane });
+            let weight = target.area() * kernel / (f64::from(count) * drawn.probability);
+            seen.push(SeenCell { by, cell: target.cell, surface: target.surface, point, weight });
+        }
+    }
+
+    /// An upper bound of the unoccluded irradiance from the points of a cell from which it is small, in W/m^2.
+    fn bound_brought(&self, target: &Target, point: DVec3, normal: DVec3) -> f64 {
+        let [across, along] = target.edges;
+        let to_centre = target.corner + 0.5 * (across + along) - point;
+        let (radius, nearest) = (0.5 * (across + along).length(), self.small_from * target.size());
+        let distance = to_centre.length();
+        let in_front = -to_centre.dot(self.scene.surface(target.surface).polygon.facet().normal);
+        let above = to_centre.dot(normal) + radius;
+        if in_front <= 0.0 || above <= 0.0 || distance + radius < nearest {
+            return 0.0;
+        }
+        let distance = (distance - radius).max(nearest);
+        target.brightness * target.area() * (in_front / distance).min(1.0) * (above / distance).min(1.0)
+            / (PI * distance * distance)
+    }
+}
+
+impl Target {
+    fn area(&self) -> f64 {
+        self.edges[0].cross(self.edges[1]).length()
+    }
+
+    /// The longer side.
+    fn size(&self) -> f64 {
+        self.edges[0].length().max(self.edges[1].length())
+    }
+
+    /// Counter-clockwise.
+    fn corners(&self) -> [DVec3; 4] {
+        let [across, along] = self.edges;
+        [self.corner, self.corner + across, self.corner + across + along, self.corner + along]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::form_factor::point_to_polygon;
+    use crate::geometry::Polygon;
+    use crate::paths::Brightness;
+    use crate::scene::{Material, Sides};
+    use crate::visibility::{Backend, OccluderMesh, build};
+
+    /// Sixteen tiles of a floor, a plate above it, and something in between that hides half of the plate from the middle.
+    fn plate_above_tiles(occluded: bool) -> Scene {
+        let quad = |corner: DVec3, u: DVec3, v: DVec3| {
+            Polygon::from_vertices(vec![corner, corner + u, corner + u + v, corner + v]).unwrap()
+        };
+        let tile = |k: u32| {
+            let corner = DVec3::new(f64::from(k / 4), f64::from(k % 4), 0.0);
+            (quad(corner, DVec3::X, DVec3::Y), 0, 0)
+        };
+        let mut faces: Vec<_> = (0..16).map(tile).collect();
+        faces.push((quad(DVec3::new(1.9, 1.9, 2.0), 0.2 * DVec3::Y, 0.2 * DVec3::X), 0, 1));
+        if occluded {
+            faces.push((quad(DVec3::new(2.0, 1.0, 1.0), 0.2 * DVec3::X, 2.0 * DVec3::Y), 0, 2));
+        }
+        let material = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![0.0] };
+        Scene::new(1, vec![material], faces, Sides::Front).unwrap()
+    }
+
+    #[test]
+    fn what_is_seen_adds_up_to_the_form_factor() {
+        for (occluded, visible) in [(false, 1.0), (true, 0.5)] {
+            let scene = plate_above_tiles(occluded);
+            let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+            let rays = Rays::new(&*visibility, &scene);
+            let plate = Reflector { surface: SurfaceId(16), brightness: 1.0 };
+            let reflectors = Reflectors::new(
+                &scene,
+                &[plate],
+                &Grids::new(&scene, &Brightness { reflectors: vec![plate], ..Brightness::even(&scene) }, 0.1),
+                1.5,
+            );
+            let point = DVec3::new(2.0, 2.0, 0.0);
+            let expected = visible * point_to_polygon(point, DVec3::Z, &scene.surface(SurfaceId(16)).polygon.facet());
+            let (mut memory, mut seen) = (ReflectorRays::default(), Vec::new());
+            let places: Vec<Place> =
+                (0..4000).map(|k| Place { point, surface: SurfaceId(0), seed: sampling::hash(9, k) }).collect();
+            for count in [1, 16] {
+                reflectors.see(&places, &rays, count, &mut memory, &mut seen);
+                let found = seen.iter().map(|seen| seen.weight).sum::<f64>() / places.len() as f64;
+                assert!((found / expected - 1.0).abs() < 0.05, "{found} for {expected} by {count}, occluded: {occluded}");
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Bright reflectors: surfaces that reflect so much light for their size that next-event estimation samples them as it does
+//! emitters.
+//!
+//! Such are the trough around a tube and the ceiling above an emitter: paths seldom meet them, and bring much when they do. The
+//! noise of paths goes with the variance of radiosities over all surfaces, so that tells whether sampling some of them apart is
+//! worth it.
+
+use crate::scene::{Scene, SurfaceId};
+
+/// A surface is bright if it reflects more than so many times the mean over all surfaces, in its brightest channel. Empirical.
+const BRIGHT: f64 = 8.0;
+
+/// Bright surfaces are sampled if without them the variance falls by more than this, in squares of the mean. Empirical.
+const WORTH: f64 = 1.0;
+
+/// They are sampled only if they are at most these parts of all area and of all surfaces: few, and small. Empirical.
+const MOST_AREA: f64 = 0.01;
+const MOST_SURFACES: f64 = 0.125;
+
+/// A bright reflector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Reflector {
+    pub surface: SurfaceId,
+    /// The reflected radiosity in its brightest channel, in W/m^2.
+    pub brightness: f64,
+}
+
+/// Cells of surfaces that reflect so many times less than those where light is, in W/m^2, are twice as large.
+const DIM: f64 = 16.0;
+
+/// How bright surfaces are by what they reflect: where rays are aimed besides emitters, and where cells may be coarse.
+#[derive(Clone, Debug)]
+pub(crate) struct Brightness {
+    /// Of which there are few, if any.
+    pub reflectors: Vec<Reflector>,
+    /// By surface: so many times the area of cells elsewhere; infinite for what reflects nothing.
+    pub coarser: Vec<f64>,
+}
+
+impl Brightness {
+    /// As if all surfaces were equally bright.
+    #[cfg(test)]
+    pub fn even(scene: &Scene) -> Self {
+        Self { reflectors: Vec::new(), coarser: vec![1.0; scene.surfaces().len()] }
+    }
+
+    /// By what each surface reflects, in W/m^2 in its brightest channel.
+    pub fn of_surfaces(scene: &Scene, reflected: impl Fn(SurfaceId) -> f64) -> Self {
+        // The mean over the light, not over the area: dark things do not count.
+        let ids = || (0..scene.surfaces().len() as u32).map(SurfaceId);
+        let area = |id: SurfaceId| scene.surface(id).polygon.area();
+        let power: f64 = ids().map(|id| area(id) * reflected(id)).sum();
+        let mean = ids().map(|id| area(id) * reflected(id) * reflected(id)).sum::<f64>() / power.max(f64::MIN_POSITIVE);
+        let coarser = |id| if power > 0.0 { 1.0 + mean / (DIM * reflected(id)) } else { 1.0 };
+        Self { reflectors: bright_reflectors(scene, &reflected), coarser: ids().map(coarser).collect() }
+    }
+}
+
+/// Sums over surfaces, weighted by area: of 1, of what they reflect, and of its square.
+#[derive(Clone, Copy, Default)]
+struct Moments {
+    area: f64,
+    sum: f64,
+    sum_sq: f64,
+}
+
+impl Moments {
+    fn add(mut self, area: f64, brightness: f64) -> Self {
+        self.area += area;
+        self.sum += area * brightness;
+        self.sum_sq += area * brightness * brightness;
+        self
+    }
+}
+
+/// The bright reflectors of a scene; none if sampling them is not worth it. `brightness` is what a surface reflects, in W/m^2 in its
+/// brightest channel.
+fn bright_reflectors(scene: &Scene, brightness: &impl Fn(SurfaceId) -> f64) -> Vec<Reflector> {
+    let area = |surface: SurfaceId| scene.surface(surface).polygon.area();
+    let all: Vec<Reflector> = (0..scene.surfaces().len() as u32)
+        .map(SurfaceId)
+        .map(|surface| Reflector { surface, brightness: brightness(surface) })
+        .collect();
+
+    // Those far above the mean.
+    let moments = |of: &mut dyn Iterator<Item = &Reflector>| {
+        of.fold(Moments::default(), |moments, of| moments.add(area(of.surface), of.brightness))
+    };
+    let whole = moments(&mut all.iter());
+    let limit = BRIGHT * whole.sum / whole.area;
+    let is_bright = |of: &&Reflector| of.brightness > limit;
+    let left = moments(&mut all.iter().filter(|of| !is_bright(of)));
+
+    // The variance of what a ray finds that ends anywhere on all surfaces, and if it finds nothing on the bright ones.
+    let variance = |of: Moments| of.sum_sq / whole.area - (of.sum / whole.area).powi(2);
+    let mean_sq = (whole.sum / whole.area).powi(2);
+    let bright: Vec<Reflector> = all.iter().filter(is_bright).copied().collect();
+    let are_few = bright.len() as f64 <= MOST_SURFACES * all.len() as f64 && whole.area - left.area <= MOST_AREA * whole.area;
+    if are_few && variance(whole) - variance(left) > WORTH * mean_sq { bright } else { Vec::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::Polygon;
+    use crate::scene::{Material, Sides};
+
+    #[test]
+    fn reflectors_are_bright_small_and_few() {
+        // Sixteen tiles of a square metre, and a plate of a 25th of that.
+        let quad = |corner: DVec3, side: f64| {
+            let (u, v) = (side * DVec3::X, side * DVec3::Y);
+            Polygon::from_vertices(vec![corner, corner + u, corner + u + v, corner + v]).unwrap()
+        };
+        let tile = |k: u32| (quad(DVec3::new(f64::from(k / 4), f64::from(k % 4), 0.0), 1.0), 0, k);
+        let mut faces: Vec<_> = (0..16).map(tile).collect();
+        faces.push((quad(2.0 * DVec3::ONE, 0.2), 0, 16));
+        let material = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![0.0] };
+        let scene = Scene::new(1, vec![material], faces, Sides::Front).unwrap();
+
+        let chosen = |bright: SurfaceId, sent: f64| -> Vec<SurfaceId> {
+            let brightness = |surface| if surface == bright { sent } else { 1.0 };
+            bright_reflectors(&scene, &brightness).iter().map(|of| of.surface).collect()
+        };
+        let (plate, tile) = (SurfaceId(16), SurfaceId(3));
+        assert_eq!(chosen(plate, 50.0), [plate]);
+        assert!(chosen(plate, 1.0).is_empty());
+        assert!(chosen(plate, 5.0).is_empty(), "not bright enough");
+        assert!(chosen(tile, 50.0).is_empty(), "too large");
+    }
+
+    #[test]
+    fn cells_are_coarse_where_it_is_dim_and_dark_things_do_not_count() {
+        let square = |x: f64, side: f64| {
+            let corner = DVec3::new(x, 0.0, 0.0);
+            let (u, v) = (side * DVec3::X, side * DVec3::Y);
+            Polygon::from_vertices(vec![corner, corner + u, corner + u + v, corner + v]).unwrap()
+        };
+        let material = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![0.0] };
+        let faces = vec![(square(0.0, 1.0), 0, 0), (square(2.0, 1.0), 0, 1), (square(4.0, 1e4), 0, 2)];
+        let scene = Scene::new(1, vec![material], faces, Sides::Front).unwrap();
+        let reflected = [3.0, 3.0 / DIM, 0.0];
+        let coarser = Brightness::of_surfaces(&scene, |surface| reflected[surface.index()]).coarser;
+        assert!((coarser[0] - (1.0 + 1.0 / DIM)).abs() < 0.01 && (coarser[1] - 2.0).abs() < 0.1, "{coarser:?}");
+        assert!(coarser[2].is_infinite());
+    }
+}

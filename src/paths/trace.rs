@@ -1,0 +1,282 @@
+//! Light paths: how they go on, and where they end.
+//!
+//! A path leaves a place in a cosine-distributed direction. Where its ray arrives it ends in the cell there, if the cell is small
+//! as seen from where the ray started. A nearer cell is too coarse, for it has one value only: the path goes on from the point
+//! itself, with one next-event ray and one cosine-distributed ray.
+//!
+//! Next-event rays bring the light of emitters, and of bright reflectors by cells that are small; so a path that arrives in such a
+//! cell brings nothing.
+
+use glam::DVec3;
+
+use super::emitters::Emitters;
+use super::ends::{Continuation, Ends};
+use super::grid::{Grids, NO_CELL};
+use super::next_event::EmitterRays;
+use super::place::{Directions, Place};
+use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
+use super::reflectors::Brightness;
+use crate::geometry::{Frame, sampling, streams};
+use crate::scene::{Scene, SurfaceId};
+use crate::transmittance::Rays;
+use crate::visibility::{Hit, NO_PLANE, Ray, Segment};
+
+/// A cell is small from so many times its size. Nearer, values take more of their error from cells; farther, paths get longer.
+/// Empirical.
+const SMALL_FROM: f64 = 2.0;
+
+/// After so many bounces a path ends in the next cell, small or not. Safety limit.
+const MAX_BOUNCES: u32 = 16;
+
+/// A path with this weight or less left ends in the next cell, small or not: it can add but little error. Empirical.
+const LITTLE: f64 = 0.25;
+
+/// Next-event rays to reflectors for each one to emitters. Empirical.
+const REFLECTOR_RAYS: f64 = 0.5;
+
+/// Memory that is reused from batch to batch.
+#[derive(Default)]
+pub(crate) struct PathScratch {
+    pub ends: Ends,
+    /// Cells of reflectors that next-event rays have seen.
+    pub seen: Vec<SeenCell>,
+    /// The order in which the rays of a place are cast.
+    order: Vec<u32>,
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+    /// Where paths go on, and the number of each one's continuation.
+    heads: Vec<Place>,
+    continuation_of: Vec<usize>,
+    irradiance: Vec<f64>,
+    emitter_rays: EmitterRays,
+    reflector_rays: ReflectorRays,
+}
+
+/// What a ray finds.
+enum Arrival {
+    /// Nothing, what sends nothing, or what next-event rays bring.
+    Nothing,
+    Back,
+    /// A cell that is small, and the point in it.
+    Cell(u32, DVec3),
+    /// A point from which the path goes on; with its cell, if that is small and only the least number of bounces forbids to end
+    /// there.
+    Onward(DVec3, SurfaceId, Option<u32>),
+}
+
+/// Casts light paths through a scene.
+pub(crate) struct LightPaths<'a> {
+    pub scene: &'a Scene,
+    pub grids: Grids,
+    rays: &'a Rays<'a>,
+    emitters: Emitters<'a>,
+    reflectors: Reflectors<'a>,
+    /// By surface: it sends nothing that paths could bring.
+    is_black: Vec<bool>,
+}
+
+impl<'a> LightPaths<'a> {
+    /// Paths that end in cells of about `side` metres.
+    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, brightness: &Brightness, side: f64) -> Self {
+        let grids = Grids::new(scene, brightness, side);
+        let reflectors = Reflectors::new(scene, &brightness.reflectors, &grids, SMALL_FROM);
+        let emitters = Emitters::new(scene, rays);
+        let is_black = |surface: SurfaceId| {
+            let material = scene.material_of(surface);
+            material.reflectance.iter().all(|&rho| rho == 0.0) && (!material.emits() || emitters.contains(surface))
+        };
+        let is_black = (0..scene.surfaces().len() as u32).map(|surface| is_black(SurfaceId(surface))).collect();
+        Self { scene, rays, grids, emitters, reflectors, is_black }
+    }
+
+    /// Next-event estimation: adds the irradiance from emitters at each place, by `count` rays, and fills `scratch.seen` with what
+    /// is seen of reflectors. Each `together` places in a row draw emitters as one place with all of their rays would.
+    pub fn add_next_event(&self, places: &[Place], together: usize, count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+        self.emitters.add_sampled_irradiance(places, together, count, &mut scratch.emitter_rays, irradiance);
+        self.see_reflectors(places, count, scratch);
+    }
+
+    /// Fills `scratch.seen` by the rays to reflectors that go with `count` rays to emitters.
+    pub fn see_reflectors(&self, places: &[Place], count: u32, scratch: &mut PathScratch) {
+        let to_reflectors = (f64::from(count) * REFLECTOR_RAYS).ceil() as u32;
+        self.reflectors.see(places, self.rays, to_reflectors, &mut scratch.reflector_rays, &mut scratch.seen);
+    }
+
+    /// The cell of a place.
+    pub fn cell_at(&self, place: &Place) -> Option<u32> {
+        self.grids.cell_at(place.surface, place.point).map(|(cell, _)| cell)
+    }
+
+    /// The cell of a point, if it is small as seen from `distance` metres away.
+    fn small_cell(&self, surface: SurfaceId, point: DVec3, distance: f64) -> Option<u32> {
+        let (cell, size) = self.grids.cell_at(surface, point)?;
+        (distance >= SMALL_FROM * size).then_some(cell)
+    }
+
+    /// The exitance of a surface by channel; `None` if next-event estimation brings it.
+    pub fn unsampled_exitance(&self, surface: SurfaceId) -> Option<&'a [f64]> {
+        (!self.emitters.contains(surface)).then(|| &self.scene.material_of(surface).exitance[..])
+    }
+
+    /// The part of `count` cosine-distributed rays from a place that meet something within so many metres.
+    pub fn sampled_near(&self, place: &Place, count: u32, within: f64) -> f64 {
+        let to_end = |ray: Ray| {
+            let to = DVec3::from(ray.origin) + within * DVec3::from(ray.direction);
+            Segment { from: ray.origin, to: to.to_array(), from_plane: ray.origin_plane, to_plane: NO_PLANE }
+        };
+        let segments: Vec<Segment> = self.cosine_rays(place, 0..count).map(to_end).collect();
+        let mut occluded = Vec::new();
+        self.rays.occluded(&segments, &mut occluded);
+        occluded.iter().filter(|&&occluded| occluded).count() as f64 / f64::from(count)
+    }
+
+    /// Follows `count` paths from each place, each with at least `bounces` bounces; fills `scratch.ends`.
+    pub fn follow(&self, places: &[Place], count: u32, bounces: u32, scratch: &mut PathScratch) {
+        let alone = |place: &Place| Directions { seed: place.seed, first: 0 };
+        self.follow_towards(places, &places.iter().map(alone).collect::<Vec<_>>(), count, bounces, scratch);
+    }
+
+    /// The same, with the first directions of each place's paths given.
+    pub fn follow_towards(&self, places: &[Place], directions: &[Directions], count: u32, bounces: u32, scratch: &mut PathScratch) {
+        self.leave(places, directions, count, bounces > 0, scratch);
+
+        // Bounce by bounce: direct light where the paths are, then the next ray.
+        let channels = self.scene.channels();
+        let ends = &mut scratch.ends;
+        ends.constant.clear();
+        ends.constant.resize(ends.continued.len() * channels, 0.0);
+        ends.weight.clear();
+        ends.weight.resize(ends.continued.len() * channels, 1.0);
+        for bounce in 1..=MAX_BOUNCES {
+            if scratch.heads.is_empty() {
+                break;
+            }
+            self.reflect(scratch);
+            self.go_on(scratch, bounce < bounces, bounce == MAX_BOUNCES);
+        }
+    }
+
+    /// Casts the first rays of all paths. With `beyond` no path may end yet.
+    fn leave(&self, places: &[Place], directions: &[Directions], count: u32, beyond: bool, scratch: &mut PathScratch) {
+        let PathScratch { ends, order, rays, heads, continuation_of, .. } = scratch;
+        ends.clear(places.len() * count as usize);
+        heads.clear();
+        continuation_of.clear();
+
+        // Neighbouring directions one after the other: rays cost less then.
+        if order.len() != count as usize {
+            *order = sampling::neighbours_in_order(count);
+        }
+        rays.clear();
+        for (place, &Directions { seed, first }) in places.iter().zip(directions) {
+            rays.extend(self.cosine_rays(&Place { seed, ..*place }, order.iter().map(|ray| first + ray)));
+        }
+        self.rays.first_hits(rays, &mut scratch.hits);
+
+        // Paths end where they arrive, or go on from there.
+        for (path, (ray, hit)) in rays.iter().zip(&scratch.hits).enumerate() {
+            match self.arrival(places[path / count as usize].surface, ray, *hit, beyond) {
+                Arrival::Nothing => {}
+                Arrival::Back => ends.back[path] = true,
+                Arrival::Cell(cell, point) => (ends.cell[path], ends.point[path]) = (cell, point),
+                Arrival::Onward(point, surface, small) => {
+                    let (place, ray) = (path / count as usize, path % count as usize);
+                    let seed = sampling::hash(places[place].seed, streams::PATHS_ONWARD + ray as u64);
+                    heads.push(Place { point, surface, seed });
+                    continuation_of.push(ends.continued.len());
+                    ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: small.unwrap_or(NO_CELL) });
+                }
+            }
+        }
+    }
+
+    /// Adds the direct light at the points where paths go on, and multiplies their weights by the reflectances there.
+    fn reflect(&self, scratch: &mut PathScratch) {
+        let PathScratch { ends, heads, continuation_of, irradiance, emitter_rays, reflector_rays, seen, .. } = scratch;
+        let channels = self.scene.channels();
+
+        // Emitters.
+        irradiance.clear();
+        irradiance.resize(heads.len() * channels, 0.0);
+        self.emitters.add_sampled_irradiance(heads, 1, 1, emitter_rays, irradiance);
+        for ((head, &continuation), irradiance) in heads.iter().zip(&*continuation_of).zip(irradiance.chunks(channels)) {
+            let material = self.scene.material_of(head.surface);
+            let exitance = self.unsampled_exitance(head.surface);
+            for channel in 0..channels {
+                let own = exitance.map_or(0.0, |exitance| exitance[channel]);
+                let (rho, index) = (material.reflectance[channel], continuation * channels + channel);
+                ends.constant[index] += ends.weight[index] * (own + rho * irradiance[channel]);
+                ends.weight[index] *= rho;
+            }
+        }
+
+        // Bright reflectors, whose radiosities are not known here.
+        self.reflectors.see(heads, self.rays, 1, reflector_rays, seen);
+        for seen in &*seen {
+            let continuation = continuation_of[seen.by];
+            ends.seen.push((continuation, seen.cell));
+            let left = &ends.weight[continuation * channels..][..channels];
+            ends.seen_weight.extend(left.iter().map(|left| left * seen.weight));
+        }
+    }
+
+    /// Casts the next ray of each continuation, which ends in a small cell. One with little weight left ends in any cell, and with
+    /// `anywhere` all do: else many paths would go to and fro between near surfaces, such as the books of a shelf, up to
+    /// [`MAX_BOUNCES`]. With `beyond` no small cell ends a path.
+    fn go_on(&self, scratch: &mut PathScratch, beyond: bool, anywhere: bool) {
+        let PathScratch { ends, rays, hits, heads, continuation_of, .. } = scratch;
+        rays.clear();
+        heads.iter().for_each(|head| rays.extend(self.cosine_rays(head, 0..1)));
+        self.rays.first_hits(rays, hits);
+
+        // Those that do not end stay in the lists, moved to the front.
+        let channels = self.scene.channels();
+        let little_is_left = |number: usize| ends.weight[number * channels..][..channels].iter().all(|&weight| weight <= LITTLE);
+        let mut left = 0;
+        for (index, (ray, hit)) in rays.iter().zip(&*hits).enumerate() {
+            let continuation = continuation_of[index];
+            match self.arrival(heads[index].surface, ray, *hit, beyond) {
+                Arrival::Nothing | Arrival::Back => {}
+                Arrival::Cell(cell, _) => ends.continued[continuation].cell = cell,
+                Arrival::Onward(point, surface, _) if anywhere || little_is_left(continuation) => {
+                    ends.continued[continuation].cell = self.grids.cell_at(surface, point).map_or(NO_CELL, |(cell, _)| cell);
+                }
+                Arrival::Onward(point, surface, _) => {
+                    heads[left] = Place { point, surface, seed: sampling::hash(heads[index].seed, streams::NEXT_BOUNCE) };
+                    continuation_of[left] = continuation;
+                    left += 1;
+                }
+            }
+        }
+        heads.truncate(left);
+        continuation_of.truncate(left);
+    }
+
+    /// What a ray from a surface finds. With `beyond` no path may end yet.
+    fn arrival(&self, from: SurfaceId, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
+        let Some(hit) = hit else { return Arrival::Nothing };
+        let direction = DVec3::from(ray.direction);
+        let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { return Arrival::Back };
+        if self.is_black[surface.index()] {
+            return Arrival::Nothing;
+        }
+        let point = DVec3::from(ray.origin) + hit.distance * direction;
+        match self.small_cell(surface, point, hit.distance) {
+            Some(_) if self.reflectors.is_sampled(from, surface) => Arrival::Nothing,
+            Some(cell) if !beyond => Arrival::Cell(cell, point),
+            small => Arrival::Onward(point, surface, small),
+        }
+    }
+
+    /// Cosine-distributed rays from a place, by the Sobol points of these indices.
+    fn cosine_rays(&self, place: &Place, indices: impl Iterator<Item = u32>) -> impl Iterator<Item = Ray> {
+        let surface = self.scene.surface(place.surface);
+        let frame = Frame::around(surface.polygon.facet().normal);
+        let (origin, origin_plane, seed) = (place.point.to_array(), surface.plane, place.seed);
+        let sobol = sampling::shifted_sobol_2d(seed);
+        indices.map(move |index| {
+            let [u, v] = sobol(index);
+            Ray { origin, direction: frame.sampled_by_cosine(u, v).to_array(), origin_plane }
+        })
+    }
+}

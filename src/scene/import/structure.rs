@@ -1,0 +1,189 @@
+//! The structure of an OBJ file: statements, vertex counts, indices and names, with their lines. The first of two passes, see `obj`.
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+
+use super::mtl;
+use super::statements::{Statement, statements};
+use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
+
+/// What the first pass finds.
+#[derive(Default)]
+pub(super) struct Structure<'a> {
+    /// The vertices for tobj, one statement a line.
+    pub vertices: String,
+    pub vertex_lines: Vec<u32>,
+    /// The faces for tobj, as resolved indices; faces of fewer than three corners are not among them.
+    pub corners: Vec<u64>,
+    pub faces: Vec<PreparedFace>,
+    pub face_lines: Vec<u32>,
+    pub libraries: Vec<(u32, String)>,
+    /// Names in the order of their first use, each with the line of that.
+    pub names: Vec<(Cow<'a, str>, u32)>,
+    pub by_name: HashMap<String, usize>,
+    pub nameless: (usize, u32, u32),
+    pub weights: (usize, u32),
+    pub ignored: BTreeMap<String, (usize, PathBuf, u32)>,
+    pub unknown: BTreeMap<String, (usize, PathBuf, u32)>,
+}
+
+pub(super) struct PreparedFace {
+    pub number: u32,
+    pub name: Option<usize>,
+    pub end: usize,
+}
+
+/// The first pass: everything but the values of numbers.
+pub(super) fn read_structure<'a>(text: &'a str, file: &Path, diagnostics: &mut Diagnostics) -> Result<Structure<'a>, ImportError> {
+    let mut structure = Structure::default();
+    let mut name = None;
+    let mut highest = (0, 0, 0);
+    for statement in statements(text) {
+        let line = statement.line;
+        match &*statement.keyword {
+            "v" => structure.vertex(&statement, file)?,
+            "f" | "fo" => structure.face(&statement, name, &mut highest, file, diagnostics)?,
+            "usemtl" => name = structure.name(statement),
+            "mtllib" => structure.libraries.push((line, statement.arguments.into_owned())),
+            // Names, smoothing, texture coordinates and normals: a planar polygon does not need them.
+            "vn" | "vt" | "vp" | "g" | "o" | "s" | "mg" | "lod" | "usemap" | "maplib" | "bevel" | "c_interp" | "d_interp"
+            | "shadow_obj" | "trace_obj" => {}
+            key @ ("p" | "l" | "curv" | "curv2" | "surf") => mtl::count(&mut structure.ignored, key, file, line),
+            // What belongs to curves and curved surfaces is mentioned with them.
+            "parm" | "trim" | "hole" | "scrv" | "sp" | "end" | "con" | "cstype" | "deg" | "bmat" | "step" | "ctech" | "stech" => {}
+            key => mtl::count(&mut structure.unknown, key, file, line),
+        }
+    }
+
+    // A positive index may name a vertex further down, but not beyond the last one.
+    let (index, line, face) = highest;
+    if index > structure.vertex_lines.len() as u64 {
+        let vertices = structure.vertex_lines.len();
+        return Err(ImportError::IndexOutOfRange { file: file.to_owned(), line, face, index: index.to_string(), vertices });
+    }
+    Ok(structure)
+}
+
+impl<'a> Structure<'a> {
+    /// `v x y z`, perhaps with a weight or a colour behind.
+    fn vertex(&mut self, statement: &Statement<'_>, file: &Path) -> Result<(), ImportError> {
+        let number = self.vertex_lines.len() + 1;
+        let line = statement.line;
+        let mut words = 0;
+        self.vertices.push('v');
+        for word in statement.arguments.split_whitespace() {
+            // Only the letters are looked at here, tobj reads the number.
+            let plain = word.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
+            if !plain && mtl::is_not_a_number_word(word) {
+                return Err(not_finite(file, line, number, word));
+            }
+            if !plain {
+                return Err(bad_vertex(file, line, number, &statement.arguments));
+            }
+            // Without an exponent it takes more than thirty characters to be too large.
+            let may_be_large = word.len() > 30 || word.contains(['e', 'E']);
+            if may_be_large && word.parse::<f64>().is_ok() && !mtl::is_representable(word) {
+                return Err(not_finite(file, line, number, word));
+            }
+            if words < 3 {
+                self.vertices.push(' ');
+                self.vertices.push_str(word);
+            }
+            if words == 3 && statement.arguments.split_whitespace().count() == 4 && word.parse::<f64>() != Ok(1.0) {
+                self.weights = (self.weights.0 + 1, if self.weights.0 == 0 { line } else { self.weights.1 });
+            }
+            words += 1;
+        }
+        if words < 3 {
+            return Err(bad_vertex(file, line, number, &statement.arguments));
+        }
+        self.vertices.push('\n');
+        self.vertex_lines.push(line);
+        Ok(())
+    }
+
+    /// `f v/vt/vn ...`: resolves the vertex index of each corner; `highest` keeps the highest index of all.
+    fn face(
+        &mut self,
+        statement: &Statement<'_>,
+        name: Option<usize>,
+        highest: &mut (u64, u32, u32),
+        file: &Path,
+        diagnostics: &mut Diagnostics,
+    ) -> Result<(), ImportError> {
+        let line = statement.line;
+        let number = self.face_lines.len() as u32;
+        let defined = self.vertex_lines.len();
+        let start = self.corners.len();
+        self.face_lines.push(line);
+
+        for word in statement.arguments.split_whitespace() {
+            let mut parts = word.split('/');
+            let index = parts.next().unwrap_or_default();
+            if !is_integer(index) || word.split('/').count() > 3 || !parts.all(|part| part.is_empty() || is_integer(part)) {
+                let reason = format!("'{word}' should be a vertex index, as in 7, -1, 7/1 or 7//1");
+                return Err(ImportError::Syntax { file: file.to_owned(), line, face: Some(number + 1), reason });
+            }
+            // What is too long for a number is out of range all the more.
+            let value = index.parse::<i64>().unwrap_or(0);
+            let distance = value.unsigned_abs();
+            if value > 0 {
+                if distance > highest.0 {
+                    *highest = (distance, line, number + 1);
+                }
+                self.corners.push(distance);
+            } else if value < 0 && distance <= defined as u64 {
+                self.corners.push(defined as u64 + 1 - distance);
+            } else {
+                let (file, index) = (file.to_owned(), index.to_owned());
+                return Err(ImportError::IndexOutOfRange { file, line, face: number + 1, index, vertices: defined });
+            }
+        }
+
+        // A point or a line has no area and goes no further.
+        let corners = self.corners.len() - start;
+        if corners < 3 {
+            self.corners.truncate(start);
+            let text = format!("dropped: it has {corners} corners");
+            diagnostics.push(Diagnostic::new(DiagnosticKind::DegenerateFace, text).at(file, line).face(number + 1));
+            return Ok(());
+        }
+        if name.is_none() {
+            let (count, first_line, first_face) = self.nameless;
+            self.nameless = if count == 0 { (1, line, number + 1) } else { (count + 1, first_line, first_face) };
+        }
+        self.faces.push(PreparedFace { number, name, end: self.corners.len() });
+        Ok(())
+    }
+
+    /// `usemtl name`: the number of the name, `None` for no name.
+    fn name(&mut self, statement: Statement<'a>) -> Option<usize> {
+        if statement.arguments.is_empty() {
+            return None;
+        }
+        if let Some(&index) = self.by_name.get(&*statement.arguments) {
+            return Some(index);
+        }
+        let index = self.names.len();
+        self.by_name.insert(statement.arguments.clone().into_owned(), index);
+        self.names.push((statement.arguments, statement.line));
+        Some(index)
+    }
+}
+
+fn is_integer(word: &str) -> bool {
+    let digits = word.strip_prefix(['-', '+']).unwrap_or(word);
+    !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+pub(super) fn bad_vertex(file: &Path, line: u32, number: usize, arguments: &str) -> ImportError {
+    let shown: String = arguments.chars().take(80).collect();
+    let reason = format!("vertex {number} is '{shown}', but should be three numbers");
+    ImportError::Syntax { file: file.to_owned(), line, face: None, reason }
+}
+
+fn not_finite(file: &Path, line: u32, number: usize, value: &str) -> ImportError {
+    let what = format!("a coordinate of vertex {number}");
+    ImportError::NotFinite { file: file.to_owned(), line, what, value: value.to_owned() }
+}

@@ -1,0 +1,137 @@
+//! The solver over cells: cell radiosities by random paths, and a final gather at points. From links it takes one coarse pass, which tells
+//! where it is bright: where rays are aimed and the error is looked for, and what the elements have.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::finish::{Outcome, finish};
+use super::judge::{Judge, add_time, cell_seed};
+use super::linked::Linked;
+use super::next_step::next_step;
+use super::options::Strategy;
+use super::plan::Plan;
+use super::report::{SolveReport, StoppedBy};
+use super::solution::Solution;
+use super::step::NextStep;
+use super::strategies::{self, ErrorSearch};
+use super::way::Way;
+use crate::cells::{CellRadiosities, SolvedCells};
+use crate::error::{ErrorEstimate, ReplicateGather, ResidualGather};
+use crate::links::RefineEnd;
+use crate::paths::{LightPaths, Resolution, cell_count};
+use crate::progress::Stage;
+use crate::values::{FinalGather, Gather, Over, RayBudget};
+
+/// The state of a solve over cells.
+pub(super) struct CellsWay<'a> {
+    linked: Linked<'a>,
+    plan: Plan,
+    /// Of the values.
+    cells: Option<SolvedCells<'a, 1>>,
+    judge: Judge<'a>,
+    search: ErrorSearch,
+}
+
+impl<'a> CellsWay<'a> {
+    pub fn new(mut linked: Linked<'a>, plan: Plan, search: ErrorSearch) -> Self {
+        linked.reserved_bytes = cell_bytes(&linked, plan.resolution());
+        Self { linked, plan, cells: None, judge: Judge::default(), search }
+    }
+}
+
+impl<'a> Way<'a> for CellsWay<'a> {
+    fn advance(&mut self) -> RefineEnd {
+        if self.linked.job.options.strategy != Strategy::Default {
+            return strategies::advance(&mut self.linked, &self.plan, &mut self.search);
+        }
+        if self.linked.links.is_empty() { self.linked.refine_coarsely(&self.plan) } else { RefineEnd::Content }
+    }
+
+    fn find_cells(&mut self) {
+        let Self { linked, plan, cells, judge, .. } = self;
+        let job = linked.job;
+        if job.is_cancelled() {
+            return;
+        }
+        let start = Instant::now();
+        let resolution = plan.resolution();
+        if cells.as_ref().is_none_or(|own| own.resolution != resolution) {
+            let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), resolution.side));
+            *cells = Some(SolvedCells::solve(paths, resolution, [cell_seed(job.options.seed, 0)]));
+        }
+        // Replicates have cells of the same size.
+        if let Some(own) = cells {
+            judge.find_cells(plan.replicate_resolution(), job.options.seed, || own.paths.clone());
+        }
+        add_time(&mut linked.report.time_s.resolve, start);
+    }
+
+    fn estimate_error(&mut self) -> Option<ErrorEstimate> {
+        let Self { linked, plan, cells, judge, .. } = self;
+        let start = Instant::now();
+        linked.claimed = None;
+        linked.progress(Stage::Error);
+        let own = cells.as_ref()?;
+        judge.estimate_error(
+            linked,
+            plan,
+            |cells, number| {
+                let (paths, onward) = (&*cells.paths, &cells.radiosities[number]);
+                ReplicateGather::Residual(ResidualGather { paths, of_values: &own.radiosities[0], onward })
+            },
+            |rays| user_gather(linked, own, rays),
+            true,
+        );
+        linked.claimed = judge.error.map(|error| error.claimed);
+        add_time(&mut linked.report.time_s.error, start);
+        judge.error
+    }
+
+    fn plan_next(&mut self, error: &ErrorEstimate) -> NextStep {
+        let Self { linked, plan, cells, judge, .. } = self;
+        let Some(own) = cells else { return NextStep::Exhausted };
+        let noise = plan
+            .begin_step(error, |rays| judge.sampled_value_noise(&user_gather(linked, own, rays), &|| linked.job.is_cancelled()));
+        let step = next_step(plan, error, noise);
+        plan.apply(step);
+        if step.changes_values() {
+            judge.forget_values();
+        }
+        step
+    }
+
+    fn has_room(&self) -> bool {
+        let most = self.linked.job.run.memory_bytes;
+        let bytes = || self.linked.memory_bytes().saturating_add(cell_bytes(&self.linked, self.plan.resolution()));
+        most.is_none_or(|most| bytes() <= most)
+    }
+
+    fn into_cells(self: Box<Self>) -> Box<dyn Way<'a> + 'a> {
+        self
+    }
+
+    fn finish(self: Box<Self>, stopped_by: StoppedBy) -> (Solution, SolveReport) {
+        let Self { linked, plan, cells, judge, .. } = *self;
+        let outcome = Outcome {
+            error: judge.error,
+            stopped_by,
+            point_rays: plan.point_rays(),
+            resolution: cells.as_ref().map_or(plan.resolution(), |own| own.resolution),
+            radiosities: cells.map(|own| own.radiosities).map(|[radiosities]| radiosities),
+        };
+        finish(linked, outcome)
+    }
+}
+
+/// Gathers the values that a user would get now.
+fn user_gather<'b>(linked: &'b Linked<'_>, cells: &'b SolvedCells<'_, 1>, rays: u32) -> Gather<'b> {
+    let over = Over::Cells(FinalGather { paths: &cells.paths, radiosities: &cells.radiosities[0], bounces: 0 });
+    let budget = RayBudget::of_values(rays, linked.job.options.seed);
+    Gather { scene: linked.job.scene, hierarchy: &linked.hierarchy, over, budget }
+}
+
+/// What the solution keeps of cell radiosities, in bytes.
+fn cell_bytes(linked: &Linked<'_>, resolution: Resolution) -> u64 {
+    let cells = cell_count(linked.job.scene, &linked.brightness(), resolution.side);
+    cells.map_or(u64::MAX, |cells| CellRadiosities::bytes_of(cells, linked.job.kept_channels))
+}

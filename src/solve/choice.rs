@@ -1,0 +1,97 @@
+//! Which solver is taken: the one whose predicted work is less.
+//!
+//! What values over links take hangs on how much must be linked, and that on what few links leave wrong; what values over cells take the law
+//! of effort tells beforehand. So a pilot makes the coarse pass over links that either solver begins with, sees how wrong values over these
+//! few links are, and the law says what links would have to be made for the requested error. Whenever links are to be refined anew, the same
+//! is asked again.
+
+use std::sync::Arc;
+
+use super::cells_way::CellsWay;
+use super::effort::{AIM, FEW_BOUNCES_ALBEDO, Law};
+use super::interest::InitialImportance;
+use super::job::Job;
+use super::judge::cell_seed;
+use super::linked::Linked;
+use super::links_way::LinksWay;
+use super::options::{Solver, Strategy};
+use super::plan::{COARSE_TOLERANCE, Plan};
+use super::strategies::ErrorSearch;
+use super::way::Way;
+use crate::cells::SolvedCells;
+use crate::error::{ErrorSamples, ReplicateGather, Replication};
+use crate::geometry::{sampling, streams};
+use crate::paths::{Illumination, LightPaths, Resolution};
+use crate::scene::{Material, SurfaceId};
+use crate::values::{FinalGather, RayBudget};
+
+/// Points at which the pilot looks what few links leave wrong, rays of a value and of a replicate there, and positions and paths for the
+/// replicates: enough to know the error to a third, for a few percent of the work of a solve to 2%.
+const POINTS: usize = 64;
+const VALUE_RAYS: u32 = 64;
+const REPLICATE_RAYS: u32 = 32;
+const POSITIONS: f64 = 256.0;
+const POSITION_RAYS: u32 = 4;
+
+/// The solver for a job, with its plan.
+pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dyn Way<'a> + 'a> {
+    let seed = sampling::hash(job.options.seed, streams::PARTICLES);
+    let illumination = Illumination::sampled(job.scene, job.rays, seed);
+    let plan = |over_cells| Plan::new(job.scene, job.options, illumination.clone(), over_cells);
+    let search = ErrorSearch::new(importance);
+    let (links, cells) = (plan(false), plan(true));
+    let linked = || Linked::new(*job, links.links_clusters(pairs(job), cells.work()));
+    let is_white = illumination.albedo() > FEW_BOUNCES_ALBEDO;
+    let options = job.options;
+    match options.solver {
+        Solver::Cells => return Box::new(CellsWay::new(linked(), cells, search)),
+        // Over links errors of all bounces have one sign, and add up: no claim would see it.
+        Solver::Auto if options.strategy == Strategy::Default && is_white => {
+            return Box::new(CellsWay::new(linked(), cells, search));
+        }
+        Solver::Auto if options.strategy == Strategy::Default => {}
+        Solver::Auto | Solver::Links => return Box::new(LinksWay::new(linked(), links, search)),
+    }
+
+    // The coarse pass, and what it leaves wrong.
+    let mut linked = linked();
+    linked.refine_coarsely(&cells);
+    let left = sampled_bias(&linked, illumination.lit_area);
+    let wanted = Law::tolerance_factor_of_pilot(left, AIM * job.options.error);
+    let over_links = links.work_over_links(linked.links.len(), wanted.min(links.tolerance() / COARSE_TOLERANCE));
+    if over_links <= cells.work() {
+        Box::new(LinksWay::new(linked, links, search).or_over(cells))
+    } else {
+        Box::new(CellsWay::new(linked, cells, search))
+    }
+}
+
+/// Ordered pairs of surfaces that may exchange light.
+fn pairs(job: &Job<'_>) -> f64 {
+    let count = |may: &dyn Fn(&Material) -> bool| {
+        let materials = (0..job.scene.surfaces().len() as u32).map(|id| job.scene.material_of(SurfaceId(id)));
+        materials.filter(|material| may(material)).count() as f64
+    };
+    let reflects = |material: &Material| material.reflectance.iter().any(|&rho| rho > 0.0);
+    count(&reflects) * count(&|material| reflects(material) || material.emits())
+}
+
+/// The error of values over the links as they are, without the noise of their rays, relative to the reflected light.
+fn sampled_bias(linked: &Linked<'_>, lit_area: f64) -> f64 {
+    let job = linked.job;
+    let resolution = Resolution { side: (lit_area / POSITIONS).sqrt(), rays: POSITION_RAYS };
+    let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), resolution.side));
+    let seeds = [3, 4].map(|number| cell_seed(job.options.seed, number));
+    let cells = SolvedCells::solve(paths, resolution, seeds);
+    let gathers = cells
+        .radiosities
+        .each_ref()
+        .map(|radiosities| ReplicateGather::Truth(FinalGather { paths: &cells.paths, radiosities, bounces: 0 }));
+    let seed = sampling::hash(job.options.seed, streams::PILOT_POINTS);
+    let with = Replication { scene: job.scene, hierarchy: &linked.hierarchy, radiosity: &linked.radiosity, gathers, seed };
+    let cancelled = || job.is_cancelled();
+    let mut samples = ErrorSamples::default();
+    let taken = samples.add_points(POINTS, 1, &with, &cancelled) && samples.take_replicates(REPLICATE_RAYS, &with, &cancelled);
+    let gather = linked.gather(RayBudget::of_values(VALUE_RAYS, job.options.seed));
+    if taken { samples.sampled_bias(&gather, &cancelled).unwrap_or(0.0) } else { 0.0 }
+}

@@ -1,0 +1,83 @@
+//! The end of a solve: what is kept, and what is told.
+
+use super::linked::Linked;
+use super::report::{Counts, Energy, ErrorReport, Powers, SkippedWork, SolveReport, StoppedBy};
+use super::solution::Solution;
+use crate::bounds::{Light, bound_held_back};
+use crate::cells::CellRadiosities;
+use crate::error::{CONFIDENCE, ErrorEstimate};
+use crate::links::Pair;
+use crate::paths::Resolution;
+
+/// What a solver found beside links.
+pub(super) struct Outcome {
+    pub error: Option<ErrorEstimate>,
+    pub stopped_by: StoppedBy,
+    pub point_rays: u32,
+    pub resolution: Resolution,
+    /// Where values end in cells.
+    pub radiosities: Option<CellRadiosities>,
+}
+
+/// The solution and its report.
+pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveReport) {
+    let energy = energy(&linked);
+    let skipped = linked.skipped();
+    let scene = linked.job.scene.clone();
+    let Outcome { error, stopped_by, point_rays, resolution, radiosities } = outcome;
+    let mut report = SolveReport { energy, stopped_by, converged: stopped_by == StoppedBy::Error, ..linked.report };
+
+    let reflected = energy.sent - energy.emitted;
+    report.error = ErrorReport {
+        requested: linked.job.options.error,
+        estimate: error.map_or(f64::INFINITY, |error| error.claimed),
+        confidence: CONFIDENCE,
+        measured: error.map_or(f64::INFINITY, |error| error.measured),
+        skipped: if reflected > 0.0 { energy.held_back / reflected } else { 0.0 },
+    };
+    let (segments, first_hits) = (linked.job.rays.segments(), linked.job.rays.first_hit_rays());
+    report.time_s.visibility = segments.seconds() + first_hits.seconds();
+    report.time_s.first_hits = first_hits.seconds();
+    report.counts = Counts {
+        surfaces: scene.surfaces().len() as u64,
+        clusters: linked.hierarchy.cluster_count() as u64,
+        elements: (linked.hierarchy.len() - linked.hierarchy.cluster_count()) as u64,
+        links: linked.links.len() as u64,
+        dormant: linked.links.dormant().len() as u64,
+        rays: segments.count() + first_hits.count(),
+        first_hit_rays: first_hits.count(),
+        ..report.counts
+    };
+    report.skipped.extend(skipped);
+    let per_ray = segments.seconds() / segments.count().max(1) as f64;
+    let price = |work: &mut SkippedWork| work.estimate_saved_s = per_ray * work.estimate_saved_rays as f64;
+    report.skipped.iter_mut().for_each(price);
+
+    let solution = Solution {
+        scene,
+        options: linked.job.options.clone(),
+        hierarchy: linked.hierarchy,
+        links: linked.links,
+        exposure: linked.exposure,
+        radiosity: linked.radiosity,
+        point_rays,
+        resolution,
+        cell_radiosities: radiosities,
+    };
+    report.memory_bytes = solution.memory_bytes();
+    (solution, report)
+}
+
+/// Where the power goes, and what pairs without a link hold back of it.
+fn energy(linked: &Linked<'_>) -> Energy {
+    let Linked { job, hierarchy, links, exposure, closure, radiosity, report, .. } = linked;
+    let scene = job.scene;
+    let powers = Powers { scene, hierarchy, links, exposure, closure: closure.as_ref(), radiosity };
+    let held_back = |pairs: &[Pair]| bound_held_back(Light { scene, hierarchy, radiosity: radiosity.values() }, pairs);
+    Energy {
+        residual: report.energy.residual,
+        held_back: report.energy_balance.map_or_else(|| held_back(links.dormant()), |balance| balance.held_back),
+        held_back_unseen: held_back(links.unseen()),
+        ..powers.energy()
+    }
+}

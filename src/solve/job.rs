@@ -1,0 +1,49 @@
+//! What is solved, and within which limits.
+
+use std::time::{Duration, Instant};
+
+use super::{RunOptions, SolveOptions};
+use crate::progress::Observer;
+use crate::scene::Scene;
+use crate::transmittance::Rays;
+
+/// What is solved, and within which limits.
+#[derive(Clone, Copy)]
+pub(super) struct Job<'a> {
+    pub scene: &'a Scene,
+    /// How many channels the solution will have.
+    pub kept_channels: usize,
+    pub options: &'a SolveOptions,
+    pub run: &'a RunOptions,
+    deadline: Option<Instant>,
+    pub rays: &'a Rays<'a>,
+    pub observer: &'a dyn Observer,
+}
+
+impl<'a> Job<'a> {
+    /// Time counts from here.
+    pub fn new(
+        scene: &'a Scene,
+        kept_channels: usize,
+        options: &'a SolveOptions,
+        run: &'a RunOptions,
+        rays: &'a Rays<'a>,
+        observer: &'a dyn Observer,
+    ) -> Self {
+        let deadline = run.time_s.and_then(|seconds| Instant::now().checked_add(Duration::from_secs_f64(seconds)));
+        Self { scene, kept_channels, options, run, deadline, rays, observer }
+    }
+
+    pub fn is_over_time(&self) -> bool {
+        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
+    pub fn is_cancelled(&self) -> bool {
+        self.observer.cancelled()
+    }
+
+    /// Whether work is cancelled or over its time by now.
+    pub fn is_late(&self) -> bool {
+        self.is_cancelled() || self.is_over_time()
+    }
+}

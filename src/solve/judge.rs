@@ -1,0 +1,84 @@
+//! The error estimate of a solve, from step to step.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::linked::Linked;
+use super::plan::Plan;
+use crate::cells::SolvedCells;
+use crate::error::{ErrorEstimate, ErrorSamples, Pilot, ReplicateGather, Replication};
+use crate::geometry::{sampling, streams};
+use crate::paths::{LightPaths, Resolution};
+use crate::values::Gather;
+
+/// Samples of the error, the cells in which the paths of their replicates end, and what was estimated last.
+#[derive(Default)]
+pub(super) struct Judge<'a> {
+    cells: Option<SolvedCells<'a, 2>>,
+    samples: ErrorSamples,
+    /// Of the values as they stand; `None` before the first estimate, and where the last one was cut short.
+    pub error: Option<ErrorEstimate>,
+}
+
+impl<'a> Judge<'a> {
+    /// Values have changed.
+    pub fn forget_values(&mut self) {
+        self.samples.forget_values();
+    }
+
+    /// Finds the cell radiosities of the replicates, if they are not known so finely; `paths` end in cells of that size.
+    pub fn find_cells(&mut self, resolution: Resolution, seed: u64, paths: impl FnOnce() -> Arc<LightPaths<'a>>) {
+        if self.cells.as_ref().is_none_or(|own| own.resolution != resolution) {
+            self.cells = Some(SolvedCells::solve(paths(), resolution, [1, 2].map(|number| cell_seed(seed, number))));
+            self.samples = ErrorSamples::default();
+        }
+    }
+
+    /// Estimates the error of the values that `gather` gives for so many rays. What replicates find, `replicate` tells by number, their paths
+    /// and cells. Before the first replicates are taken `pilot` may fit their rays, and those of values.
+    pub fn estimate_error<'b>(
+        &'b mut self,
+        linked: &'b Linked<'a>,
+        plan: &mut Plan,
+        replicate: impl Fn(&'b SolvedCells<'a, 2>, usize) -> ReplicateGather<'b>,
+        gather: impl Fn(u32) -> Gather<'b>,
+        pilots: bool,
+    ) {
+        let Self { cells, samples, error } = self;
+        *error = None;
+        let job = linked.job;
+        let Some(cells) = cells.as_ref().filter(|_| !job.is_cancelled()) else { return };
+        let cancelled = || job.is_cancelled();
+        let with = Replication {
+            scene: job.scene,
+            hierarchy: &linked.hierarchy,
+            radiosity: &linked.radiosity,
+            gathers: [0, 1].map(|number| replicate(cells, number)),
+            seed: sampling::hash(job.options.seed, streams::ERROR),
+        };
+        let is_first = samples.is_empty();
+        let is_spread = samples.add_points(plan.error_points(), plan.replicate_pilot_rays(), &with, &cancelled);
+        if is_spread && is_first && pilots {
+            let pilot: Option<Pilot> = samples.pilot(&gather(plan.pilot_rays()), &cancelled);
+            pilot.iter().for_each(|pilot| plan.fit_rays(pilot));
+        }
+        if is_spread && samples.take_replicates(plan.replicate_rays(), &with, &cancelled) {
+            *error = samples.estimate(&gather(plan.point_rays()), &cancelled);
+        }
+    }
+
+    /// The part of the error estimated last that is noise of the values that `gather` gives.
+    pub fn sampled_value_noise(&self, gather: &Gather<'_>, cancelled: &(dyn Fn() -> bool + Sync)) -> f64 {
+        self.samples.sampled_value_noise(gather, cancelled)
+    }
+}
+
+/// The seed of cell radiosities: number 0 of values, 1 and 2 of replicates.
+pub(super) fn cell_seed(seed: u64, number: u64) -> u64 {
+    sampling::hash(seed, streams::CELL_RADIOSITIES + number)
+}
+
+/// Adds the seconds since `start` to a time of the report.
+pub(super) fn add_time(total: &mut f64, start: Instant) {
+    *total += start.elapsed().as_secs_f64();
+}

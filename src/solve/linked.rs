@@ -1,0 +1,281 @@
+//! The state over links: hierarchy, links, and the radiosities that sweeps find over them.
+
+use std::collections::HashMap;
+use std::sync::atomic::AtomicU64;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::Sweep;
+use super::job::Job;
+use super::plan::{COARSE_TOLERANCE, Plan};
+use super::report::{SkippedWork, SolveReport};
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::links::oracle::{Decision, RefinementOracle};
+use crate::links::{LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
+use crate::paths::Brightness;
+use crate::progress::{Progress, Stage};
+use crate::scene::SurfaceId;
+use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, Reflections, sampled_exposed_point, sweep_in_place};
+use crate::values::{Gather, LinkGather, Over, RayBudget, Scratch};
+
+/// No solve sweeps more often in a row: at reflectance 0.999 the change has fallen by e^-20 by then.
+const MAX_SWEEPS: u32 = 20_000;
+
+/// Hierarchy, links and radiosities, and what was told of them so far.
+pub(super) struct Linked<'a> {
+    pub job: Job<'a>,
+    pub hierarchy: Hierarchy,
+    pub refinement: Refinement,
+    pub links: LinkSet,
+    pub exposure: Exposure,
+    pub radiosity: Radiosity,
+    /// Where clusters gather and emit.
+    pub closure: Option<Closure>,
+    /// Whether clusters gather and emit.
+    clusters: bool,
+    /// Largest reflectance below each cluster, by channel.
+    cluster_reflectance: Vec<f64>,
+    /// Bytes that others take of the memory.
+    pub reserved_bytes: u64,
+    /// The error that was claimed last.
+    pub claimed: Option<f64>,
+    pub report: SolveReport,
+}
+
+impl<'a> Linked<'a> {
+    pub fn new(job: Job<'a>, clusters: bool) -> Self {
+        let start = Instant::now();
+        let Job { scene, rays, options, .. } = job;
+        let hierarchy = Hierarchy::new(scene);
+        let mut exposure = Exposure::default();
+        exposure.grow(scene, &hierarchy, rays, options.seed);
+        let radiosity = Radiosity::emitted(scene, &hierarchy, &exposure);
+        let mut report = SolveReport { backend: rays.description(), ..SolveReport::default() };
+        report.time_s.build = start.elapsed().as_secs_f64();
+        let cluster_reflectance = sweep::cluster_reflectance(scene, &hierarchy);
+        Self {
+            job,
+            hierarchy,
+            refinement: Refinement::new(),
+            links: LinkSet::default(),
+            exposure,
+            radiosity,
+            closure: None,
+            clusters,
+            cluster_reflectance,
+            reserved_bytes: 0,
+            claimed: None,
+            report,
+        }
+    }
+
+    pub fn progress(&self, stage: Stage) {
+        let elements = (self.hierarchy.len() - self.hierarchy.cluster_count()) as u64;
+        let round = self.report.counts.rounds as u32;
+        let (links, error) = (self.refinement.links(), self.claimed);
+        self.job.observer.progress(&Progress { stage, round, fraction: None, links, elements, error });
+    }
+
+    /// Tells how far a refinement is, and whether to end it now: on cancellation, or after the deadline.
+    pub fn refinement_stop(&self) -> impl Fn(u64, u64) -> bool + Sync + use<'a> {
+        let (job, round) = (self.job, self.report.counts.rounds as u32);
+        move |links, elements| {
+            job.observer.progress(&Progress { stage: Stage::Refine, round, fraction: None, links, elements, error: None });
+            job.is_late()
+        }
+    }
+
+    /// Where refinement ends, content or not.
+    pub fn refine_limits<'s>(&self, stop: &'s (dyn Fn(u64, u64) -> bool + Sync)) -> RefineLimits<'s> {
+        let left = |bytes: u64| bytes.saturating_sub(self.reserved_bytes);
+        RefineLimits {
+            max_links: self.job.options.max_links.unwrap_or(u64::from(u32::MAX)),
+            max_bytes: self.job.run.memory_bytes.map_or(u64::MAX, left),
+            channels: self.job.kept_channels,
+            stop,
+        }
+    }
+
+    /// Refines with one oracle and sweeps until no pair is left that slept because its source was dark, and has light now.
+    pub fn refine_and_sweep(&mut self, oracle: &dyn RefinementOracle, splits: &HashMap<Pair, Decision>) -> RefineEnd {
+        let none = HashMap::new();
+        let mut ended = self.refine(oracle, splits);
+        self.sweep();
+        while ended == RefineEnd::Content && self.dormant_pair_is_lit() {
+            ended = self.refine(oracle, &none);
+            self.sweep();
+        }
+        ended
+    }
+
+    /// The coarse pass that solvers begin with: it tells where it is bright.
+    pub fn refine_coarsely(&mut self, plan: &Plan) -> RefineEnd {
+        let tolerance = self.job.options.links.tolerance.unwrap_or(COARSE_TOLERANCE);
+        self.refine_and_sweep(&*plan.oracle(tolerance), &HashMap::new())
+    }
+
+    /// Splits the links that `splits` names, and refines until the oracle is content.
+    fn refine(&mut self, oracle: &dyn RefinementOracle, splits: &HashMap<Pair, Decision>) -> RefineEnd {
+        let start = Instant::now();
+        self.report.counts.rounds += 1;
+        self.progress(Stage::Refine);
+        let Job { scene, rays, options, .. } = self.job;
+        let context = RefineContext {
+            scene,
+            rays,
+            oracle,
+            radiosity: self.radiosity.values(),
+            clusters: self.clusters,
+            cluster_reflectance: &self.cluster_reflectance,
+            form_factor_accuracy: options.links.form_factor_accuracy,
+            rays_per_link: options.links.rays_per_link,
+            rays_per_light_link: options.links.rays_per_light_link,
+            skips: options.links.skips,
+            seed: options.seed,
+            form_factor_nanoseconds: AtomicU64::new(0),
+        };
+        let stop = self.refinement_stop();
+        let limits = self.refine_limits(&stop);
+        let end = self.refinement.refine(&mut self.hierarchy, splits, &context, &limits);
+        self.report.time_s.form_factor += context.form_factor_nanoseconds.into_inner() as f64 * 1e-9;
+        self.links = self.refinement.link_set(&self.hierarchy);
+        self.grow();
+        self.closure = Closure::needed(scene, &self.hierarchy, &self.links, &self.exposure, self.clusters);
+        self.report.time_s.refine += start.elapsed().as_secs_f64();
+        end
+    }
+
+    /// Makes room for nodes that are new.
+    pub fn grow(&mut self) {
+        self.exposure.grow(self.job.scene, &self.hierarchy, self.job.rays, self.job.options.seed);
+        self.radiosity.grow(&self.hierarchy);
+    }
+
+    /// Whether a pair that sleeps because its source was dark must be decided again. Where clusters are linked, one with itself sleeps
+    /// because it carries little.
+    fn dormant_pair_is_lit(&self) -> bool {
+        let sleeps_in_the_dark = |pair: &&Pair| pair.receiver != pair.source || !self.clusters;
+        let in_the_dark = self.links.dormant().iter().filter(sleeps_in_the_dark);
+        in_the_dark.map(|pair| pair.source).any(|source| self.radiosity.of(source).iter().any(|&b| b > 0.0))
+    }
+
+    /// Gathers over the links and push-pulls until what is still to come is below the tolerance.
+    pub fn sweep(&mut self) {
+        self.progress(Stage::Gather);
+        let mut previous = f64::INFINITY;
+        for _ in 0..MAX_SWEEPS {
+            let change = self.sweep_once();
+            self.report.counts.iterations += 1;
+            self.report.energy.residual = change.largest;
+            let to_come = change.estimate_to_come(previous);
+            previous = change.largest;
+            let is_enough = to_come <= self.job.options.links.sweep_tolerance * change.brightest;
+            if is_enough || !change.largest.is_finite() || self.job.is_late() {
+                break;
+            }
+        }
+    }
+
+    /// Lets light travel once over the links.
+    fn sweep_once(&mut self) -> sweep::Change {
+        let Self { job, hierarchy, links, exposure, closure, radiosity, report, .. } = self;
+        let start = Instant::now();
+        match job.options.links.sweep {
+            Sweep::Jacobi => {
+                let irradiance = sweep::gather(hierarchy, links, exposure, radiosity);
+                let gathered = Instant::now();
+                let change = sweep::push_pull(job.scene, hierarchy, exposure, closure.as_ref(), irradiance, radiosity);
+                report.time_s.push_pull += gathered.elapsed().as_secs_f64();
+                report.time_s.gather += (gathered - start).as_secs_f64();
+                change
+            }
+            Sweep::InPlace => {
+                let change = sweep_in_place(job.scene, hierarchy, links, exposure, closure.as_ref(), radiosity);
+                report.time_s.gather += start.elapsed().as_secs_f64();
+                change
+            }
+        }
+    }
+
+    /// Defect correction: takes the radiosity of every leaf anew, by a gather of so many rays at its centre, or where it is exposed, and
+    /// follows what that changes over the links.
+    pub fn regather_leaves(&mut self, rays: u32) {
+        if rays == 0 || self.job.is_late() {
+            return;
+        }
+        let start = Instant::now();
+        let Job { scene, options, .. } = self.job;
+        let gather = self.gather(RayBudget { rays, least_chance: 1.0, seed: options.seed });
+        let channels = scene.channels();
+        let leaves: Vec<NodeId> = self.hierarchy.ids().filter(|&node| self.hierarchy.is_leaf(node)).collect();
+        let mut values = vec![0.0; leaves.len() * channels];
+        let by_plane = ByPlane::new(scene);
+        values.par_chunks_mut(channels).zip(&leaves).for_each_init(Scratch::default, |scratch, (value, &leaf)| {
+            let surface = SurfaceId(self.hierarchy.node(leaf).surface);
+            match sampled_exposed_point(&self.hierarchy, &by_plane, &self.exposure, self.job.rays, leaf, options.seed) {
+                Some(point) => gather.radiosities_at(&[gather.place_at(point, surface)], gather.budget, scratch, value),
+                None => value.copy_from_slice(self.radiosity.of(leaf)),
+            }
+        });
+        let mut change = self.radiosity.clone();
+        for (value, &leaf) in values.chunks(channels).zip(&leaves) {
+            change.of_mut(leaf).iter_mut().zip(value).for_each(|(old, new)| *old = new - *old);
+            self.radiosity.of_mut(leaf).copy_from_slice(value);
+        }
+        let Self { job, hierarchy, links, exposure, closure, radiosity, .. } = self;
+        Reflections { scene, hierarchy, links, exposure, closure: closure.as_ref() }.add(change, radiosity, &|| job.is_late());
+        radiosity.pull(hierarchy, exposure);
+        self.report.time_s.gather += start.elapsed().as_secs_f64();
+    }
+
+    /// Gathers values at points over the links.
+    pub fn gather(&self, budget: RayBudget) -> Gather<'_> {
+        let Self { hierarchy, links, radiosity, exposure, job: Job { scene, rays, .. }, .. } = self;
+        let over = Over::Links(LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays));
+        Gather { scene, hierarchy, over, budget }
+    }
+
+    /// How bright surfaces are, by the radiosities over the links.
+    pub fn brightness(&self) -> Brightness {
+        let Self { job: Job { scene, .. }, hierarchy, radiosity, .. } = self;
+        Brightness::of_surfaces(scene, |surface| radiosity.reflected(scene, hierarchy, surface))
+    }
+
+    /// Bytes that nodes and links take in a solution.
+    pub fn memory_bytes(&self) -> u64 {
+        let radiosities = self.hierarchy.len() * self.job.kept_channels * size_of::<f64>();
+        self.hierarchy.memory_bytes() + radiosities as u64 + self.links.memory_bytes()
+    }
+
+    /// What refinement left out.
+    pub fn skipped(&self) -> Vec<SkippedWork> {
+        let work = |what: &str, count, estimate_saved_rays| SkippedWork {
+            what: what.to_owned(),
+            count,
+            estimate_saved_rays,
+            ..SkippedWork::default()
+        };
+        let Job { scene, options, rays, .. } = self.job;
+        let Refinement { behind, black, .. } = self.refinement;
+        let asleep =
+            |is_counted: &dyn Fn(&Pair) -> bool| self.links.dormant().iter().filter(|pair| is_counted(pair)).count() as u64;
+        let (dark, within) = (asleep(&|pair| pair.receiver != pair.source), asleep(&|pair| pair.receiver == pair.source));
+        let rays_of_pair = 2 * u64::from(options.links.rays_per_link);
+        let unused = if self.clusters { 0 } else { self.hierarchy.cluster_count() as u64 };
+        let is_dark = |surface: &u32| self.radiosity.of(self.hierarchy.node_of(SurfaceId(*surface))).iter().all(|&b| b == 0.0);
+        let sealed = (0..scene.surfaces().len() as u32).filter(is_dark).count() as u64;
+        let spared = rays.spared();
+        let (everywhere, between) = if rays.is_clear_everywhere() { (spared, 0) } else { (0, spared) };
+        vec![
+            work("pairs behind one another", behind.pairs, behind.rays),
+            work("pairs with a black receiver", black.pairs, black.rays),
+            work("dormant pairs with a dark source, or for which there was no room", dark, rays_of_pair * dark),
+            work("dormant pairs of a cluster with itself", within, rays_of_pair * within),
+            work("surfaces that no light reaches", sealed, 0),
+            work("clusters that are not linked", unused, 0),
+            work("segments in a scene where nothing occludes", everywhere, everywhere),
+            work("segments between planes with nothing in between", between, between),
+        ]
+    }
+}

@@ -1,0 +1,131 @@
+//! The solver over links: hierarchical radiosity. Values gather over the links above a point; from cells it takes what its error is judged by.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::cells_way::CellsWay;
+use super::finish::{Outcome, finish};
+use super::judge::{Judge, add_time};
+use super::linked::Linked;
+use super::next_step::next_step;
+use super::plan::Plan;
+use super::report::{SolveReport, StoppedBy};
+use super::solution::Solution;
+use super::step::NextStep;
+use super::strategies::{self, ErrorSearch};
+use super::way::Way;
+use crate::error::{ErrorEstimate, ReplicateGather};
+use crate::links::RefineEnd;
+use crate::paths::LightPaths;
+use crate::progress::Stage;
+use crate::values::{FinalGather, Gather, RayBudget};
+
+/// The state of a solve over links.
+pub(super) struct LinksWay<'a> {
+    linked: Linked<'a>,
+    plan: Plan,
+    judge: Judge<'a>,
+    search: ErrorSearch,
+    /// What cells would take, where they may be taken instead.
+    over_cells: Option<Plan>,
+}
+
+impl<'a> LinksWay<'a> {
+    pub fn new(linked: Linked<'a>, plan: Plan, search: ErrorSearch) -> Self {
+        Self { linked, plan, judge: Judge::default(), search, over_cells: None }
+    }
+
+    /// Cells are taken where they are predicted to take less.
+    pub fn or_over(self, cells: Plan) -> Self {
+        Self { over_cells: Some(cells), ..self }
+    }
+
+    /// Whether refining links to so many times the tolerance is predicted to take more than to go on over cells.
+    fn had_better_take_cells(&self, tolerance_factor: f64) -> bool {
+        let over_links = self.plan.work_over_links(self.linked.links.len(), tolerance_factor);
+        self.over_cells.as_ref().is_some_and(|cells| over_links > cells.work())
+    }
+}
+
+impl<'a> Way<'a> for LinksWay<'a> {
+    fn advance(&mut self) -> RefineEnd {
+        strategies::advance(&mut self.linked, &self.plan, &mut self.search)
+    }
+
+    fn find_cells(&mut self) {
+        let Self { linked, plan, judge, .. } = self;
+        let job = linked.job;
+        if job.is_cancelled() {
+            return;
+        }
+        let start = Instant::now();
+        let resolution = plan.replicate_resolution();
+        let paths = || Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), resolution.side));
+        judge.find_cells(resolution, job.options.seed, paths);
+        add_time(&mut linked.report.time_s.resolve, start);
+    }
+
+    fn estimate_error(&mut self) -> Option<ErrorEstimate> {
+        let Self { linked, plan, judge, .. } = self;
+        let start = Instant::now();
+        linked.claimed = None;
+        linked.progress(Stage::Error);
+        let bounces = plan.replicate_bounces();
+        judge.estimate_error(
+            linked,
+            plan,
+            |cells, number| {
+                let (paths, radiosities) = (&*cells.paths, &cells.radiosities[number]);
+                ReplicateGather::Truth(FinalGather { paths, radiosities, bounces })
+            },
+            |rays| user_gather(linked, rays),
+            false,
+        );
+        linked.claimed = judge.error.map(|error| error.claimed);
+        add_time(&mut linked.report.time_s.error, start);
+        judge.error
+    }
+
+    fn plan_next(&mut self, error: &ErrorEstimate) -> NextStep {
+        let Self { linked, plan, judge, .. } = self;
+        let start = Instant::now();
+        let noise =
+            plan.begin_step(error, |rays| judge.sampled_value_noise(&user_gather(linked, rays), &|| linked.job.is_cancelled()));
+        add_time(&mut linked.report.time_s.error, start);
+        let step = match next_step(&self.plan, error, noise) {
+            NextStep::Refine(factor) if self.had_better_take_cells(factor) => NextStep::TakeCells,
+            step => step,
+        };
+        self.plan.apply(step);
+        if step.changes_values() {
+            self.judge.forget_values();
+        }
+        step
+    }
+
+    fn has_room(&self) -> bool {
+        true
+    }
+
+    fn into_cells(self: Box<Self>) -> Box<dyn Way<'a> + 'a> {
+        let Self { linked, plan, search, over_cells, .. } = *self;
+        Box::new(CellsWay::new(linked, over_cells.unwrap_or(plan), search))
+    }
+
+    fn finish(self: Box<Self>, stopped_by: StoppedBy) -> (Solution, SolveReport) {
+        let Self { linked, plan, judge, .. } = *self;
+        let outcome = Outcome {
+            error: judge.error,
+            stopped_by,
+            point_rays: plan.point_rays(),
+            resolution: plan.resolution(),
+            radiosities: None,
+        };
+        finish(linked, outcome)
+    }
+}
+
+/// Gathers the values that a user would get now.
+fn user_gather<'b>(linked: &'b Linked<'_>, rays: u32) -> Gather<'b> {
+    linked.gather(RayBudget::of_values(rays, linked.job.options.seed))
+}

@@ -1,0 +1,185 @@
+//! What to do about an error that is too large, or of which too little is known to claim it. Decides, changes nothing.
+//!
+//! The square of the error has two parts: noise of the gather at points, which is sampled by gathering again and falls as rays are
+//! added, and the rest, which falls as cell radiosities are found more finely. Either is known as well as replicates and points are many.
+//! What is claimed follows from all four, so what each choice will let be claimed is foreseen, and the least work that should do is found
+//! among all of them.
+
+use super::effort::{AIM, Law, NOISE_POWER};
+use super::plan::{MOST_RAYS_FACTOR, Plan};
+use super::step::{Choice, NextStep};
+use crate::error::{CONFIDENCE_SIGMAS, Doubts, ErrorEstimate, claim};
+
+/// Of what is not noise of the gather at points, finding cells anew leaves this part of the square, and of its doubt.
+const LEFT_BY_CELLS: f64 = 0.5;
+
+/// Refined is to so many times the tolerance, at most and at least: the law is one of the mean of many scenes.
+const MOST_REFINED: f64 = 0.1;
+const LEAST_REFINED: f64 = 0.6;
+
+/// Values may take so many times the rays.
+const RAY_FACTORS: [f64; 8] = [1.0, 1.25, 1.5, 2.0, 3.0, 4.0, 6.0, MOST_RAYS_FACTOR];
+
+/// What is foreseen must do with this to spare: estimates scatter, and a step that falls short costs another.
+const SAFETY: f64 = 0.95;
+
+/// Points may be so many times as many, and replicates have so many times the rays.
+const REPLICATE_FACTORS: [f64; 8] = [1.0, 1.5, 2.0, 3.0, 4.0, 8.0, 16.0, 32.0];
+
+/// Decides what to do about an error; `value_noise` is the part of it that is noise of the values at points.
+pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64) -> NextStep {
+    let requested = plan.requested();
+    if error.claimed <= requested {
+        return NextStep::GoodEnough;
+    }
+    if plan.has_estimated_enough() || (value_noise >= requested && !plan.may_take_more_rays()) {
+        // Whatever else is made better, this noise is left.
+        return NextStep::Exhausted;
+    }
+
+    // The least work that should do. Where nothing is known of the work of better links, replicates are worth some.
+    let doubtful = Doubtful::new(error, value_noise);
+    let will_do = |choice: &Choice| doubtful.estimate_claim(choice) <= SAFETY * requested;
+    let is_worth_it = |choice: &Choice| !choice.keeps_values() || plan.is_worthwhile(plan.work_of(choice));
+    let by_work = |a: &Choice, b: &Choice| plan.work_of(a).total_cmp(&plan.work_of(b));
+    let choice = choices(plan, &doubtful).filter(|choice| will_do(choice) && is_worth_it(choice)).min_by(by_work);
+
+    // Where none will do, begin with what is worst.
+    let worst = Choice {
+        rays: if doubtful.is_noise() { MOST_RAYS_FACTOR } else { 1.0 },
+        finds_cells: !doubtful.is_noise(),
+        ..Choice::NOTHING
+    };
+    let choice = choice.unwrap_or(worst);
+
+    // Finding cells anew takes much, and what replicates found may be chance.
+    let closer = doubtful.closer();
+    let knows_first = choice.finds_cells
+        && doubtful.may_be_chance()
+        && plan.may_know_closer(&closer)
+        && plan.work_of(&closer) < plan.work_of(&choice);
+    step_towards(plan, error, if knows_first { closer } else { choice })
+}
+
+/// The next step towards a choice: replicates are added little by little, because each time may tell that it is enough, or will not do.
+fn step_towards(plan: &Plan, error: &ErrorEstimate, choice: Choice) -> NextStep {
+    if choice.keeps_values() {
+        return if choice.replicate_rays > 1.0 { NextStep::MoreReplicateRays } else { NextStep::MorePoints };
+    }
+    let more_rays = choice.rays > 1.0 && plan.may_take_more_rays();
+    if more_rays && !choice.finds_cells {
+        return NextStep::MoreRays(choice.rays);
+    }
+    if plan.has_cells() {
+        return if plan.may_find_cells() { NextStep::FindCells(choice.rays) } else { NextStep::Exhausted };
+    }
+    if plan.may_refine() {
+        let exceeded = error.measured.max(0.5 * error.claimed) / (AIM * plan.requested());
+        return NextStep::Refine(Law::tolerance_factor(1.0 / exceeded).clamp(MOST_REFINED, LEAST_REFINED));
+    }
+    NextStep::Exhausted
+}
+
+/// What may be done that is foreseen; better links are not among it.
+fn choices(plan: &Plan, doubtful: &Doubtful) -> impl Iterator<Item = Choice> {
+    let (may_take_more_rays, may_find_cells) = (plan.may_take_more_rays(), plan.may_find_cells());
+    let is_foreseen = plan.has_cells() || doubtful.is_noise();
+    let rays = RAY_FACTORS.into_iter().filter(move |&rays| rays == 1.0 || (is_foreseen && may_take_more_rays));
+    let of_values = rays.flat_map(|rays| [false, true].map(|finds_cells| (rays, finds_cells)));
+    let of_values = of_values.filter(move |&(_, finds_cells)| !finds_cells || may_find_cells);
+    let (most_points, most_rays) = plan.most_replicates();
+    let of_replicates = move || {
+        let points = REPLICATE_FACTORS.into_iter().filter(move |&points| points <= most_points);
+        let rays = move || REPLICATE_FACTORS.into_iter().filter(move |&rays| rays <= most_rays);
+        points.flat_map(move |points| rays().map(move |replicate_rays| (points, replicate_rays)))
+    };
+    of_values.flat_map(move |(rays, finds_cells)| {
+        of_replicates().map(move |(points, replicate_rays)| Choice { rays, finds_cells, points, replicate_rays })
+    })
+}
+
+/// An error that cannot be claimed yet.
+struct Doubtful<'a> {
+    error: &'a ErrorEstimate,
+    /// The parts of the square of the error: noise of the gather at points, and all other.
+    noise_sq: f64,
+    other_sq: f64,
+}
+
+impl<'a> Doubtful<'a> {
+    /// The error is not below the noise of values, which is known better.
+    fn new(error: &'a ErrorEstimate, value_noise: f64) -> Self {
+        let noise_sq = value_noise.powi(2);
+        Self { error, noise_sq, other_sq: (error.measured.powi(2) - noise_sq).max(0.0) }
+    }
+
+    fn is_noise(&self) -> bool {
+        self.noise_sq > self.other_sq
+    }
+
+    /// Whether all that is not noise of the gather at points may be a chance of the replicates.
+    fn may_be_chance(&self) -> bool {
+        self.other_sq < CONFIDENCE_SIGMAS * self.error.doubts.replicates
+    }
+
+    /// The next step to know better: more rays where replicates are noisy, else more points.
+    fn closer(&self) -> Choice {
+        if self.error.ray_share > 0.5 {
+            Choice { replicate_rays: 2.0, ..Choice::NOTHING }
+        } else {
+            Choice { points: 1.5, ..Choice::NOTHING }
+        }
+    }
+
+    /// What may be claimed after a choice, as far as it can be foreseen.
+    fn estimate_claim(&self, choice: &Choice) -> f64 {
+        let left = if choice.finds_cells { LEFT_BY_CELLS } else { 1.0 };
+        let fallen = choice.rays.powf(NOISE_POWER);
+        let ErrorEstimate { doubts, ray_share, .. } = self.error;
+        let of_replicates = ray_share / choice.replicate_rays.powi(2) + (1.0 - ray_share);
+        let doubts = Doubts { replicates: left * doubts.replicates * of_replicates.sqrt(), noise: doubts.noise / fallen };
+        claim(self.noise_sq / fallen + left * self.other_sq, doubts.both() / choice.points.sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn estimate(measured: f64, replicates: f64, ray_share: f64) -> ErrorEstimate {
+        ErrorEstimate { measured, doubts: Doubts { replicates, noise: 0.0 }, ray_share, ..ErrorEstimate::default() }
+    }
+
+    #[test]
+    fn what_is_left_shrinks_with_its_own_choice_alone() {
+        let error = estimate(0.02, 0.0, 0.0);
+        let (rays, cells) = (Choice { rays: 4.0, ..Choice::NOTHING }, Choice { finds_cells: true, ..Choice::NOTHING });
+        let noisy = Doubtful::new(&error, 0.02);
+        assert!(noisy.is_noise());
+        let fallen = 4.0_f64.powf(NOISE_POWER);
+        assert!((noisy.estimate_claim(&rays) / claim(4e-4 / fallen, 0.0) - 1.0).abs() < 1e-12);
+        assert_eq!(noisy.estimate_claim(&cells), noisy.estimate_claim(&Choice::NOTHING));
+        let coarse = Doubtful::new(&error, 0.0);
+        assert!(!coarse.is_noise());
+        assert_eq!(coarse.estimate_claim(&rays), coarse.estimate_claim(&Choice::NOTHING));
+        assert!((coarse.estimate_claim(&cells) / claim(2e-4, 0.0) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn doubt_falls_with_points_and_where_it_is_noise_of_replicates_faster_with_their_rays() {
+        let points = Choice { points: 4.0, ..Choice::NOTHING };
+        let rays = Choice { replicate_rays: 4.0, ..Choice::NOTHING };
+        let foreseen = |share: f64, choice: &Choice| Doubtful::new(&estimate(0.01, 1e-4, share), 0.0).estimate_claim(choice);
+        for share in [0.0, 1.0] {
+            assert!((foreseen(share, &points) / claim(1e-4, 0.5e-4) - 1.0).abs() < 1e-12);
+        }
+        assert!((foreseen(1.0, &rays) / claim(1e-4, 0.25e-4) - 1.0).abs() < 1e-12);
+        assert_eq!(foreseen(0.0, &rays), foreseen(0.0, &Choice::NOTHING));
+    }
+
+    #[test]
+    fn the_error_is_not_thought_below_the_noise_of_values() {
+        let error = estimate(0.0, 1e-5, 1.0);
+        assert_eq!(Doubtful::new(&error, 0.008).estimate_claim(&Choice::NOTHING), claim(0.008_f64.powi(2), 1e-5));
+    }
+}

@@ -1,0 +1,35 @@
+//! How a run goes.
+
+use super::error::OptionsError;
+use crate::visibility::Backend;
+
+/// How the run goes; none of it changes the answer, except that limits may end it early.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunOptions {
+    /// Worker threads; 0 takes one per core.
+    pub threads: usize,
+    /// Which code answers visibility queries.
+    pub backend: Backend,
+    /// Stop after this many seconds of wall time.
+    pub time_s: Option<f64>,
+    /// Stop when the solution would take more than this many bytes.
+    pub memory_bytes: Option<u64>,
+}
+
+impl RunOptions {
+    /// Rejects values outside their range; never clamps.
+    ///
+    /// # Errors
+    /// [`OptionsError::OutOfRange`] for a time limit that is negative, not a number or longer than a million years.
+    pub fn validate(&self) -> Result<(), OptionsError> {
+        const MILLION_YEARS_S: f64 = 3.2e13;
+        match self.time_s {
+            Some(seconds) if !(0.0..MILLION_YEARS_S).contains(&seconds) => Err(OptionsError::OutOfRange {
+                option: "time",
+                value: seconds.to_string(),
+                range: "seconds, not negative, below 3.2e13".to_owned(),
+            }),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! What may be done about an error.
+
+/// What to do next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum NextStep {
+    /// Nothing: the claimed error is at most the requested one.
+    GoodEnough,
+    /// The error may well be small enough, but too little is known to claim it: more rays of each replicate.
+    MoreReplicateRays,
+    /// The same: more points.
+    MorePoints,
+    /// Values at points are too noisy: so many times the rays to each.
+    MoreRays(f64),
+    /// Cell radiosities are too noisy or too coarse: find them more finely. Values may take so many times the rays too.
+    FindCells(f64),
+    /// Refine links to so many times the tolerance.
+    Refine(f64),
+    /// Go on over cells: refining links would take more.
+    TakeCells,
+    /// Nothing: more effort would not help, or is not allowed.
+    Exhausted,
+}
+
+impl NextStep {
+    /// Whether values change.
+    pub fn changes_values(self) -> bool {
+        matches!(self, Self::MoreRays(_) | Self::FindCells(_) | Self::Refine(_) | Self::TakeCells)
+    }
+}
+
+/// What makes values better, or known better.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Choice {
+    /// So many times the rays to each point.
+    pub rays: f64,
+    /// Cells found anew, with more rays.
+    pub finds_cells: bool,
+    /// So many times the points.
+    pub points: f64,
+    /// So many times the rays of each replicate.
+    pub replicate_rays: f64,
+}
+
+impl Choice {
+    pub const NOTHING: Self = Self { rays: 1.0, finds_cells: false, points: 1.0, replicate_rays: 1.0 };
+
+    /// Whether values stay as they are.
+    pub fn keeps_values(&self) -> bool {
+        self.rays == 1.0 && !self.finds_cells
+    }
+}

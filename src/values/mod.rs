@@ -1,0 +1,17 @@
+//! Values at points: the radiosity equation evaluated once more at the point itself, over links (`over_links`) or over cells
+//! (`final_gather`, with an `irradiance_cache` where many points lie close).
+
+mod budget;
+mod final_gather;
+mod gather;
+mod irradiance_cache;
+mod over_links;
+mod sample;
+mod variation;
+
+pub(crate) use budget::RayBudget;
+pub(crate) use final_gather::{BATCH, FinalGather, emitter_rays};
+pub(crate) use gather::{Gather, Over, Scratch};
+pub(crate) use over_links::LinkGather;
+pub use sample::Values;
+pub(crate) use sample::values_at;

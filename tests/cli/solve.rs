@@ -1,0 +1,157 @@
+//! What `patchlight solve` writes, and how it ends.
+
+use std::fs;
+use std::process::{Command, Stdio};
+
+use super::Place;
+
+#[test]
+fn solve_without_outputs_prints_the_key_figures() {
+    let place = Place::new();
+    let ran = place.run("solve room.obj --error 0.1");
+    ran.succeeded();
+    assert!(ran.stdout.is_empty());
+    for word in ["backend", "claimed", "links", "CPU-s"] {
+        assert!(ran.stderr.contains(word), "'{word}' is not in: {}", ran.stderr);
+    }
+    assert_eq!(place.run("solve room.obj --error 0.1 --progress none").succeeded().stderr, "");
+    assert!(place.new_files().is_empty());
+}
+
+#[test]
+fn solve_writes_all_that_is_asked_for() {
+    let place = Place::new();
+    let ran = place.run(
+        "solve room.obj --error 0.1 --threads 1 -o s.solution --image a.png --size 16x12 --points P.csv --values V.csv --report r.json",
+    );
+    ran.succeeded();
+    assert!(ran.stdout.is_empty());
+    assert_eq!(place.new_files(), ["V.csv", "a.png", "r.json", "s.solution"]);
+    assert_eq!(place.read("V.csv").lines().count(), 3);
+
+    let report: serde_json::Value = serde_json::from_str(&place.read("r.json")).unwrap();
+    let keys = [
+        "schema",
+        "software",
+        "scene",
+        "options",
+        "threads",
+        "backend",
+        "time_s",
+        "cpu_s",
+        "counts",
+        "memory",
+        "error",
+        "energy",
+        "skipped",
+        "converged",
+        "stopped_by",
+        "warnings",
+    ];
+    keys.iter().for_each(|key| assert!(!report[key].is_null(), "{key} is not in {report}"));
+    for stage in
+        ["load", "build", "refine", "visibility", "form_factor", "gather", "push_pull", "error", "sample", "output", "total"]
+    {
+        assert!(report["time_s"][stage].is_f64(), "{stage}: {report}");
+    }
+    assert_eq!((&report["schema"], &report["options"]["error"]), (&2.into(), &0.1.into()));
+    assert_eq!(report["options"]["expected_values"], 2, "the points are counted");
+    assert_eq!((&report["scene"]["surfaces"], &report["scene"]["channels"]), (&7.into(), &3.into()));
+    assert_eq!(report["threads"], 1);
+
+    // What was stored gives the same values and the same picture.
+    place.run("sample s.solution P.csv -o V2.csv").succeeded();
+    assert_eq!(place.read("V2.csv"), place.read("V.csv"));
+    place.run("render s.solution -o b.png --size 16x12").succeeded();
+    assert!(fs::read(place.path("a.png")).unwrap() == fs::read(place.path("b.png")).unwrap());
+}
+
+#[test]
+fn guaranteed_bounds_stand_beside_the_values_in_the_report_and_in_a_picture() {
+    let place = Place::new();
+    let ran = place.run(
+        "solve room.obj --error 0.1 --bounds guaranteed -o s.solution --points P.csv --values V.csv --report r.json \
+         --image w.exr --quantity width --size 16x12",
+    );
+    ran.succeeded();
+    let text = place.read("V.csv");
+    let mut lines = text.lines();
+    let header = "x,y,z,nx,ny,nz,B_r,B_g,B_b,lower_r,lower_g,lower_b,upper_r,upper_g,upper_b";
+    assert_eq!(lines.next(), Some(header));
+    for line in lines {
+        let row: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+        for channel in 6..9 {
+            assert!(0.0 < row[channel + 3] && row[channel + 3] <= row[channel] && row[channel] <= row[channel + 6], "{line}");
+        }
+    }
+    let report: serde_json::Value = serde_json::from_str(&place.read("r.json")).unwrap();
+    assert_eq!(report["bounds"]["certainty"], "guaranteed");
+    assert_eq!(report["error"]["bound"], report["bounds"]["relative_error"]);
+    assert_eq!(report["bounds"]["channels"].as_array().unwrap().len(), 3);
+
+    // A stored solution has the same bounds; one that was solved without has none to show.
+    place.run("sample s.solution P.csv -o V2.csv").succeeded();
+    assert_eq!(place.read("V2.csv"), text);
+    place.run("render s.solution -o w2.exr --quantity width --size 16x12").succeeded();
+    assert!(fs::read(place.path("w.exr")).unwrap() == fs::read(place.path("w2.exr")).unwrap());
+    place.run("render room.solution -o w3.exr --quantity width").failed(2, &["no bounds", "--bounds guaranteed"]);
+}
+
+#[test]
+fn values_and_reports_may_go_to_stdout() {
+    let place = Place::new();
+    let values = place.run("solve room.obj --error 0.1 --points P.csv --values -");
+    assert!(values.succeeded().stdout.starts_with("x,y,z,nx,ny,nz,B_r,B_g,B_b\n"));
+    let report = place.run("solve room.obj --error 0.1 --report -");
+    assert!(serde_json::from_str::<serde_json::Value>(&report.succeeded().stdout).is_ok());
+}
+
+/// With one link allowed no such error is reached.
+#[test]
+fn a_limit_ends_with_4_and_results_are_written() {
+    let place = Place::new();
+    let ran = place.run("solve room.obj --error 0.001 --max-links 1 -o s.solution --report r.json");
+    assert_eq!(ran.code, 4, "{}", ran.stderr);
+    assert_eq!(place.new_files(), ["r.json", "s.solution"]);
+    let report: serde_json::Value = serde_json::from_str(&place.read("r.json")).unwrap();
+    assert_eq!((&report["converged"], &report["stopped_by"]), (&false.into(), &"max_links".into()));
+}
+
+#[test]
+fn the_memory_budget_ends_with_5_and_results_are_written() {
+    let place = Place::new();
+    let ran = place.run("solve room.obj --error 0.001 --memory 0.000001 -o s.solution --image s.png --size 16x12 --report r.json");
+    assert_eq!(ran.code, 5, "{}", ran.stderr);
+    assert_eq!(place.new_files(), ["r.json", "s.png", "s.solution"]);
+    let report: serde_json::Value = serde_json::from_str(&place.read("r.json")).unwrap();
+    assert_eq!((&report["converged"], &report["stopped_by"]), (&false.into(), &"memory".into()));
+    assert_eq!(place.run("info s.solution").code, 0);
+}
+
+/// For so small an error the solver takes long.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_with_130_and_what_there_is_is_written() {
+    let place = Place::new();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_patchlight"))
+        .args(["solve", "room.obj", "--error", "0.000001", "-o", "s.solution", "--report", "r.json", "--progress", "json"])
+        .current_dir(place.0.path())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The first progress report says that the solve is under way.
+    let mut stderr = std::io::BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    while !line.contains("\"progress\"") {
+        line.clear();
+        let read = std::io::BufRead::read_line(&mut stderr, &mut line).unwrap();
+        assert!(read > 0, "the program ended before it reported progress");
+    }
+    // Every shell has a kill of its own; the program of this name may not be installed.
+    let interrupted = Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().unwrap();
+    assert!(interrupted.success());
+    std::io::copy(&mut stderr, &mut std::io::sink()).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(place.new_files(), ["r.json", "s.solution"]);
+    assert_eq!(place.run("info s.solution").code, 0);
+}
