@@ -290,7 +290,7 @@ fn each_pair_once_with_clusters() {
     assert!(cluster_links > 100, "clusters take no part");
 
     // A limit links what is left as it stands, clusters too; no cluster with itself.
-    let options = SolveOptions { max_links: Some(20), error: 1e-6, ..quick(Strategy::Default, 0.01) };
+    let options = SolveOptions { max_links: Some(20), solver: Solver::Links, error: 1e-6, ..quick(Strategy::Default, 0.01) };
     let (solution, report) = solve(scene, &options, &RunOptions::default());
     assert_eq!(report.stopped_by, StoppedBy::MaxLinks);
     coverage(&solution);

@@ -162,7 +162,8 @@ fn a_run_that_cannot_reach_the_error_says_why() {
         report.stopped_by
     };
     let run = RunOptions::default();
-    assert_eq!(stopped_by(&SolveOptions { max_links: Some(10), ..hard.clone() }, &run, &Silent), StoppedBy::MaxLinks);
+    let few_links = SolveOptions { max_links: Some(10), solver: Solver::Links, ..hard.clone() };
+    assert_eq!(stopped_by(&few_links, &run, &Silent), StoppedBy::MaxLinks);
     assert_eq!(stopped_by(&hard, &RunOptions { memory_bytes: Some(2000), ..run.clone() }, &Silent), StoppedBy::Memory);
     assert_eq!(stopped_by(&hard, &RunOptions { time_s: Some(1e-6), ..run.clone() }, &Silent), StoppedBy::Time);
     assert_eq!(stopped_by(&hard, &run, &Cancel), StoppedBy::Cancelled);

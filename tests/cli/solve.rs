@@ -106,11 +106,11 @@ fn values_and_reports_may_go_to_stdout() {
     assert!(serde_json::from_str::<serde_json::Value>(&report.succeeded().stdout).is_ok());
 }
 
-/// With one link allowed no such error is reached.
+/// With one link allowed no such error is reached over links.
 #[test]
 fn a_limit_ends_with_4_and_results_are_written() {
     let place = Place::new();
-    let ran = place.run("solve room.obj --error 0.001 --max-links 1 -o s.solution --report r.json");
+    let ran = place.run("solve room.obj --error 0.001 --max-links 1 --set solver=links -o s.solution --report r.json");
     assert_eq!(ran.code, 4, "{}", ran.stderr);
     assert_eq!(place.new_files(), ["r.json", "s.solution"]);
     let report: serde_json::Value = serde_json::from_str(&place.read("r.json")).unwrap();

@@ -43,7 +43,7 @@ options! {
         /// Seed of every random choice.
         seed: u64 = 0, any();
 
-        /// Stop refining at this many links. If not given, there is no limit.
+        /// Stop refining at this many links; values over cells hang on few. If not given, there is no limit.
         max_links: Option<u64> = None, at_least(1), "links";
 
         /// Visibility rays to a point. If not given, they follow from error.
