@@ -146,11 +146,14 @@ impl Polygon {
         reversed
     }
 
-    /// Whether the two are the same but for rounding.
+    /// Whether the two are the same but for the corner from which they were measured: one that is not quite flat, or very thin, has other
+    /// measures from each.
     pub(crate) fn is_close_to(&self, other: &Self) -> bool {
-        let size = 1e-9 * self.radius;
+        let rounding = 64.0 * f64::EPSILON * self.radius * self.radius / self.area;
+        let close = Self::PLANARITY_TOLERANCE.max(rounding);
+        let size = close * self.radius;
         self.vertices == other.vertices
-            && self.normal.abs_diff_eq(other.normal, 1e-9)
+            && self.normal.abs_diff_eq(other.normal, close)
             && (self.area - other.area).abs() <= size * self.radius
             && self.centroid.abs_diff_eq(other.centroid, size)
             && (self.radius - other.radius).abs() <= size
@@ -194,6 +197,24 @@ mod tests {
         assert!((sliver.area() / 5e-7 - 1.0).abs() < 1e-12);
         assert_eq!(Polygon::new(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), Err(PolygonError::NoArea));
         assert_eq!(Polygon::new(&[[0.1, 0.2, 0.3]; 3]), Err(PolygonError::NoArea));
+    }
+
+    /// The back of a polygon keeps the measures of its front.
+    #[test]
+    fn a_polygon_that_is_not_quite_flat_is_close_to_itself_measured_from_another_corner() {
+        let corners = [
+            [2.410219, 0.8480368, 3.025302],
+            [2.404174, 0.8480368, 3.008694],
+            [2.404174, 0.2177581, 3.008694],
+            [2.409257, 0.2177581, 3.022659],
+            [2.409326, 0.2177581, 3.022848],
+        ];
+        let reversed: Vec<[f64; 3]> = corners.iter().rev().copied().collect();
+        assert!(Polygon::new(&reversed).unwrap().is_close_to(&Polygon::new(&corners).unwrap().reversed()));
+        let square = Polygon::new(&SQUARE).unwrap();
+        assert!(!Polygon { normal: DVec3::X, ..square.clone() }.is_close_to(&square));
+        assert!(!Polygon { area: 1.0 + 1e-5, ..square.clone() }.is_close_to(&square));
+        assert!(!Polygon { centroid: DVec3::ZERO, ..square.clone() }.is_close_to(&square));
     }
 
     #[test]
