@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use super::cells_way::CellsWay;
-use super::effort::{AIM, FEW_BOUNCES_ALBEDO, Law};
+use super::effort::{AIM, Law};
 use super::interest::InitialImportance;
 use super::job::Job;
 use super::judge::cell_seed;
@@ -25,11 +25,12 @@ use crate::paths::{Illumination, LightPaths, Resolution};
 use crate::scene::{Material, SurfaceId};
 use crate::values::{FinalGather, RayBudget};
 
-/// Points at which the pilot looks what few links leave wrong, rays of a value and of a replicate there, and positions and paths for the
-/// replicates: enough to know the error to a third, for a few percent of the work of a solve to 2%.
+/// Points at which the pilot looks what few links leave wrong, rays of a value, of a replicate and of a leaf, and positions and paths for
+/// the replicates: enough to know the error to a third, for a few percent of the work of a solve to 2%.
 const POINTS: usize = 64;
 const VALUE_RAYS: u32 = 64;
 const REPLICATE_RAYS: u32 = 32;
+const LEAF_RAYS: u32 = 16;
 const POSITIONS: f64 = 256.0;
 const POSITION_RAYS: u32 = 4;
 
@@ -41,28 +42,30 @@ pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dy
     let search = ErrorSearch::new(importance);
     let (links, cells) = (plan(false), plan(true));
     let linked = || Linked::new(*job, links.links_clusters(pairs(job), cells.work()));
-    let is_white = illumination.albedo() > FEW_BOUNCES_ALBEDO;
     let options = job.options;
     match options.solver {
         Solver::Cells => return Box::new(CellsWay::new(linked(), cells, search)),
-        // Over links errors of all bounces have one sign, and add up: no claim would see it.
-        Solver::Auto if options.strategy == Strategy::Default && is_white => {
-            return Box::new(CellsWay::new(linked(), cells, search));
-        }
         Solver::Auto if options.strategy == Strategy::Default => {}
         Solver::Auto | Solver::Links => return Box::new(LinksWay::new(linked(), links, search)),
     }
 
-    // The coarse pass, and what it leaves wrong.
+    // The coarse pass. Where the links that any scene takes would be too many, no more need be known.
     let mut linked = linked();
     linked.refine_coarsely(&cells);
+    let (coarse_links, leaves) = (linked.links.len(), linked.leaves().count());
+    let at_law = links.tolerance() / COARSE_TOLERANCE;
+    let over_links = |tolerance_factor: f64| links.work_over_links(coarse_links, leaves, tolerance_factor.min(at_law));
+    if over_links(at_law) > cells.work() {
+        return Box::new(CellsWay::new(linked, cells, search));
+    }
+
+    // What it leaves wrong.
+    linked.regather_leaves(LEAF_RAYS);
     let left = sampled_bias(&linked, illumination.lit_area);
-    let wanted = Law::tolerance_factor_of_pilot(left, AIM * job.options.error);
-    let over_links = links.work_over_links(linked.links.len(), wanted.min(links.tolerance() / COARSE_TOLERANCE));
-    if over_links <= cells.work() {
-        Box::new(LinksWay::new(linked, links, search).or_over(cells))
-    } else {
+    if over_links(Law::tolerance_factor_of_pilot(left, AIM * options.error)) > cells.work() {
         Box::new(CellsWay::new(linked, cells, search))
+    } else {
+        Box::new(LinksWay::new(linked, links, search).or_over(cells))
     }
 }
 

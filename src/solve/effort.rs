@@ -1,30 +1,26 @@
 //! The law of effort: how error falls with rays, positions, paths and tolerance, and what a requested error takes by that.
 //!
 //! Squares of errors add up, and each part falls as a power of what is spent on it. `cargo bench --bench effort` measures the powers over
-//! many scenes and prints them. What must be known of a scene is what light meets in it ([`Illumination`]); pilots measure the rest on the
-//! scene itself: how noisy values are, and what links leave wrong. Numbers of surfaces, black things and far things are no part of it.
+//! many scenes and prints them; BENCHMARKS shows their ranges. What must be known of a scene is what light meets in it
+//! ([`Illumination`]); pilots measure the rest on the scene itself: how noisy values are, and what links leave wrong. Numbers of surfaces,
+//! black things and far things are no part of it.
 //!
 //! Constants at 2% are what rooms and boxes need there, on average; a pilot or the next step corrects them.
 
 use crate::paths::Illumination;
+use crate::values::NOISE_POWER;
 
-/// The square of the noise of a gather falls with this power of its rays: 1 for independent rays, up to 2 for directions that are spread
-/// evenly over what varies smoothly.
-pub(super) const NOISE_POWER: f64 = 1.25;
+/// The square of what cells make wrong falls with this power of the positions, and of the paths from each.
+const CELLS_POWER: f64 = 0.55;
 
-/// The square of what cells make wrong falls with this power of the positions, if paths from each grow so that all of it falls alike.
-const CELLS_POWER: f64 = 1.6;
+/// The square of what links leave wrong falls with this power of the tolerance, in scenes where few links do.
+const TOLERANCE_POWER: f64 = 0.8;
 
-/// The square of what links leave wrong falls with this power of the tolerance.
-const TOLERANCE_POWER: f64 = 1.15;
-
-/// What few links leave wrong before leaves are gathered anew: its square falls with this power of the tolerance, and gathering anew leaves
-/// this part of the error.
-const BIAS_POWER: f64 = 0.4;
-const LEFT_BY_REGATHERING: f64 = 1.0 / 3.0;
+/// The same in any scene: predicts what would be left if few links leave much.
+const TOLERANCE_POWER_ANYWHERE: f64 = 0.57;
 
 /// The number of links grows with this power of one over the tolerance.
-const LINKS_POWER: f64 = 0.6;
+const LINKS_POWER: f64 = 0.65;
 
 /// The part of the requested error that is aimed at: the claim lies above what is measured.
 pub(super) const AIM: f64 = 0.7;
@@ -51,6 +47,10 @@ const LEAF_RAYS_AT_2_PERCENT: f64 = 16.0;
 const POSITIONS_AT_2_PERCENT: f64 = 4_500.0;
 const REPLICATE_POSITIONS_AT_2_PERCENT: f64 = 1_200.0;
 const POSITIONS: (f64, f64) = (1024.0, 262_144.0);
+
+/// Positions grow with this power of one over the error: more slowly than [`CELLS_POWER`] asks, because scenes differ by ten times in what
+/// they need, and the next step adds where it shows.
+const POSITIONS_POWER: f64 = 1.25;
 
 /// Paths from each position, a power of two: the fewer, the more surfaces have a position of their own.
 const POSITION_RAYS: f64 = 16.0;
@@ -112,14 +112,24 @@ impl Law {
         factor.powf(2.0 / TOLERANCE_POWER)
     }
 
-    /// So many times the tolerance at which few links leave an error `left`, before leaves are gathered anew, leave `wanted` after that.
+    /// So many times the tolerance at which few links leave an error `left` leave `wanted`.
     pub fn tolerance_factor_of_pilot(left: f64, wanted: f64) -> f64 {
-        (wanted / (LEFT_BY_REGATHERING * left).max(f64::MIN_POSITIVE)).powf(2.0 / BIAS_POWER)
+        (wanted / left.max(f64::MIN_POSITIVE)).powf(2.0 / TOLERANCE_POWER_ANYWHERE)
     }
 
     /// So many times the links belong to so many times the tolerance.
     pub fn links_factor(tolerance_factor: f64) -> f64 {
         tolerance_factor.powf(-LINKS_POWER)
+    }
+
+    /// So many times the positions, and paths from each, leave so much of the square of what cells make wrong.
+    pub fn left_by_cells(more_positions: f64, more_rays: f64) -> f64 {
+        (more_positions * more_rays).powf(-CELLS_POWER)
+    }
+
+    /// So many times the rays leave so much of the square of the noise.
+    pub fn left_by_rays(more_rays: f64) -> f64 {
+        more_rays.powf(-NOISE_POWER)
     }
 
     /// So many times the rays leave the square of the noise times `factor`.
@@ -150,7 +160,7 @@ impl Law {
         } else {
             (REPLICATE_POSITIONS_AT_2_PERCENT, 1.0)
         };
-        (at * self.times(CELLS_POWER) * for_values * self.for_bounces()).clamp(POSITIONS.0, POSITIONS.1)
+        (at * (AT / self.error).powf(POSITIONS_POWER) * for_values * self.for_bounces()).clamp(POSITIONS.0, POSITIONS.1)
     }
 
     /// Paths from each position, of so many in a scene of so many surfaces.

@@ -208,7 +208,7 @@ impl<'a> Linked<'a> {
         let Job { scene, options, .. } = self.job;
         let gather = self.gather(RayBudget { rays, least_chance: 1.0, seed: options.seed });
         let channels = scene.channels();
-        let leaves: Vec<NodeId> = self.hierarchy.ids().filter(|&node| self.hierarchy.is_leaf(node)).collect();
+        let leaves: Vec<NodeId> = self.leaves().collect();
         let mut values = vec![0.0; leaves.len() * channels];
         let by_plane = ByPlane::new(scene);
         values.par_chunks_mut(channels).zip(&leaves).for_each_init(Scratch::default, |scratch, (value, &leaf)| {
@@ -240,6 +240,11 @@ impl<'a> Linked<'a> {
     pub fn brightness(&self) -> Brightness {
         let Self { job: Job { scene, .. }, hierarchy, radiosity, .. } = self;
         Brightness::of_surfaces(scene, |surface| radiosity.reflected(scene, hierarchy, surface))
+    }
+
+    /// Elements that are not split.
+    pub fn leaves(&self) -> impl Iterator<Item = NodeId> {
+        self.hierarchy.ids().filter(|&node| self.hierarchy.is_leaf(node))
     }
 
     /// Bytes that nodes and links take in a solution.

@@ -42,7 +42,8 @@ impl<'a> LinksWay<'a> {
 
     /// Whether refining links to so many times the tolerance is predicted to take more than to go on over cells.
     fn had_better_take_cells(&self, tolerance_factor: f64) -> bool {
-        let over_links = self.plan.work_over_links(self.linked.links.len(), tolerance_factor);
+        let (links, leaves) = (self.linked.links.len(), self.linked.leaves().count());
+        let over_links = self.plan.work_over_links(links, leaves, tolerance_factor);
         self.over_cells.as_ref().is_some_and(|cells| over_links > cells.work())
     }
 }

@@ -5,13 +5,10 @@
 //! What is claimed follows from all four, so what each choice will let be claimed is foreseen, and the least work that should do is found
 //! among all of them.
 
-use super::effort::{AIM, Law, NOISE_POWER};
-use super::plan::{MOST_RAYS_FACTOR, Plan};
+use super::effort::{AIM, Law};
+use super::plan::{MORE_POSITION_RAYS, MORE_POSITIONS, MOST_RAYS_FACTOR, Plan};
 use super::step::{Choice, NextStep};
 use crate::error::{CONFIDENCE_SIGMAS, Doubts, ErrorEstimate, claim};
-
-/// Of what is not noise of the gather at points, finding cells anew leaves this part of the square, and of its doubt.
-const LEFT_BY_CELLS: f64 = 0.5;
 
 /// Refined is to so many times the tolerance, at most and at least: the law is one of the mean of many scenes.
 const MOST_REFINED: f64 = 0.1;
@@ -133,12 +130,13 @@ impl<'a> Doubtful<'a> {
 
     /// What may be claimed after a choice, as far as it can be foreseen.
     fn estimate_claim(&self, choice: &Choice) -> f64 {
-        let left = if choice.finds_cells { LEFT_BY_CELLS } else { 1.0 };
-        let fallen = choice.rays.powf(NOISE_POWER);
+        let more_cells = if choice.finds_cells { (MORE_POSITIONS, f64::from(MORE_POSITION_RAYS)) } else { (1.0, 1.0) };
+        let left = Law::left_by_cells(more_cells.0, more_cells.1);
+        let noise_left = Law::left_by_rays(choice.rays);
         let ErrorEstimate { doubts, ray_share, .. } = self.error;
         let of_replicates = ray_share / choice.replicate_rays.powi(2) + (1.0 - ray_share);
-        let doubts = Doubts { replicates: left * doubts.replicates * of_replicates.sqrt(), noise: doubts.noise / fallen };
-        claim(self.noise_sq / fallen + left * self.other_sq, doubts.both() / choice.points.sqrt())
+        let doubts = Doubts { replicates: left * doubts.replicates * of_replicates.sqrt(), noise: doubts.noise * noise_left };
+        claim(self.noise_sq * noise_left + left * self.other_sq, doubts.both() / choice.points.sqrt())
     }
 }
 
@@ -156,13 +154,14 @@ mod tests {
         let (rays, cells) = (Choice { rays: 4.0, ..Choice::NOTHING }, Choice { finds_cells: true, ..Choice::NOTHING });
         let noisy = Doubtful::new(&error, 0.02);
         assert!(noisy.is_noise());
-        let fallen = 4.0_f64.powf(NOISE_POWER);
-        assert!((noisy.estimate_claim(&rays) / claim(4e-4 / fallen, 0.0) - 1.0).abs() < 1e-12);
+        let noise_left = Law::left_by_rays(4.0);
+        assert!((noisy.estimate_claim(&rays) / claim(4e-4 * noise_left, 0.0) - 1.0).abs() < 1e-12);
         assert_eq!(noisy.estimate_claim(&cells), noisy.estimate_claim(&Choice::NOTHING));
         let coarse = Doubtful::new(&error, 0.0);
         assert!(!coarse.is_noise());
         assert_eq!(coarse.estimate_claim(&rays), coarse.estimate_claim(&Choice::NOTHING));
-        assert!((coarse.estimate_claim(&cells) / claim(2e-4, 0.0) - 1.0).abs() < 1e-12);
+        let left = Law::left_by_cells(MORE_POSITIONS, f64::from(MORE_POSITION_RAYS));
+        assert!((coarse.estimate_claim(&cells) / claim(4e-4 * left, 0.0) - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What the next step takes: tolerance, rays, positions and points, as the law of effort says at first, then as pilots and errors say.
 
-use super::effort::{LEAST_VALUES, Law, NOISE_POWER, REFERENCE_AREA};
+use super::effort::{LEAST_VALUES, Law, REFERENCE_AREA};
 use super::options::{SolveOptions, Strategy};
 use super::step::{Choice, NextStep};
 use crate::error::{ErrorEstimate, Pilot, TWICE, doubt_for_claim};
@@ -114,12 +114,15 @@ const FEW_TIMES: f64 = 4.0;
 pub(super) const MOST_RAYS_FACTOR: f64 = 8.0;
 
 /// Where cell radiosities are found too noisy or too coarse, so many times the positions, and paths from each.
-const MORE_POSITIONS: f64 = 1.25;
-const MORE_POSITION_RAYS: u32 = 2;
+pub(super) const MORE_POSITIONS: f64 = 1.25;
+pub(super) const MORE_POSITION_RAYS: u32 = 2;
 
-/// The work of a link in rays: its own, its form factor, its part of sweeps, and of the gathers at leaves and points. Measured: 20 to 60
-/// microseconds, where a ray takes 0.3.
+/// The work of a link in rays: its own, its form factor, its part of sweeps, and of gathers at points. Measured: 20 to 60 microseconds,
+/// where a ray takes 0.3.
 const LINK_WORK: f64 = 100.0;
+
+/// The work of each ray by which a leaf is gathered anew over its links. Measured: 5 microseconds.
+const LEAF_RAY_WORK: f64 = 16.0;
 
 /// All pairs of surfaces are linked if that takes this part of what cells take, at most: clusters are estimates.
 const ALL_PAIRS_PART: f64 = 0.25;
@@ -265,7 +268,7 @@ impl Plan {
         }
 
         // Replicates may leave the more doubt, the less noise values have.
-        let noise_part = pilot.noise_sq * (tried / f64::from(self.point_rays)).powf(NOISE_POWER) / requested_sq;
+        let noise_part = pilot.noise_sq * Law::left_by_rays(f64::from(self.point_rays) / tried) / requested_sq;
         let allowed = doubt_for_claim(noise_part + CELLS_PART).max(LEAST_DOUBT) * requested_sq;
         let planned = f64::from(self.replicate_rays);
         let wanted = (pilot.replicate_doubt / allowed).clamp(planned / FEWER, planned * MORE);
@@ -352,9 +355,10 @@ impl Plan {
         positions * f64::from(more_rays * 2 * (own + 2 * self.replicate_resolution().rays))
     }
 
-    /// The work of a solve over links, in rays, if links are made of so many times the tolerance, of which there are so many now.
-    pub fn work_over_links(&self, links: usize, tolerance_factor: f64) -> f64 {
-        LINK_WORK * links as f64 * Law::links_factor(tolerance_factor.min(1.0)) + self.work()
+    /// The work of a solve over links, in rays, if links are made of so many times the tolerance, of which there are so many now, and leaves.
+    pub fn work_over_links(&self, links: usize, leaves: usize, tolerance_factor: f64) -> f64 {
+        let of_links = LINK_WORK * links as f64 * Law::links_factor(tolerance_factor.min(1.0));
+        of_links + LEAF_RAY_WORK * f64::from(self.leaf_rays()) * leaves as f64 + self.work()
     }
 
     /// The work of a choice, in rays: values are taken anew, here and by the user; where cells are found anew, so are those of replicates,

@@ -1,5 +1,9 @@
 //! How many rays a value at a point takes.
 
+/// The square of the noise of a value falls with this power of its rays: 1 for independent rays, up to 2 for directions that are spread
+/// evenly over what varies smoothly. Measured by `cargo bench --bench effort`, which names the range.
+pub(crate) const NOISE_POWER: f64 = 1.3;
+
 /// How many rays a value at a point takes, and which.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayBudget {

@@ -9,7 +9,7 @@ mod over_links;
 mod sample;
 mod variation;
 
-pub(crate) use budget::RayBudget;
+pub(crate) use budget::{NOISE_POWER, RayBudget};
 pub(crate) use final_gather::{BATCH, FinalGather, emitter_rays};
 pub(crate) use gather::{Gather, Over, Scratch};
 pub(crate) use over_links::LinkGather;

@@ -177,8 +177,14 @@ pub fn solve(scene: Scene, options: &SolveOptions) -> (Evaluator, SolveReport) {
 
 /// The same solution with another number of rays to a point. Asked of the solve itself, its error estimate would take as many, too.
 pub fn with_point_rays(evaluator: &Evaluator, rays: u32) -> Evaluator {
+    regathered(evaluator, rays, evaluator.solution().options().seed)
+}
+
+/// The same solution with another number of rays to a point, of another seed.
+pub fn regathered(evaluator: &Evaluator, rays: u32, seed: u64) -> Evaluator {
     let mut fields = serde_json::to_value(evaluator.solution()).unwrap();
     fields["point_rays"] = rays.into();
+    fields["options"]["seed"] = seed.into();
     Evaluator::new(serde_json::from_value(fields).unwrap(), &RunOptions::default()).unwrap()
 }
 

@@ -18,6 +18,7 @@ use super::record::{Record, Recorder, Site};
 use crate::geometry::{sampling, streams};
 use crate::hierarchy::Hierarchy;
 use crate::paths::{PathScratch, Place};
+use crate::values::budget::NOISE_POWER;
 use crate::values::final_gather::FinalGather;
 
 /// The size of the largest cells, as a part of the side of a square with the area of all surfaces.
@@ -40,9 +41,6 @@ const CONTROLS: usize = 512;
 
 /// The fit's squared error is taken at so many standard deviations above its mean.
 const CONFIDENCE_SIGMAS: f64 = 2.0;
-
-/// The variance of a gather falls at least with this power of its rays: faster than 1, because Sobol points are evenly spread.
-const NOISE_POWER: f64 = 1.4;
 
 /// Rays to a point are divided by at most this.
 const MOST_SPARED: f64 = 2.0;
