@@ -123,6 +123,14 @@ pub(crate) struct Pilot {
     pub replicate_doubt: f64,
 }
 
+/// The parts of the error of values, relative to the reflected light.
+pub(crate) struct ErrorParts {
+    /// What is off without the noise of values; as much as its scatter at least.
+    pub bias: f64,
+    /// The variance of values.
+    pub noise_sq: f64,
+}
+
 /// Samples of the error. Replicates are kept while values change; points and rays are added as they are needed.
 #[derive(Default)]
 pub(crate) struct ErrorSamples {
@@ -275,21 +283,22 @@ impl ErrorSamples {
         (noise_sq / self.norm_sq(gather)).sqrt()
     }
 
-    /// The error without the noise of values, which are taken twice for that, relative to the reflected light; as much as its scatter at least,
-    /// 0 in the dark; `None` if `cancelled` says so.
-    pub fn sampled_bias(&self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> Option<f64> {
+    /// The two parts of the error, by taking all values twice; `None` if cancelled, or if nothing is reflected.
+    pub fn sampled_parts(&self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> Option<ErrorParts> {
         let places: Vec<Place> = self.samples.iter().map(|sample| sample.place).collect();
         let values = values_at(&places, gather, gather.budget, cancelled)?;
         let again = values_at(&places, gather, by_other_rays(gather.budget), cancelled)?;
-        let (mut bias, mut norm_sq) = (Moments::default(), 0.0);
+        let (mut bias, mut noise_sq, mut norm_sq) = (Moments::default(), 0.0, 0.0);
         for (sample, values) in self.samples.iter().zip(values.into_iter().zip(again).map(|(value, again)| [value, again])) {
             let weight = sample.stands_for / places.len() as f64;
             let differences: Vec<_> = compared(sample, gather, &values).collect();
-            bias.add(differences.iter().map(|[(_, residual), (_, again)]| weight * residual * again).sum());
-            norm_sq += differences.iter().map(|[(b, r), (b_again, r_again)]| weight * (b - r) * (b_again - r_again)).sum::<f64>();
+            let sum = |of: &dyn Fn(&[(f64, f64); 2]) -> f64| weight * differences.iter().map(of).sum::<f64>();
+            bias.add(sum(&|[(_, residual), (_, again)]| residual * again));
+            noise_sq += sum(&|[(value, _), (again, _)]| 0.5 * (value - again).powi(2));
+            norm_sq += sum(&|[(value, residual), (again, residual_again)]| (value - residual) * (again - residual_again));
         }
-        let square = bias.sum.max(bias.deviation_of_sum());
-        Some(if norm_sq > 0.0 { (square / norm_sq).sqrt() } else { 0.0 })
+        let bias_sq = bias.sum.max(bias.deviation_of_sum());
+        (norm_sq > 0.0).then(|| ErrorParts { bias: (bias_sq / norm_sq).sqrt(), noise_sq: noise_sq / norm_sq })
     }
 
     /// `||B - E||^2`, in W^2/m^2, by products of independent replicates, whose mean is free of noise.

@@ -9,7 +9,7 @@ mod replicates;
 mod residual;
 
 pub(crate) use estimate::{
-    CONFIDENCE, CONFIDENCE_SIGMAS, Doubts, ErrorEstimate, ErrorSamples, Pilot, TWICE, claim, doubt_for_claim,
+    CONFIDENCE, CONFIDENCE_SIGMAS, Doubts, ErrorEstimate, ErrorParts, ErrorSamples, Pilot, TWICE, claim, doubt_for_claim,
 };
 pub(crate) use replicates::{ReplicateGather, Replication};
 pub(crate) use residual::ResidualGather;

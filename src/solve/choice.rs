@@ -19,7 +19,7 @@ use super::plan::{COARSE_TOLERANCE, Plan};
 use super::strategies::ErrorSearch;
 use super::way::Way;
 use crate::cells::SolvedCells;
-use crate::error::{ErrorSamples, ReplicateGather, Replication};
+use crate::error::{ErrorParts, ErrorSamples, ReplicateGather, Replication};
 use crate::geometry::{sampling, streams};
 use crate::paths::{Illumination, LightPaths, Resolution};
 use crate::scene::{Material, SurfaceId};
@@ -40,7 +40,7 @@ pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dy
     let illumination = Illumination::sampled(job.scene, job.rays, seed);
     let plan = |over_cells| Plan::new(job.scene, job.options, illumination.clone(), over_cells);
     let search = ErrorSearch::new(importance);
-    let (links, cells) = (plan(false), plan(true));
+    let (mut links, cells) = (plan(false), plan(true));
     let linked = || Linked::new(*job, links.links_clusters(pairs(job), cells.work()));
     let options = job.options;
     match options.solver {
@@ -54,15 +54,19 @@ pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dy
     linked.refine_coarsely(&cells);
     let (coarse_links, leaves) = (linked.links.len(), linked.leaves().count());
     let at_law = links.tolerance() / COARSE_TOLERANCE;
-    let over_links = |tolerance_factor: f64| links.work_over_links(coarse_links, leaves, tolerance_factor.min(at_law));
-    if over_links(at_law) > cells.work() {
+    let over_links =
+        |links: &Plan, tolerance_factor: f64| links.work_over_links(coarse_links, leaves, tolerance_factor.min(at_law));
+    if over_links(&links, at_law) > cells.work() {
         return Box::new(CellsWay::new(linked, cells, search));
     }
 
-    // What it leaves wrong.
+    // What it leaves wrong, and how noisy values are.
     linked.regather_leaves(LEAF_RAYS);
-    let left = sampled_bias(&linked, illumination.lit_area);
-    if over_links(Law::tolerance_factor_of_pilot(left, AIM * options.error)) > cells.work() {
+    let Some(ErrorParts { bias, noise_sq }) = sampled_parts(&linked, illumination.lit_area) else {
+        return Box::new(LinksWay::new(linked, links, search).or_over(cells));
+    };
+    links.fit_point_rays(noise_sq, VALUE_RAYS);
+    if over_links(&links, Law::tolerance_factor_of_pilot(bias, AIM * options.error)) > cells.work() {
         Box::new(CellsWay::new(linked, cells, search))
     } else {
         Box::new(LinksWay::new(linked, links, search).or_over(cells))
@@ -79,8 +83,8 @@ fn pairs(job: &Job<'_>) -> f64 {
     count(&reflects) * count(&|material| reflects(material) || material.emits())
 }
 
-/// The error of values over the links as they are, without the noise of their rays, relative to the reflected light.
-fn sampled_bias(linked: &Linked<'_>, lit_area: f64) -> f64 {
+/// The parts of the error of values over the links as they are; `None` if nothing is reflected.
+fn sampled_parts(linked: &Linked<'_>, lit_area: f64) -> Option<ErrorParts> {
     let job = linked.job;
     let resolution = Resolution { side: (lit_area / POSITIONS).sqrt(), rays: POSITION_RAYS };
     let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), resolution.side));
@@ -96,5 +100,5 @@ fn sampled_bias(linked: &Linked<'_>, lit_area: f64) -> f64 {
     let mut samples = ErrorSamples::default();
     let taken = samples.add_points(POINTS, 1, &with, &cancelled) && samples.take_replicates(REPLICATE_RAYS, &with, &cancelled);
     let gather = linked.gather(RayBudget::of_values(VALUE_RAYS, job.options.seed));
-    if taken { samples.sampled_bias(&gather, &cancelled).unwrap_or(0.0) } else { 0.0 }
+    taken.then(|| samples.sampled_parts(&gather, &cancelled)).flatten()
 }

@@ -16,6 +16,7 @@ mod next_step;
 mod options;
 mod plan;
 mod report;
+mod scale;
 mod solution;
 mod step;
 mod strategies;

@@ -2,11 +2,12 @@
 
 use super::effort::{LEAST_VALUES, Law, REFERENCE_AREA};
 use super::options::{SolveOptions, Strategy};
+use super::scale::Scale;
 use super::step::{Choice, NextStep};
 use crate::error::{ErrorEstimate, Pilot, TWICE, doubt_for_claim};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
 use crate::paths::{Illumination, Resolution};
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::Scene;
 
 /// What the next step takes.
 #[derive(Clone)]
@@ -32,34 +33,6 @@ pub(super) struct Plan {
     refinements: u32,
     /// Times that an error was not good enough.
     estimates: u32,
-}
-
-/// In what tolerances are told.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Scale {
-    /// The reflected radiosity for which a tolerance stands, in W/m^2.
-    radiosity: f64,
-    /// The area of the surfaces that count, in m^2.
-    area: f64,
-}
-
-impl Scale {
-    /// By what light meets.
-    fn of_illumination(illumination: &Illumination) -> Self {
-        let area = illumination.lit_area;
-        Self { radiosity: illumination.reflected_brightest / area, area }
-    }
-
-    /// By areas and materials alone, for the strategies of the papers: what is reflected on average if all surfaces see each other.
-    fn of_materials(scene: &Scene) -> Self {
-        let brightest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-        let ids = || (0..scene.surfaces().len() as u32).map(SurfaceId);
-        let area: f64 = ids().map(|id| scene.surface(id).polygon.area()).sum();
-        let mean = |of: &dyn Fn(SurfaceId) -> f64| ids().map(|id| scene.surface(id).polygon.area() * of(id)).sum::<f64>() / area;
-        let exitance = mean(&|id| brightest(&scene.material_of(id).exitance));
-        let reflectance = mean(&|id| brightest(&scene.material_of(id).reflectance)).min(0.999);
-        Self { radiosity: exitance * reflectance / (1.0 - reflectance), area }
-    }
 }
 
 /// The first steps of the first round take tolerances so many times as large: each finds the brightness by which the next refines.
@@ -117,9 +90,9 @@ pub(super) const MOST_RAYS_FACTOR: f64 = 8.0;
 pub(super) const MORE_POSITIONS: f64 = 1.25;
 pub(super) const MORE_POSITION_RAYS: u32 = 2;
 
-/// The work of a link in rays: its own, its form factor, its part of sweeps, and of gathers at points. Measured: 20 to 60 microseconds,
-/// where a ray takes 0.3.
-const LINK_WORK: f64 = 100.0;
+/// The work of a link in rays: its own, its form factor, its part of sweeps, and of gathers at points. Measured: 8 to 20 microseconds,
+/// where a ray takes 0.25.
+const LINK_WORK: f64 = 50.0;
 
 /// The work of each ray by which a leaf is gathered anew over its links. Measured: 5 microseconds.
 const LEAF_RAY_WORK: f64 = 16.0;
@@ -256,19 +229,25 @@ impl Plan {
         (self.replicate_rays / PILOT_PART).clamp(LEAST_PILOT_RAYS, MOST_PILOT_RAYS)
     }
 
-    /// Fits rays to points and of replicates to what a pilot found with [`Self::pilot_rays`].
-    pub fn fit_rays(&mut self, pilot: &Pilot) {
-        let requested_sq = self.options.error.powi(2);
-        let (tried, planned) = (f64::from(self.pilot_rays()), f64::from(self.point_rays));
+    /// Fits rays to points to the noise that so many of them were found to leave.
+    pub fn fit_point_rays(&mut self, noise_sq: f64, tried: u32) {
         if self.may_take_more_rays() && !self.is_fitted {
-            let allowed = NOISE_PART * self.law.noise_for_values() * requested_sq;
-            let wanted = tried * Law::rays_factor(allowed / pilot.noise_sq);
+            let allowed = NOISE_PART * self.law.noise_for_values() * self.options.error.powi(2);
+            let (wanted, planned) = (f64::from(tried) * Law::rays_factor(allowed / noise_sq), f64::from(self.point_rays));
             self.point_rays = wanted.clamp(planned / FEWER, planned * MORE).min(f64::from(MAX_POINT_RAYS)) as u32;
             self.is_fitted = true;
         }
+    }
+
+    /// Fits rays to points and of replicates to what a pilot found with [`Self::pilot_rays`].
+    pub fn fit_rays(&mut self, pilot: &Pilot) {
+        let tried = self.pilot_rays();
+        self.fit_point_rays(pilot.noise_sq, tried);
 
         // Replicates may leave the more doubt, the less noise values have.
-        let noise_part = pilot.noise_sq * Law::left_by_rays(f64::from(self.point_rays) / tried) / requested_sq;
+        let requested_sq = self.options.error.powi(2);
+        let noise_left = Law::left_by_rays(f64::from(self.point_rays) / f64::from(tried));
+        let noise_part = pilot.noise_sq * noise_left / requested_sq;
         let allowed = doubt_for_claim(noise_part + CELLS_PART).max(LEAST_DOUBT) * requested_sq;
         let planned = f64::from(self.replicate_rays);
         let wanted = (pilot.replicate_doubt / allowed).clamp(planned / FEWER, planned * MORE);
