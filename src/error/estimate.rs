@@ -291,11 +291,13 @@ impl ErrorSamples {
         let (mut bias, mut noise_sq, mut norm_sq) = (Moments::default(), 0.0, 0.0);
         for (sample, values) in self.samples.iter().zip(values.into_iter().zip(again).map(|(value, again)| [value, again])) {
             let weight = sample.stands_for / places.len() as f64;
-            let differences: Vec<_> = compared(sample, gather, &values).collect();
-            let sum = |of: &dyn Fn(&[(f64, f64); 2]) -> f64| weight * differences.iter().map(of).sum::<f64>();
-            bias.add(sum(&|[(_, residual), (_, again)]| residual * again));
-            noise_sq += sum(&|[(value, _), (again, _)]| 0.5 * (value - again).powi(2));
-            norm_sq += sum(&|[(value, residual), (again, residual_again)]| (value - residual) * (again - residual_again));
+            let mut product = 0.0;
+            for [(value, residual), (again, residual_again)] in compared(sample, gather, &values) {
+                product += weight * residual * residual_again;
+                noise_sq += weight * 0.5 * (value - again).powi(2);
+                norm_sq += weight * (value - residual) * (again - residual_again);
+            }
+            bias.add(product);
         }
         let bias_sq = bias.sum.max(bias.deviation_of_sum());
         (norm_sq > 0.0).then(|| ErrorParts { bias: (bias_sq / norm_sq).sqrt(), noise_sq: noise_sq / norm_sq })

@@ -5,9 +5,9 @@
 //!
 //! # Tolerance
 //! Surfaces are taken from the widest to the narrowest, since a wide one knows its normal best. The first surface of a group fixes its
-//! plane, through its centroid. Another belongs to it if each of its vertices lies within [`DISTANCE_TOLERANCE`] times the scene's
-//! diagonal of that plane, and its normal or the reverse is within [`ANGLE_TOLERANCE`]; of several planes the nearest is taken, so that
-//! a number stands for one plane within the tolerance, however long a chain of nearly coplanar surfaces is. Twins always share one.
+//! plane, through its centroid. Another belongs to it if each of its vertices lies within its own [`tolerance`](Precision::of) of that
+//! plane, and its normal or the reverse is within [`ANGLE_TOLERANCE`]; of several planes the nearest is taken, so that a number stands for
+//! one plane within the tolerance, however long a chain of nearly coplanar surfaces is. Twins always share one.
 //!
 //! # Cost
 //! O(n log n): planes are found in cells of similar normals, sorted by their offset from the scene's centre. A surface that is narrow
@@ -18,9 +18,34 @@ use std::collections::{BTreeSet, HashMap};
 use glam::DVec3;
 
 use super::{Scene, Surface};
+use crate::geometry::{median, median_point};
 
-/// Distance from a plane that still counts as in it, as a fraction of the scene's diagonal: files give six or seven digits.
-pub(super) const DISTANCE_TOLERANCE: f64 = 1e-6;
+/// Distance from a plane that still counts as in it, as a fraction of the size that [`Precision`] tells: files give six or seven digits.
+const DISTANCE_TOLERANCE: f64 = 1e-6;
+
+/// How closely places are known: files round coordinates to so many digits, or to so many decimals.
+struct Precision {
+    /// The scene's diagonal.
+    most: f64,
+    /// Four times the median distance of a vertex from the median of all, which is about the diagonal, unless a few surfaces lie far away:
+    /// a ground of many kilometres must not blur the room that stands on it.
+    typical: f64,
+}
+
+impl Precision {
+    fn new(scene: &Scene) -> Self {
+        let vertices = scene.surfaces.iter().flat_map(|surface| surface.polygon.facet().vertices).copied();
+        let middle = median_point(vertices.clone());
+        let typical = 4.0 * median(vertices.map(|vertex| vertex.distance(middle)).collect());
+        Self { most: scene.bounds().diagonal(), typical }
+    }
+
+    /// How far the vertices of a surface may lie off the plane that they are in.
+    fn of(&self, surface: &Surface) -> f64 {
+        let farthest = surface.polygon.facet().vertices.iter().map(|vertex| vertex.abs().max_element()).fold(0.0, f64::max);
+        DISTANCE_TOLERANCE * self.typical.max(2.0 * farthest).min(self.most)
+    }
+}
 
 /// Angle in radians that normals may differ by. It keeps small facets of curved surfaces, which lie within the distance of many planes,
 /// out of planes that only pass through them.
@@ -41,9 +66,8 @@ impl Scene {
     ///
     /// Numbers count from 0 in the order of the surfaces.
     pub(super) fn group_planes(&mut self) {
-        let bounds = self.bounds();
-        let centre = bounds.centre();
-        let tolerance = DISTANCE_TOLERANCE * bounds.diagonal();
+        let centre = self.bounds().centre();
+        let precision = Precision::new(self);
 
         // From the widest to the narrowest, in the input's order where equally wide; of two twins only the first.
         let width = |surface: &Surface| surface.polygon.area() / surface.polygon.facet().radius;
@@ -56,7 +80,8 @@ impl Scene {
         let mut finder = PlaneFinder::default();
         let mut plane_of = vec![u32::MAX; self.surfaces.len()];
         for (_, index) in order {
-            plane_of[index] = finder.find_or_add(&self.surfaces[index], centre, tolerance);
+            let surface = &self.surfaces[index];
+            plane_of[index] = finder.find_or_add(surface, centre, precision.of(surface));
         }
         for (index, surface) in self.surfaces.iter().enumerate() {
             if let Some(twin) = surface.twin.filter(|twin| twin.index() < index) {
@@ -252,6 +277,22 @@ mod tests {
             }
         }
         assert!(coplanar_pairs > 3000, "{coplanar_pairs}");
+    }
+
+    #[test]
+    fn a_far_ground_does_not_join_what_is_apart_in_a_room() {
+        // Leaves of a book, a tenth of a millimetre apart, and a shelf; below them a ground of 20 km, in one piece and in many.
+        let leaf = |k: u32| quad(DVec3::new(0.3, 0.2, 1.0 + 1e-4 * f64::from(k)), glam::DQuat::IDENTITY, 0.2);
+        let leaves = || (0..20).map(leaf).chain([quad(DVec3::ZERO, glam::DQuat::IDENTITY, 1.0)]).collect::<Vec<_>>();
+        let expected: Vec<u32> = (0..21).collect();
+        for pieces in [0, 1, 4] {
+            let side = 2e4 / f64::from(pieces.max(1));
+            let corner = |k: u32| DVec3::new(side * f64::from(k % pieces) - 1e4, side * f64::from(k / pieces) - 1e4, -1.0);
+            let ground = (0..pieces * pieces).map(|k| quad(corner(k), glam::DQuat::IDENTITY, side));
+            let planes = planes(leaves().into_iter().chain(ground).collect());
+            assert_eq!(planes[..21], expected, "{pieces}");
+            assert!(planes[21..].iter().all(|&plane| plane == 21), "{pieces}");
+        }
     }
 
     #[test]

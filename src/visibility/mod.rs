@@ -18,9 +18,9 @@
 //! # How exact the answers are
 //! The sides of planes, and with them contact, are decided in f64 by every backend: a closed convex surface never hides its
 //! inside from itself, wherever it stands. Whether a segment passes through a triangle is decided in f64 by
-//! [`Backend::BruteForce`] and in f32 by the others, in a frame around the occluders: there edges are known to about 1e-7 of the
-//! size of the scene, so a segment that passes an edge more closely than this may go either way, and what is thinner than this,
-//! or nearer than this to an end, may be missed.
+//! [`Backend::BruteForce`] and in f32 by the others, in a frame around the occluders: there edges are known to about 1e-7 of their
+//! distance from the median of the vertices, so a segment that passes an edge more closely than this may go either way, and what is
+//! thinner than this, or nearer than this to an end, may be missed.
 
 mod backend;
 mod brute_force;

@@ -1,11 +1,13 @@
 //! What the f32 backends share: a frame of their own around the occluders, and the sides of planes in f64.
 //!
-//! The frame puts the middle of the scene at 0 and scales it by a power of two into a cube of some thousands. Both are done in
-//! f64 before anything is rounded to f32, so a scene of any size and place is represented to the same part of its size, 2^-24.
+//! The frame puts the median of the vertices at 0 and scales the scene by a power of two into a cube of some thousands. Both are done in
+//! f64 before anything is rounded to f32, so a scene of any size and place is represented to the same part of its size, 2^-24, and to more
+//! where most of it is: a wide ground far below takes nothing from a room.
 
 use glam::{DVec3, Vec3};
 
 use super::{Hit, OccluderMesh, Ray, Segment};
+use crate::geometry::median_point;
 
 /// Half the side of the cube that holds the occluders in the frame. obvhs ignores what lies within 1e-4 of a ray's origin and
 /// divides by no component of a direction below 1.2e-7, in absolute terms: at this size the first is less than the resolution of
@@ -15,10 +17,9 @@ pub(super) const HALF_SIDE: f64 = 4096.0;
 /// Segments are cut to a cube with this half side before they are rounded to f32.
 const CUT: f64 = 1.001 * HALF_SIDE;
 
-/// Embree is asked from this distance on, 1.2e-7 of the size of the scene: four roundings of the largest coordinate, of which two
-/// may be in the origin already. Nearly all nearer hits are on the surface that the origin lies on, and calls of the filter for
-/// them would cost time.
-const NEAR: f64 = 4.0 * HALF_SIDE / (1 << 24) as f64;
+/// Embree is asked from this distance on, as a part of the origin's largest coordinate: four roundings of it, of which two may be in the
+/// origin already. Nearly all nearer hits are on the surface that the origin lies on, and calls of the filter for them would cost time.
+const NEAR: f32 = 4.0 / (1 << 24) as f32;
 
 /// Directions whose length differs from 1 by less than half of this are taken as they are.
 const NEARLY_UNIT: f64 = 1e-3;
@@ -63,12 +64,12 @@ pub(super) enum Question {
 
 impl RayFrame {
     pub(super) fn new(mesh: &OccluderMesh) -> Self {
-        let bounds = mesh.bounds();
-        let half = 0.5 * bounds.extent().max_element();
+        let vertices = mesh.vertices.iter().map(|&vertex| DVec3::from(vertex));
+        let centre = median_point(vertices.clone());
+        let half = vertices.map(|vertex| (vertex - centre).abs().max_element()).fold(0.0, f64::max);
         // A mesh that is one point, or none, needs no scale.
         let scale = if half > 0.0 { (HALF_SIDE / half).log2().floor().exp2() } else { 1.0 };
         let scale = if scale.is_finite() && scale > 0.0 { scale } else { 1.0 };
-        let centre = if bounds.is_empty() { DVec3::ZERO } else { bounds.centre() };
         Self { centre, scale, tolerance: scale * mesh.contact_tolerance() }
     }
 
@@ -148,7 +149,7 @@ impl Probe {
         // From the rounded origin to the exact end, unless rounding has moved the one onto the other.
         let direction = (exit - origin.as_dvec3()).as_vec3();
         let direction = if direction == Vec3::ZERO { (exit - entry).as_vec3() } else { direction };
-        let near = (NEAR as f32 / direction.abs().max_element()).min(0.25);
+        let near = (NEAR * origin.abs().max_element() / direction.abs().max_element()).min(0.25);
         Self { from, to, origin, direction, near, start, end, planes }
     }
 }
