@@ -21,6 +21,7 @@ use super::way::Way;
 use crate::cells::SolvedCells;
 use crate::error::{ErrorParts, ErrorSamples, ReplicateGather, Replication};
 use crate::geometry::{sampling, streams};
+use crate::links::RefineEnd;
 use crate::paths::{Illumination, LightPaths, Resolution};
 use crate::scene::{Material, SurfaceId};
 use crate::values::{FinalGather, RayBudget};
@@ -51,7 +52,10 @@ pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dy
 
     // The coarse pass. Where the links that any scene takes would be too many, no more need be known.
     let mut linked = linked();
-    linked.refine_coarsely(&cells);
+    if linked.refine_coarsely(&cells) != RefineEnd::Content {
+        // A limit ends the solve here.
+        return Box::new(LinksWay::new(linked, links, search));
+    }
     let (coarse_links, leaves) = (linked.links.len(), linked.leaves().count());
     let at_law = links.tolerance() / COARSE_TOLERANCE;
     let over_links =

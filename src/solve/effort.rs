@@ -57,9 +57,10 @@ const POSITION_RAYS: f64 = 16.0;
 const LEAST_POSITION_RAYS: u32 = 4;
 const MOST_POSITION_RAYS: u32 = 256;
 
-/// What is off in how much light cells get from each other adds up from bounce to bounce: where light is reflected more often than from
-/// this albedo, positions and paths from each grow in proportion, up to so many times, since no number would be enough at 1.
-pub(super) const FEW_BOUNCES_ALBEDO: f64 = 0.75;
+/// What is off in how much light elements and cells get from each other adds up from bounce to bounce: where light is reflected more often
+/// than from this albedo, each bounce may be off by less in proportion, and positions and paths from each grow, up to so many times, since
+/// no number would be enough at 1.
+const FEW_BOUNCES_ALBEDO: f64 = 0.75;
 const MOST_FOR_BOUNCES: f64 = 4.0;
 
 /// Replicates take this part of the paths of each position; more, up to a half, where light is reflected often.
@@ -104,7 +105,7 @@ impl Law {
 
     /// The tolerance of links, in units of the reflected power.
     pub fn tolerance(&self) -> f64 {
-        TOLERANCE_AT_2_PERCENT / self.times(TOLERANCE_POWER)
+        TOLERANCE_AT_2_PERCENT / self.times(TOLERANCE_POWER) * Self::tolerance_factor(1.0 / self.for_bounces())
     }
 
     /// So many times the tolerance leaves the error times `factor`.

@@ -72,7 +72,7 @@ fn step_towards(plan: &Plan, error: &ErrorEstimate, choice: Choice) -> NextStep 
     }
     if plan.may_refine() {
         let exceeded = error.measured.max(0.5 * error.claimed) / (AIM * plan.requested());
-        return NextStep::Refine(Law::tolerance_factor(1.0 / exceeded).clamp(MOST_REFINED, LEAST_REFINED));
+        return NextStep::Refine(plan.tolerance_factor(1.0 / exceeded).clamp(MOST_REFINED, LEAST_REFINED));
     }
     NextStep::Exhausted
 }

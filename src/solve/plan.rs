@@ -109,7 +109,7 @@ impl Plan {
             _ => Scale::of_materials(scene),
         };
         let tolerance = match options.strategy {
-            Strategy::Default => law.tolerance(),
+            Strategy::Default => law.tolerance().min(COARSE_TOLERANCE),
             _ => TOLERANCE_OF_PAPERS * (options.error / 0.02).powf(TOLERANCE_OF_PAPERS_POWER),
         };
         let surfaces = scene.surfaces().len();
@@ -143,6 +143,14 @@ impl Plan {
             FIRST_STEPS.iter().map(|factor| factor * self.tolerance).collect()
         } else {
             vec![self.tolerance]
+        }
+    }
+
+    /// So many times the tolerance leaves the error times `factor`.
+    pub fn tolerance_factor(&self, factor: f64) -> f64 {
+        match self.options.strategy {
+            Strategy::Default => Law::tolerance_factor(factor),
+            _ => factor.powf(TOLERANCE_OF_PAPERS_POWER),
         }
     }
 

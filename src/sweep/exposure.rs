@@ -24,9 +24,13 @@ use crate::visibility::{Hit, Ray};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Exposure {
     by_node: Vec<f32>,
-    /// Whether a ray has left the scene.
-    open: bool,
+    /// Rays cast, and those of them that have left the scene.
+    rays: u64,
+    outside: u64,
 }
+
+/// A scene is closed if no larger part of the rays leaves it: one in millions slips through where edges meet.
+const LEAKS: f64 = 1e-5;
 
 /// Rays from a surface that tell whether something stands on it: fewer where surfaces are many, so that all of them take
 /// [`ALL_SAMPLES`], but within this range.
@@ -42,9 +46,9 @@ impl Exposure {
         f64::from(self.by_node[node.index()])
     }
 
-    /// Whether no ray from any surface has left the scene.
+    /// Whether no light leaves the scene, as far as rays from its surfaces tell.
     pub(crate) fn is_closed(&self) -> bool {
-        !self.open
+        self.outside as f64 <= LEAKS * self.rays as f64
     }
 
     /// Turns the irradiance of the whole node into that of its exposed part, where all of the light arrives.
@@ -80,22 +84,23 @@ impl Exposure {
         let levels = hierarchy.levels();
         let first = known.max(hierarchy.cluster_count());
         for level in levels.iter().map(|level| level.start.max(first)..level.end).filter(|level| !level.is_empty()) {
-            let sampled: Vec<(f32, bool)> = (level.clone().into_par_iter())
+            let sampled: Vec<Sampled> = (level.clone().into_par_iter())
                 .map(|node| {
                     let node = NodeId(node as u32);
                     let surface = hierarchy.node_of(SurfaceId(hierarchy.node(node).surface));
                     if surface == node {
                         sampled_exposure(hierarchy, &by_plane, rays, surface, surface_samples, seed)
                     } else if self.of(surface) == 1.0 {
-                        (1.0, false)
+                        Sampled::EXPOSED
                     } else {
                         sampled_exposure(hierarchy, &by_plane, rays, node, PIECE_SAMPLES, seed)
                     }
                 })
                 .collect();
-            for (exposure, (found, open)) in self.by_node[level].iter_mut().zip(sampled) {
-                *exposure = found;
-                self.open |= open;
+            for (exposure, found) in self.by_node[level].iter_mut().zip(sampled) {
+                *exposure = found.exposure;
+                self.rays += u64::from(found.rays);
+                self.outside += u64::from(found.outside);
             }
         }
 
@@ -136,7 +141,19 @@ pub(crate) fn sampled_exposed_point(
     }
 }
 
-/// The exposed part of a node, and whether a ray from it leaves the scene.
+/// What rays from a node tell.
+struct Sampled {
+    exposure: f32,
+    rays: u32,
+    outside: u32,
+}
+
+impl Sampled {
+    /// Of pieces of a surface that is wholly exposed.
+    const EXPOSED: Self = Self { exposure: 1.0, rays: 0, outside: 0 };
+}
+
+/// Samples the exposed part of a node.
 fn sampled_exposure(
     hierarchy: &Hierarchy,
     by_plane: &ByPlane<'_>,
@@ -144,13 +161,13 @@ fn sampled_exposure(
     node: NodeId,
     samples: u32,
     seed: u64,
-) -> (f32, bool) {
-    let (mut exposed, mut open) = (0, false);
+) -> Sampled {
+    let (mut exposed, mut outside) = (0, 0);
     for (_, end) in sampled_points(hierarchy, by_plane, rays, node, samples, seed) {
         exposed += u32::from(end != End::Back);
-        open |= end == End::Outside;
+        outside += u32::from(end == End::Outside);
     }
-    (exposed as f32 / samples as f32, open)
+    Sampled { exposure: exposed as f32 / samples as f32, rays: samples, outside }
 }
 
 /// The surfaces of every plane.
