@@ -124,7 +124,7 @@ fn thread_pool(run: &RunOptions) -> Result<rayon::ThreadPool, PipelineError> {
 }
 
 impl Evaluator {
-    /// Makes a stored solution ready to be looked at.
+    /// Makes a stored solution ready to be evaluated.
     ///
     /// # Errors
     /// See [`PipelineError`].

@@ -167,14 +167,14 @@ void occlusion_occluded(const occlusion_scene *scene, const occlusion_segment *s
     }
 }
 
-/* The nearest triangle on a segment that `filter` lets pass, or any if that is NULL. */
-static uint32_t nearest(query *q, unsigned int index, RTCFilterFunctionN filter) {
+/* The nearest triangle on a segment from `near` on that `filter` lets pass, or any if that is NULL. */
+static uint32_t nearest(query *q, unsigned int index, float near, RTCFilterFunctionN filter) {
     const occlusion_segment *s = &q->segments[index];
     struct RTCRayHit hit;
     memset(&hit, 0, sizeof hit);
     hit.ray.org_x = s->origin[0], hit.ray.org_y = s->origin[1], hit.ray.org_z = s->origin[2];
     hit.ray.dir_x = s->direction[0], hit.ray.dir_y = s->direction[1], hit.ray.dir_z = s->direction[2];
-    hit.ray.tnear = s->near;
+    hit.ray.tnear = near;
     hit.ray.tfar = 1.0f;
     hit.ray.mask = UINT32_MAX;
     hit.ray.id = index;
@@ -198,10 +198,11 @@ void occlusion_first(const occlusion_scene *scene, const occlusion_segment *segm
     query q;
     query_init(&q, scene, segments);
     for (size_t i = 0; i < count; i++) {
-        /* Nearly always the first thing that is met blocks, so it is asked for without the filter; where it does not, with it. */
-        triangles[i] = nearest(&q, (unsigned int)i, NULL);
-        if (triangles[i] != OCCLUSION_NOTHING && !blocks(scene, triangles[i], &segments[i])) {
-            triangles[i] = nearest(&q, (unsigned int)i, filter);
+        /* Nearly always something is met at some distance and blocks, so this is asked for without the filter; where it is not so, what
+           lies nearer may block, such as the wall beside a point in a corner. */
+        triangles[i] = nearest(&q, (unsigned int)i, segments[i].near, NULL);
+        if (triangles[i] == OCCLUSION_NOTHING || !blocks(scene, triangles[i], &segments[i])) {
+            triangles[i] = nearest(&q, (unsigned int)i, 0.0f, filter);
         }
     }
 }

@@ -8,7 +8,7 @@ use patchlight::solve::{SolveOptions, Solver};
 
 use super::rooms::{Room, crowded, cube, straight};
 
-/// Name, scene, and what is asked of it: values over links, because the hemisphere needs hardly any.
+/// Name, scene, and what is asked of it: values over links, because cells need hardly any.
 pub fn all() -> Vec<(&'static str, Scene, SolveOptions)> {
     let links = |error| SolveOptions { error, solver: Solver::Links, ..SolveOptions::default() };
     vec![

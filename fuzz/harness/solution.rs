@@ -52,7 +52,7 @@ fn look_at(bytes: &[u8]) {
     }
 }
 
-/// The body of a small stored solution, over links or over the hemisphere: fuzzers change it.
+/// The body of a small stored solution, over links or over cells: fuzzers change it.
 pub fn small_solution(solver: Solver) -> &'static [u8] {
     static BODIES: [OnceLock<Vec<u8>>; 2] = [OnceLock::new(), OnceLock::new()];
     BODIES[usize::from(solver == Solver::Cells)].get_or_init(|| {

@@ -74,8 +74,8 @@ impl ErrorSample {
             return;
         }
         let share = f64::from(more) / f64::from(self.rays + more);
-        for ((number, known), gather) in (0..).zip(&mut self.found).zip(gathers) {
-            let seed = sampling::hash(self.place.seed, streams::replicate(number, self.rays));
+        for ((stream, known), gather) in streams::REPLICATES.into_iter().zip(&mut self.found).zip(gathers) {
+            let seed = sampling::hash(self.place.seed, stream + u64::from(self.rays));
             gather.sample(Place { seed, ..self.place }, more, scratch, found);
             known.iter_mut().zip(found.iter()).for_each(|(known, found)| *known += share * (found - *known));
         }

@@ -65,7 +65,7 @@ fn sum_of_few<const N: usize>(vertices: &[DVec3; N], normal: DVec3) -> f64 {
     edge_terms(sine_sq, cosine, projected)
 }
 
-/// The sum over the edges of what is above the horizon, in one walk around the polygon and without storing the clipped one.
+/// The sum over the edges of what is above the horizon, in one pass around the polygon and without storing the clipped one.
 ///
 /// Where the polygon goes below the horizon and comes up again, the edge that closes it runs along the horizon.
 fn sum_above_horizon(vertices: impl Iterator<Item = DVec3> + Clone, normal: DVec3) -> f64 {
@@ -96,7 +96,7 @@ fn sum_above_horizon(vertices: impl Iterator<Item = DVec3> + Clone, normal: DVec
         (a, height_a) = (b, height_b);
     }
 
-    // The walk may have started below the horizon.
+    // The pass may have started below the horizon.
     if let (Some(exit), Some(entry)) = (exit, first_entry) {
         sum += edge(exit, entry, normal);
     }

@@ -109,7 +109,7 @@ impl RefineContext<'_> {
     /// other the form factor is sampled.
     fn ask(&self, hierarchy: &Hierarchy, pair: Pair, samples: &mut SamplePairs) -> Unseen {
         let count = self.rays_for(hierarchy, pair);
-        let seed = sampling::hash(self.seed, streams::pair(pair.receiver.0, pair.source.0));
+        let seed = pair.seed(self.seed);
         let mut sample = |seed| samples.add(self.scene, hierarchy, pair, count, seed);
         let (deciding, valued) = (sample(seed), sample(sampling::hash(seed, streams::LINK_VALUE)));
         let start = Instant::now();

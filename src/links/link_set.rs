@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::geometry::{sampling, streams};
 use crate::hierarchy::{Hierarchy, NodeId};
 
 /// What a receiver gathers from one source.
@@ -37,6 +38,14 @@ pub struct Pair {
     pub source: NodeId,
 }
 
+impl Pair {
+    /// The seed of the pair's samples, of the seed of a solve.
+    pub(crate) fn seed(self, seed: u64) -> u64 {
+        let of_receiver = sampling::hash(seed, streams::PAIRS + u64::from(self.receiver.0));
+        sampling::hash(of_receiver, u64::from(self.source.0))
+    }
+}
+
 /// All links, ordered by receiver, and the pairs that are covered without a link.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LinkSet {
@@ -50,6 +59,11 @@ pub struct LinkSet {
 }
 
 impl LinkSet {
+    /// No links yet: one dormant pair, (root, root), which covers everything.
+    pub(crate) fn unrefined(node_count: usize) -> Self {
+        Self::new(node_count, &[], vec![Pair { receiver: NodeId::ROOT, source: NodeId::ROOT }])
+    }
+
     /// Sorts links by receiver; among the links of a receiver the order stays.
     pub(crate) fn new(node_count: usize, links: &[(NodeId, Link)], dormant: Vec<Pair>) -> Self {
         let mut starts = vec![0u32; node_count + 1];
@@ -67,6 +81,11 @@ impl LinkSet {
             *place += 1;
         }
         Self { starts, links: sorted, dormant, unseen: Vec::new() }
+    }
+
+    /// The links with their receivers, in order, and the dormant pairs.
+    pub(crate) fn into_parts(self) -> (Vec<(NodeId, Link)>, Vec<Pair>) {
+        (self.iter().map(|(receiver, link)| (receiver, *link)).collect(), self.dormant)
     }
 
     /// The same links, with these pairs beside them.

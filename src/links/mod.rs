@@ -21,5 +21,5 @@ pub(crate) use context::RefineContext;
 pub(crate) use holzschuch94::{MutualContext, MutualLinks, RAYS_PER_LINK, TopLevel};
 pub(crate) use limits::{RefineEnd, RefineLimits};
 pub use link_set::{Link, LinkSet, Pair};
-pub(crate) use refine::Refinement;
+pub(crate) use refine::{Dropped, Refinement};
 pub use skips::Skips;

@@ -15,12 +15,16 @@ use super::oracle::Decision;
 use super::skips::Spared;
 use crate::hierarchy::{Hierarchy, NodeId};
 
-/// What is known of every pair so far.
-#[derive(Clone, Debug)]
-pub(crate) struct Refinement {
+/// Links and dormant pairs while they are refined, taken apart from a [`LinkSet`].
+pub(crate) struct Refinement<'a> {
     linked: Vec<(NodeId, Link)>,
     dormant: Vec<Pair>,
-    /// Pairs that were dropped, by reason.
+    dropped: &'a mut Dropped,
+}
+
+/// Pairs that were dropped, by reason.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Dropped {
     pub behind: Spared,
     pub black: Spared,
 }
@@ -31,21 +35,16 @@ const FEW_WAITING: usize = 1 << 16;
 /// Pairs of a wave that are decided, and ask for visibility, together: about a thousand segments.
 const CHUNK: usize = 256;
 
-impl Refinement {
-    /// One dormant pair, (root, root), which covers everything.
-    pub fn new() -> Self {
-        let everything = Pair { receiver: NodeId::ROOT, source: NodeId::ROOT };
-        Self { linked: Vec::new(), dormant: vec![everything], behind: Spared::default(), black: Spared::default() }
-    }
-
-    /// How many links there are.
-    pub fn links(&self) -> u64 {
-        self.linked.len() as u64
+impl<'a> Refinement<'a> {
+    /// Takes links apart; what is dropped is added to `dropped`.
+    pub fn of(links: LinkSet, dropped: &'a mut Dropped) -> Self {
+        let (linked, dormant) = links.into_parts();
+        Self { linked, dormant, dropped }
     }
 
     /// The links by receiver.
-    pub fn link_set(&self, hierarchy: &Hierarchy) -> LinkSet {
-        LinkSet::new(hierarchy.len(), &self.linked, self.dormant.clone())
+    pub fn into_links(self, hierarchy: &Hierarchy) -> LinkSet {
+        LinkSet::new(hierarchy.len(), &self.linked, self.dormant)
     }
 
     /// Splits the links that `splits` names, decides every other pair anew, and refines those with which the oracle is not content.
@@ -69,8 +68,8 @@ impl Refinement {
             let mut to_split = Vec::new();
             for (pair, outcome) in wave.iter().zip(outcomes.into_iter().flatten()) {
                 match outcome {
-                    Outcome::Behind => self.behind.add(2 * context.rays_for(hierarchy, *pair)),
-                    Outcome::Black => self.black.add(2 * context.rays_for(hierarchy, *pair)),
+                    Outcome::Behind => self.dropped.behind.add(2 * context.rays_for(hierarchy, *pair)),
+                    Outcome::Black => self.dropped.black.add(2 * context.rays_for(hierarchy, *pair)),
                     Outcome::Dormant => self.dormant.push(*pair),
                     Outcome::Linked(link) => end = self.link(hierarchy, pair.receiver, link, limits).unwrap_or(end),
                     Outcome::Split(decision) => to_split.push((*pair, decision)),

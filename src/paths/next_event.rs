@@ -171,7 +171,8 @@ impl Emitters<'_> {
             let emitter = self.scene.surface(piece.emitter);
             let whole = emitter.polygon.facet();
             let facet = piece.part.as_ref().map_or(whole, |part| part.facet(whole.normal));
-            let sobol = sampling::shifted_sobol_2d(sampling::hash(place.seed, streams::emitter_piece(piece.emitter.0, number)));
+            let of_emitter = sampling::hash(place.seed, streams::EMITTER_PIECES + u64::from(piece.emitter.0));
+            let sobol = sampling::shifted_sobol_2d(sampling::hash(of_emitter, number as u64));
             for ray in (0..).take_while(|_| wanted.next_if(is_in_share).is_some()) {
                 let [u, v] = sobol(ray);
                 let y = facet.point_at(u, v);

@@ -12,7 +12,7 @@ use super::plan::{COARSE_TOLERANCE, Plan};
 use super::report::{SkippedWork, SolveReport};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
-use crate::links::{LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
+use crate::links::{Dropped, LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::paths::Brightness;
 use crate::progress::{Progress, Stage};
 use crate::scene::SurfaceId;
@@ -26,8 +26,8 @@ const MAX_SWEEPS: u32 = 20_000;
 pub(super) struct Linked<'a> {
     pub job: Job<'a>,
     pub hierarchy: Hierarchy,
-    pub refinement: Refinement,
     pub links: LinkSet,
+    dropped: Dropped,
     pub exposure: Exposure,
     pub radiosity: Radiosity,
     /// Where clusters gather and emit.
@@ -55,10 +55,10 @@ impl<'a> Linked<'a> {
         report.time_s.build = start.elapsed().as_secs_f64();
         let cluster_reflectance = sweep::cluster_reflectance(scene, &hierarchy);
         Self {
+            links: LinkSet::unrefined(hierarchy.len()),
             job,
             hierarchy,
-            refinement: Refinement::new(),
-            links: LinkSet::default(),
+            dropped: Dropped::default(),
             exposure,
             radiosity,
             closure: None,
@@ -73,7 +73,7 @@ impl<'a> Linked<'a> {
     pub fn progress(&self, stage: Stage) {
         let elements = (self.hierarchy.len() - self.hierarchy.cluster_count()) as u64;
         let round = self.report.counts.rounds as u32;
-        let (links, error) = (self.refinement.links(), self.claimed);
+        let (links, error) = (self.links.len() as u64, self.claimed);
         self.job.observer.progress(&Progress { stage, round, fraction: None, links, elements, error });
     }
 
@@ -137,9 +137,10 @@ impl<'a> Linked<'a> {
         };
         let stop = self.refinement_stop();
         let limits = self.refine_limits(&stop);
-        let end = self.refinement.refine(&mut self.hierarchy, splits, &context, &limits);
+        let mut refinement = Refinement::of(std::mem::take(&mut self.links), &mut self.dropped);
+        let end = refinement.refine(&mut self.hierarchy, splits, &context, &limits);
+        self.links = refinement.into_links(&self.hierarchy);
         self.report.time_s.form_factor += context.form_factor_nanoseconds.into_inner() as f64 * 1e-9;
-        self.links = self.refinement.link_set(&self.hierarchy);
         self.grow();
         self.closure = Closure::needed(scene, &self.hierarchy, &self.links, &self.exposure, self.clusters);
         self.report.time_s.refine += start.elapsed().as_secs_f64();
@@ -262,7 +263,7 @@ impl<'a> Linked<'a> {
             ..SkippedWork::default()
         };
         let Job { scene, options, rays, .. } = self.job;
-        let Refinement { behind, black, .. } = self.refinement;
+        let Dropped { behind, black } = self.dropped;
         let asleep =
             |is_counted: &dyn Fn(&Pair) -> bool| self.links.dormant().iter().filter(|pair| is_counted(pair)).count() as u64;
         let (dark, within) = (asleep(&|pair| pair.receiver != pair.source), asleep(&|pair| pair.receiver == pair.source));

@@ -148,6 +148,32 @@ fn shared_edges_leak_rarely() {
 }
 
 #[test]
+fn rays_from_corners_meet_the_wall_beside_them() {
+    // On the floor of a box, from 1e-9 to 1e-4 of its size before a wall, towards the wall and up.
+    let mut room = OccluderMesh::default();
+    push_box(&mut room, [0.0; 3], [4.0, 3.0, 2.5], 0);
+    let floor = 4;
+    let mut random = Random(31);
+    let rays: Vec<Ray> = (0..60_000)
+        .map(|k| {
+            let before = 10_f64.powf(random.between(-9.0, -4.0));
+            let origin = if k % 2 == 0 { [before, random.between(0.1, 2.9), 0.0] } else { [random.between(0.1, 3.9), before, 0.0] };
+            let mut direction = [random.between(-0.5, 0.5), random.between(-0.5, 0.5), random.between(1e-3, 1.0)];
+            direction[k % 2] = -random.between(0.1, 1.0);
+            Ray { origin, direction, origin_plane: floor }
+        })
+        .collect();
+    let runner = Runner::over(&room);
+    for (backend, visibility) in &runner.0 {
+        let mut hits = vec![None; rays.len()];
+        visibility.first_hits(&rays, &mut hits);
+        let leaks = hits.iter().filter(|hit| hit.is_none()).count();
+        println!("{}: {leaks} of {} rays leave the box", backend.name(), rays.len());
+        assert_eq!(leaks, 0, "{}", backend.name());
+    }
+}
+
+#[test]
 fn first_hits_agree_with_the_reference() {
     let mut random = Random(23);
     let mesh = soup(&mut random, 1000, 0.15);

@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::context::MutualContext;
 use super::mutual_links::{MutualLink, MutualLinks};
-use crate::geometry::{sampling, streams};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::link_set::Pair;
 use crate::links::sample_pairs::{SamplePairs, sampled_transmittance};
@@ -45,8 +44,8 @@ impl MutualContext<'_> {
     fn ask_chunk(&self, hierarchy: &Hierarchy, pairs: &[Promising]) -> Vec<Option<MutualLink>> {
         let mut samples = SamplePairs::default();
         for pair in pairs {
-            let seed = sampling::hash(self.seed, streams::pair(pair.first.0, pair.second.0));
             let ends = Pair { receiver: pair.first, source: pair.second };
+            let seed = ends.seed(self.seed);
             samples.add(self.scene, hierarchy, ends, RAYS_PER_LINK, seed);
         }
         let mut occluded = Vec::new();
