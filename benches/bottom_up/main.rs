@@ -7,6 +7,8 @@
 #![allow(missing_docs, reason = "a program")]
 #![allow(clippy::print_stdout, reason = "a program that prints tables")]
 
+#[path = "../support/cpu.rs"]
+mod cpu;
 mod exact;
 mod four_polygons;
 mod living_room;

@@ -10,6 +10,8 @@ use patchlight::scene::Scene;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::solve::{ChangShih98Options, LinkOptions, RunOptions, Solution, SolveOptions, SolveReport, Strategy};
 
+use super::cpu::cpu_seconds;
+
 /// A run with what it took.
 pub struct Run {
     pub evaluator: Evaluator,
@@ -81,10 +83,4 @@ impl Observer for Stopwatch {
             times[place].get_or_insert_with(cpu_seconds);
         }
     }
-}
-
-/// CPU seconds of the process, all threads added.
-fn cpu_seconds() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }

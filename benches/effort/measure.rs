@@ -14,7 +14,7 @@ const POINTS: usize = 512;
 const RAYS: [u32; 4] = [16, 64, 256, 1024];
 const POSITIONS: [u64; 3] = [1024, 4096, 16_384];
 const POSITION_RAYS: [u32; 3] = [4, 16, 64];
-const TOLERANCES: [f64; 4] = [4.0, 1.0, 0.25, 0.0625];
+const TOLERANCES: [f64; 5] = [16.0, 4.0, 1.0, 0.25, 0.0625];
 
 /// Rays to a point where their noise must not show.
 const MANY_RAYS: u32 = 2048;
@@ -92,7 +92,7 @@ impl Measured {
             measured.links.push((tolerance, left(&solved)));
             measured.as_swept.push((tolerance, left(&over_links(tolerance, 0).0)));
             measured.link_counts.push((tolerance, report.counts.links as f64));
-            if tolerance == TOLERANCES[1] {
+            if tolerance == TOLERANCES[2] {
                 measured.noise_over_links = with.noise(&solved);
             }
         }
@@ -101,25 +101,25 @@ impl Measured {
 }
 
 /// Where values are compared, with what each emits.
-struct Points {
-    places: Vec<SurfacePoint>,
+pub struct Points {
+    pub places: Vec<SurfacePoint>,
     exitance: Vec<f64>,
 }
 
 impl Points {
-    fn of(scene: &Scene) -> Self {
+    pub fn of(scene: &Scene) -> Self {
         let points = points_of(scene, POINTS, &mut Random(5));
         let exitance = points.iter().flat_map(|(_, surface)| scene.material_of(SurfaceId(*surface as u32)).exitance.clone());
         Self { exitance: exitance.collect(), places: points.into_iter().map(|(place, _)| place).collect() }
     }
 
     /// Values of a solution with so many rays of this seed.
-    fn values(&self, solved: &Evaluator, rays: u32, seed: u64) -> Vec<f64> {
+    pub fn values(&self, solved: &Evaluator, rays: u32, seed: u64) -> Vec<f64> {
         rooms::values(&regathered(solved, rays, seed), &self.places)
     }
 
     /// The product of what two sets of values are off by, each from its own truth, relative to the square of the reflected light.
-    fn product(&self, a: &[f64], b: &[f64], truths: [&[f64]; 2]) -> f64 {
+    pub fn product(&self, a: &[f64], b: &[f64], truths: [&[f64]; 2]) -> f64 {
         let sums = (0..a.len()).map(|k| {
             let [of_a, of_b] = truths.map(|truth| truth[k]);
             ((a[k] - of_a) * (b[k] - of_b), (of_a - self.exitance[k]) * (of_b - self.exitance[k]))

@@ -18,6 +18,11 @@ pub fn all() -> impl Iterator<Item = (String, Scene)> {
     own.into_iter().chain(by_others).filter_map(|(name, file)| Some((name.replace('_', " "), read(&file)?)))
 }
 
+/// The Cornell box.
+pub fn cornell() -> Scene {
+    read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.obj")).expect("a scene of the repository")
+}
+
 fn read(file: &Path) -> Option<Scene> {
     file.is_file().then(|| read_scene(file, &ImportOptions::default()).expect("a scene that can be read").scene)
 }

@@ -8,6 +8,8 @@
 #![allow(clippy::print_stdout, reason = "a program that prints tables")]
 
 mod configurations;
+#[path = "../support/cpu.rs"]
+mod cpu;
 mod figures;
 mod measure;
 mod measured;
@@ -27,7 +29,8 @@ use patchlight::bounds::FormFactorRule;
 use patchlight::solve::{Bounds, Interest, SolveOptions, Strategy, UniformOptions};
 
 use configurations::Configuration;
-use measure::{claimed, cpu_seconds, leaves_under_probes, measured, options, solve, violations};
+use cpu::cpu_seconds;
+use measure::{claimed, leaves_under_probes, measured, options, solve, violations};
 use measured::{Ladder, Measured, Profile, Rung, Size};
 use reference::{PROBES, Reference};
 

@@ -83,9 +83,3 @@ fn relative(errors: impl Iterator<Item = f64>, reference: &[f64]) -> Errors {
     let (sum, most) = errors.fold((0.0, 0.0), |(sum, most), error: f64| (sum + error, error.max(most)));
     Errors { l1: sum / reference.len() as f64 / mean, l_infinity: most / mean }
 }
-
-/// CPU seconds of the process, all threads added.
-pub fn cpu_seconds() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
-}

@@ -8,6 +8,8 @@
 #![allow(missing_docs, reason = "a program")]
 #![allow(clippy::print_stdout, reason = "a program that prints tables")]
 
+#[path = "../support/cpu.rs"]
+mod cpu;
 mod experiment;
 mod measure;
 mod paper;

@@ -9,6 +9,7 @@ use patchlight::scene::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
 use patchlight::solve::{IterationReport, RunOptions, Solution, SolveOptions, SolveReport, Strategy};
 
+use super::cpu::cpu_seconds;
 use super::rooms;
 use super::triangles::Random;
 
@@ -47,12 +48,6 @@ impl Observer for Stopwatch {
             starts.push(cpu_seconds());
         }
     }
-}
-
-/// CPU seconds of the process, all threads added.
-pub fn cpu_seconds() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
 /// Points at which elements are compared; at the first of them values are, too.

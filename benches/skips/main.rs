@@ -6,12 +6,15 @@
 #![allow(missing_docs, reason = "a program")]
 #![allow(clippy::print_stdout, reason = "a program that prints tables")]
 
+#[path = "../support/cpu.rs"]
+mod cpu;
 #[path = "../../tests/support/rooms.rs"]
 mod rooms;
 mod scenes;
 #[path = "../../tests/support/triangles.rs"]
 mod triangles;
 
+use cpu::cpu_seconds;
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
 use patchlight::scene::SurfacePoint;
@@ -106,11 +109,6 @@ fn measure(scene: &Scene, options: &SolveOptions) -> Vec<Run> {
 fn solve(scene: &Scene, options: &SolveOptions) -> (Evaluator, SolveReport) {
     let run = RunOptions { threads: 1, ..RunOptions::default() };
     pipeline::solve(scene.clone(), options, &run, &Silent).expect("options that are legal")
-}
-
-fn cpu_seconds() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
 fn print(name: &str, scene: &Scene, options: &SolveOptions, runs: &[Run]) {

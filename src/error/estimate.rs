@@ -125,7 +125,7 @@ pub(crate) struct Pilot {
 
 /// The parts of the error of values, relative to the reflected light.
 pub(crate) struct ErrorParts {
-    /// What is off without the noise of values; as much as its scatter at least.
+    /// What is off without the noise of values. Its square is unbiased; 0 where that came out negative.
     pub bias: f64,
     /// The variance of values.
     pub noise_sq: f64,
@@ -288,19 +288,16 @@ impl ErrorSamples {
         let places: Vec<Place> = self.samples.iter().map(|sample| sample.place).collect();
         let values = values_at(&places, gather, gather.budget, cancelled)?;
         let again = values_at(&places, gather, by_other_rays(gather.budget), cancelled)?;
-        let (mut bias, mut noise_sq, mut norm_sq) = (Moments::default(), 0.0, 0.0);
+        let (mut bias_sq, mut noise_sq, mut norm_sq) = (0.0, 0.0, 0.0);
         for (sample, values) in self.samples.iter().zip(values.into_iter().zip(again).map(|(value, again)| [value, again])) {
             let weight = sample.stands_for / places.len() as f64;
-            let mut product = 0.0;
             for [(value, residual), (again, residual_again)] in compared(sample, gather, &values) {
-                product += weight * residual * residual_again;
+                bias_sq += weight * residual * residual_again;
                 noise_sq += weight * 0.5 * (value - again).powi(2);
                 norm_sq += weight * (value - residual) * (again - residual_again);
             }
-            bias.add(product);
         }
-        let bias_sq = bias.sum.max(bias.deviation_of_sum());
-        (norm_sq > 0.0).then(|| ErrorParts { bias: (bias_sq / norm_sq).sqrt(), noise_sq: noise_sq / norm_sq })
+        (norm_sq > 0.0).then(|| ErrorParts { bias: (bias_sq.max(0.0) / norm_sq).sqrt(), noise_sq: noise_sq / norm_sq })
     }
 
     /// `||B - E||^2`, in W^2/m^2, by products of independent replicates, whose mean is free of noise.

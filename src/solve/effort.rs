@@ -20,7 +20,7 @@ const TOLERANCE_POWER: f64 = 0.8;
 const TOLERANCE_POWER_ANYWHERE: f64 = 0.57;
 
 /// The number of links grows with this power of one over the tolerance.
-const LINKS_POWER: f64 = 0.65;
+const LINKS_POWER: f64 = 0.55;
 
 /// The part of the requested error that is aimed at: the claim lies above what is measured.
 pub(super) const AIM: f64 = 0.7;
