@@ -2,8 +2,12 @@
 //! ../shared/peers: `cargo test --test peers -- --ignored`.
 #![allow(clippy::print_stderr, reason = "a test tells what it did")]
 
+#[path = "support/claims.rs"]
+mod claims;
+
 use std::path::{Path, PathBuf};
 
+use claims::most_failures;
 use patchlight::pipeline::solve;
 use patchlight::progress::Silent;
 use patchlight::scene::SurfacePoint;
@@ -47,23 +51,29 @@ fn relative_errors(values: &[f64], reference: &[Vec<f64>]) -> (f64, f64) {
     ((error_sq / norm_sq).sqrt(), (noise_sq / norm_sq).sqrt())
 }
 
-/// What is claimed must cover what is measured, and a run that says it converged must have reached what was asked.
+/// Runs with other random numbers: one claim alone may fail by chance.
+const SEEDS: u64 = 6;
+
+/// What is claimed must cover what is measured as often as it says, and a run that says it converged must have reached what was asked.
 fn check(name: &str, requested: f64) {
     let folder = peers();
-    let (values, report) = values(&folder, name, &SolveOptions { error: requested, ..SolveOptions::default() });
     let reference = numbers(&folder.join(format!("refs/{name}_ref.csv")));
     assert_eq!(reference.len(), 2000);
-    let (error, noise) = relative_errors(&values, &reference);
-    let seconds = report.time_s;
-    let claimed = report.error.estimate;
-    eprintln!(
-        "{name}, requested {requested}: rRMSE {error:.5} (noise of the reference {noise:.5}), claimed {claimed:.5}, measured {:.5}, {:?}, \
-         {} links, {} rounds, {seconds:?}",
-        report.error.measured, report.stopped_by, report.counts.links, report.counts.rounds
-    );
-    assert!(error <= claimed.hypot(noise), "{name}: {error} is more than the claimed {claimed}");
-    assert!(report.converged, "{name}: {:?}", report.stopped_by);
-    assert!(error <= requested.hypot(noise), "{name}: {error} is more than the requested {requested}");
+    let mut failures = 0;
+    for seed in 0..SEEDS {
+        let (values, report) = values(&folder, name, &SolveOptions { error: requested, seed, ..SolveOptions::default() });
+        let (error, noise) = relative_errors(&values, &reference);
+        let (claimed, measured) = (report.error.estimate, report.error.measured);
+        eprintln!(
+            "{name}, requested {requested}, seed {seed}: rRMSE {error:.5} (noise of the reference {noise:.5}), claimed {claimed:.5}, \
+             measured {measured:.5}, {:?}, {} links, {} rounds, {:?}",
+            report.stopped_by, report.counts.links, report.counts.rounds, report.time_s
+        );
+        assert!(report.converged, "{name}: {:?}", report.stopped_by);
+        assert!(error <= requested.hypot(noise), "{name}: {error} is more than the requested {requested}");
+        failures += usize::from(error > claimed.hypot(noise));
+    }
+    assert!(failures <= most_failures(SEEDS as usize), "{name}: {failures} of {SEEDS} claims do not hold");
 }
 
 #[test]

@@ -65,8 +65,11 @@ pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dy
     }
 
     // What it leaves wrong, and how noisy values are.
+    let swept = linked.radiosity.clone();
     linked.regather_leaves(LEAF_RAYS);
-    let Some(ErrorParts { bias, noise_sq }) = sampled_parts(&linked, illumination.lit_area) else {
+    let parts = sampled_parts(&linked, illumination.lit_area);
+    linked.radiosity = swept;
+    let Some(ErrorParts { bias, noise_sq }) = parts else {
         return Box::new(LinksWay::new(linked, links, search).or_over(cells));
     };
     links.fit_point_rays(noise_sq, VALUE_RAYS);
