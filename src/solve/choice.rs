@@ -68,12 +68,12 @@ pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dy
     let swept = linked.radiosity.clone();
     linked.regather_leaves(LEAF_RAYS);
     let parts = sampled_parts(&linked, illumination.lit_area);
-    linked.radiosity = swept;
     let Some(ErrorParts { bias, noise_sq }) = parts else {
         return Box::new(LinksWay::new(linked, links, search).or_over(cells));
     };
     links.fit_point_rays(noise_sq, VALUE_RAYS);
     if over_links(&links, Law::tolerance_factor_of_pilot(bias, AIM * options.error)) > cells.work() {
+        linked.radiosity = swept;
         Box::new(CellsWay::new(linked, cells, search))
     } else {
         Box::new(LinksWay::new(linked, links, search).or_over(cells))
