@@ -8,10 +8,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::equations::{BATCH, Equations, ReflectorTerms};
-use super::positions::{Cell, positions};
 use super::view_points::{Arrival, VIEW_POINTS, view_points};
 use crate::geometry::{sampling, streams};
-use crate::paths::{Directions, Ends, INSIDE, LightPaths, NO_CELL, PathScratch, Place};
+use crate::paths::{Directions, Ends, LightPaths, NO_CELL, PathScratch, Place};
 
 /// The rows of a batch of cells, while they are filled in.
 struct Rows<'a> {
@@ -21,8 +20,6 @@ struct Rows<'a> {
     end: &'a mut [u32],
     /// By cell, path and channel.
     weight: &'a mut [f32],
-    /// By cell, the part of its paths that meets a back first.
-    backs: &'a mut [f32],
 }
 
 /// The positions in a batch of cells.
@@ -35,9 +32,14 @@ struct Positions<'a> {
     places: Vec<Place>,
 }
 
+/// The positions of some cells; first, for each, the index of its cell.
+fn indexed(cells: &[Option<Place>]) -> (Vec<usize>, Vec<Place>) {
+    cells.iter().enumerate().filter_map(|(index, place)| Some((index, (*place)?))).unzip()
+}
+
 impl Equations {
     /// Follows `count` paths from the position of each cell, and casts as many next-event rays from its view points.
-    pub fn of_paths(paths: &LightPaths<'_>, cells: &[Cell], count: u32, seed: u64) -> Self {
+    pub fn of_paths(paths: &LightPaths<'_>, cells: &[Option<Place>], count: u32, seed: u64) -> Self {
         let mut equations = Self::empty(cells.len(), count as usize, paths.scene.channels());
         let arrivals = equations.follow(paths, cells, seed);
         let points = view_points(cells.len(), &arrivals, sampling::hash(seed, streams::VIEW_POINTS));
@@ -46,23 +48,22 @@ impl Equations {
     }
 
     /// Follows the paths from all positions and fills in the rows; returns where paths arrive.
-    fn follow(&mut self, paths: &LightPaths<'_>, cells: &[Cell], seed: u64) -> Vec<Vec<Arrival>> {
+    fn follow(&mut self, paths: &LightPaths<'_>, cells: &[Option<Place>], seed: u64) -> Vec<Vec<Arrival>> {
         let (channels, count) = (self.channels, self.paths);
-        let Self { constant, end, weight, backs, .. } = self;
+        let Self { constant, end, weight, .. } = self;
         let batches = cells
             .par_chunks(BATCH)
             .zip(constant.par_chunks_mut(BATCH * channels))
             .zip(end.par_chunks_mut(BATCH * count))
-            .zip(weight.par_chunks_mut(BATCH * count * channels))
-            .zip(backs.par_chunks_mut(BATCH));
+            .zip(weight.par_chunks_mut(BATCH * count * channels));
         let (of_reflectors, arrivals) = batches
-            .map_init(PathScratch::default, |scratch, ((((batch, constant), end), weight), backs)| {
-                let (indices, places) = positions(batch);
+            .map_init(PathScratch::default, |scratch, (((batch, constant), end), weight)| {
+                let (indices, places) = indexed(batch);
                 let from = Positions { paths, count, cells: indices, places };
                 let directions: Vec<Directions> =
                     from.places.iter().map(|place| directions(paths, place, count as u64, seed)).collect();
                 paths.follow_towards(&from.places, &directions, count as u32, 0, scratch);
-                let mut rows = Rows { constant, end, weight, backs };
+                let mut rows = Rows { constant, end, weight };
                 let arrivals = from.fill_first_arrivals(&mut rows, &scratch.ends, cells);
                 from.fill_continuations(&mut rows, &scratch.ends);
                 (from.reflector_terms(&scratch.ends), arrivals)
@@ -73,25 +74,24 @@ impl Equations {
     }
 
     /// Casts as many next-event rays from the view points of each cell as paths left it, and adds the light to the rows.
-    fn add_next_event(&mut self, paths: &LightPaths<'_>, cells: &[Cell], points: &[Option<[[f32; 2]; VIEW_POINTS]>]) {
+    fn add_next_event(&mut self, paths: &LightPaths<'_>, cells: &[Option<Place>], points: &[Option<[[f32; 2]; VIEW_POINTS]>]) {
         let (channels, count) = (self.channels, self.paths);
-        let Self { constant, end, weight, backs, of_reflectors, .. } = self;
+        let Self { constant, end, weight, of_reflectors, .. } = self;
         let batches = cells
             .par_chunks(BATCH)
             .zip(points.par_chunks(BATCH))
             .zip(constant.par_chunks_mut(BATCH * channels))
             .zip(end.par_chunks(BATCH * count))
             .zip(weight.par_chunks(BATCH * count * channels))
-            .zip(backs.par_chunks(BATCH))
             .zip(of_reflectors);
-        batches.for_each_init(PathScratch::default, |scratch, ((((((batch, points), constant), end), weight), backs), terms)| {
-            // View points of the cells that lie outside of solids; from inside paths arrive elsewhere.
-            let (indices, places) = positions(batch);
+        batches.for_each_init(PathScratch::default, |scratch, (((((batch, points), constant), end), weight), terms)| {
+            // View points.
+            let (indices, places) = indexed(batch);
             let starts: Vec<Place> = indices
                 .iter()
                 .zip(&places)
                 .flat_map(|(&index, place)| {
-                    let points = points[index].filter(|_| backs[index] <= INSIDE);
+                    let points = points[index];
                     (0..VIEW_POINTS).map(move |number| at_view_point(paths, place, number, points.map(|points| points[number])))
                 })
                 .collect();
@@ -122,16 +122,14 @@ impl Positions<'_> {
         position * self.count..(position + 1) * self.count
     }
 
-    /// Fills in the exitance at positions, and the paths that end where their first rays arrive; returns these arrivals, but none
-    /// of positions inside a solid, which see other parts of cells.
-    fn fill_first_arrivals(&self, rows: &mut Rows<'_>, ends: &Ends, cells: &[Cell]) -> Vec<Arrival> {
+    /// Fills in the exitance at positions, and the paths that end where their first rays arrive; returns these arrivals.
+    fn fill_first_arrivals(&self, rows: &mut Rows<'_>, ends: &Ends, cells: &[Option<Place>]) -> Vec<Arrival> {
         let Self { paths, count, .. } = *self;
         let channels = paths.scene.channels();
         let mut arrivals = Vec::with_capacity(self.places.len() * count);
         for (position, (&index, place)) in self.cells.iter().zip(&self.places).enumerate() {
             let own = self.paths_of(position);
             rows.end[index * count..][..count].copy_from_slice(&ends.cell[own.clone()]);
-            rows.backs[index] = ends.back[own.clone()].iter().filter(|&&back| back).count() as f32 / count as f32;
 
             // The row: each path brings its share of the reflected light.
             let material = paths.scene.material_of(place.surface);
@@ -144,9 +142,9 @@ impl Positions<'_> {
             }
 
             // Where in their cells paths arrive.
-            let arriving = own.filter(|&path| rows.backs[index] <= INSIDE && ends.cell[path] != NO_CELL);
+            let arriving = own.filter(|&path| ends.cell[path] != NO_CELL);
             arrivals.extend(arriving.filter_map(|path| {
-                let Cell::Position(there) = cells[ends.cell[path] as usize] else { return None };
+                let there = cells[ends.cell[path] as usize]?;
                 let at = paths.grids.within_cell(there.surface, ends.point[path])?.map(|along| along as f32);
                 Some(Arrival { cell: ends.cell[path], at, weight: paths.grids.cell_area(place.surface)? as f32 })
             }));

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::paths::{INSIDE, NO_CELL};
+use crate::paths::NO_CELL;
 
 /// The most that the weights in a row may sum to where terms of reflectors are in it: below 1, so that sweeps converge.
 const MOST_TAKEN: f32 = 0.99;
@@ -31,8 +31,6 @@ pub(super) struct Equations {
     pub end: Vec<u32>,
     /// By cell, path and channel; includes the reflectance and `1 / paths`.
     pub weight: Vec<f32>,
-    /// By cell, the part of its paths that meets a back first.
-    pub backs: Vec<f32>,
     /// What next-event rays to reflectors bring, by [`BATCH`] of cells.
     pub of_reflectors: Vec<ReflectorTerms>,
 }
@@ -92,26 +90,8 @@ impl Equations {
             constant: vec![0.0; cells * channels],
             end: vec![NO_CELL; cells * paths],
             weight: vec![0.0; cells * paths * channels],
-            backs: vec![0.0; cells],
             of_reflectors: Vec::new(),
         }
-    }
-
-    /// Replaces each cell on a right-hand side by its representative, as seen from outside of solids or from inside.
-    pub fn redirect(&mut self, representative: &[Vec<u32>; 2]) {
-        let Self { paths, end, backs, of_reflectors, .. } = self;
-        let seen_by = |backs: f32, cell: &mut u32| *cell = representative[usize::from(backs > INSIDE)][*cell as usize];
-        for (ends, &backs) in end.chunks_mut(*paths).zip(&*backs) {
-            ends.iter_mut().filter(|end| **end != NO_CELL).for_each(|end| seen_by(backs, end));
-        }
-        for (seen, backs) in of_reflectors.iter_mut().zip(backs.chunks(BATCH)) {
-            seen.cells.iter_mut().for_each(|(by, cell)| seen_by(backs[*by], cell));
-        }
-    }
-
-    /// Whether the position of a cell lies inside a solid.
-    pub fn is_inside(&self, cell: usize) -> bool {
-        self.backs[cell] > INSIDE
     }
 
     /// The radiosities of all cells, by Jacobi sweeps with Aitken extrapolation.

@@ -7,7 +7,6 @@ mod assemble;
 mod equations;
 mod positions;
 mod radiosity;
-mod representatives;
 mod solved;
 mod view_points;
 

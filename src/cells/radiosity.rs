@@ -17,8 +17,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::equations::Equations;
-use super::positions::{Cell, sampled_positions};
-use super::representatives::representatives;
+use super::positions::sampled_positions;
 use crate::paths::{LightPaths, Resolution};
 use crate::scene::DistinctChannels;
 
@@ -26,66 +25,42 @@ use crate::scene::DistinctChannels;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CellRadiosities {
     channels: usize,
-    /// By cell, as found at its position.
+    /// By cell, as found at its position; 0 where it has none, and no path ends.
     values: Vec<f32>,
-    /// By cell, the cell whose value is used for it: as seen from outside of solids, and from inside. The two see different parts
-    /// of a cell, and its position lies in one of them.
-    representative: [Vec<u32>; 2],
 }
 
 impl CellRadiosities {
     /// Solves for the radiosities of all cells.
     pub fn solve(paths: &LightPaths<'_>, resolution: &Resolution, seed: u64) -> Self {
-        // The equations: positions, and paths from there.
-        let cells = sampled_positions(paths, seed);
-        let mut equations = Equations::of_paths(paths, &cells, resolution.rays, seed);
-
-        // Cells without a position where they are seen take part by another cell.
-        let mut representative = [false, true].map(|inside| representatives(paths, &cells, &equations, inside));
-        equations.redirect(&representative);
-
-        let channels = paths.scene.channels();
-        let mut values: Vec<f32> = equations.iterate().into_iter().map(|value| value as f32).collect();
-
-        // Cells without any position get a copy of the value that is used for them.
-        for (cell, _) in cells.iter().enumerate().filter(|(_, cell)| matches!(cell, Cell::Empty)) {
-            let from = representative[0][cell] as usize * channels;
-            values.copy_within(from..from + channels, cell * channels);
-            representative[0][cell] = cell as u32;
-        }
-        Self { channels, values, representative }
+        let positions = sampled_positions(paths, seed);
+        let equations = Equations::of_paths(paths, &positions, resolution.rays, seed);
+        let values = equations.iterate().into_iter().map(|value| value as f32).collect();
+        Self { channels: paths.scene.channels(), values }
     }
 
     /// The same for all channels, from those that were solved for.
     pub fn expanded(&self, channels: &DistinctChannels) -> Self {
-        Self { channels: channels.count(), values: channels.expand(&self.values), representative: self.representative.clone() }
+        Self { channels: channels.count(), values: channels.expand(&self.values) }
     }
 
-    /// The radiosity of a cell as seen from outside of solids, by channel.
+    /// The radiosity of a cell by channel.
     pub fn of(&self, cell: u32) -> &[f32] {
-        self.seen_from(false, cell)
-    }
-
-    /// The radiosity of a cell as seen from inside a solid, or from outside, by channel.
-    pub fn seen_from(&self, inside: bool, cell: u32) -> &[f32] {
-        let cell = self.representative[usize::from(inside)][cell as usize];
         &self.values[cell as usize * self.channels..][..self.channels]
     }
 
     /// Whether it fits a number of cells and channels, and all values are finite; in the dark noise may take them below 0.
     pub fn is_valid(&self, cells: usize, channels: usize) -> bool {
-        let stands_in = |cells_of: &Vec<u32>| cells_of.len() == cells && cells_of.iter().all(|&cell| (cell as usize) < cells);
         let fits = self.channels == channels && self.values.len() == cells * channels;
-        fits && self.values.iter().all(|value| value.is_finite()) && self.representative.iter().all(stands_in)
+        fits && self.values.iter().all(|value| value.is_finite())
     }
 
     /// Bytes that this takes.
     pub fn memory_bytes(&self) -> u64 {
-        Self::bytes_of(self.representative[0].len(), self.channels)
+        (self.values.len() * size_of::<f32>()) as u64
     }
 
     /// Bytes that so many cells take.
     pub fn bytes_of(cells: usize, channels: usize) -> u64 {
-        (cells * (channels * size_of::<f32>() + 2 * size_of::<u32>())) as u64
+        (cells * channels * size_of::<f32>()) as u64
     }
 }

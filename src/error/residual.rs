@@ -27,7 +27,7 @@ impl ResidualGather<'_> {
     /// A rough estimate of the radiosity that is reflected at a place, in W/m^2 in the brightest channel, by the darker of both
     /// solutions.
     pub fn estimate_reflected(&self, place: &Place) -> f64 {
-        let Some(cell) = self.paths.cell_at(place) else { return 0.0 };
+        let Some(cell) = self.paths.cell_at(place.surface, place.point) else { return 0.0 };
         let sent = self.of_values.of(cell).iter().zip(self.onward.of(cell)).map(|(&one, &other)| f64::from(one.min(other)));
         let exitance = self.paths.unsampled_exitance(place.surface);
         let reflected = sent.enumerate().map(|(channel, sent)| sent - exitance.map_or(0.0, |exitance| exitance[channel]));
@@ -52,11 +52,10 @@ impl ResidualGather<'_> {
         let share = 1.0 / f64::from(count);
         self.paths.follow(places, count, 1, scratch);
         let ends = &scratch.ends;
-        let inside = ends.inside(count);
         let mut add = |share: f64, radiosities: &CellRadiosities, weights: &[f64], path: usize, cell: u32| {
             let place = path / count as usize;
             let residual = residual[place * channels..].iter_mut().zip(weights);
-            let sent = radiosities.seen_from(inside[place], cell);
+            let sent = radiosities.of(cell);
             residual.zip(sent).for_each(|((residual, weight), &sent)| *residual += share * weight * f64::from(sent));
         };
 
@@ -74,7 +73,7 @@ impl ResidualGather<'_> {
             }
         }
 
-        // Reflectors that were seen on the way, likewise.
+        // Other cells whose light paths bring, likewise.
         for (&(continuation, cell), weights) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
             let continuation = &ends.continued[continuation];
             if continuation.shortcut == NO_CELL {

@@ -27,6 +27,10 @@ pub(crate) const EXPOSURE: u64 = kind(7);
 /// Pairs of nodes; add the receiver. Of what that gives, the source picks the stream.
 pub(crate) const PAIRS: u64 = kind(8);
 
+// Of the seed of a node's exposure.
+/// Rays from points that seem hidden; add the round.
+pub(crate) const EXPOSURE_AGAIN: u64 = kind(1);
+
 // Of the seed of a pair.
 /// The samples that give a link its value; those that decide about it take the seed itself.
 pub(crate) const LINK_VALUE: u64 = kind(1);
@@ -70,6 +74,8 @@ pub(crate) const CONTROL_GATHERS: u64 = kind(9);
 pub(crate) const REPLICATE_PILOT: u64 = kind(10);
 /// Replicates 0 and 1; add the rays taken before.
 pub(crate) const REPLICATES: [u64; 2] = [kind(11), kind(12)];
+/// Whether a path of little weight goes on.
+pub(crate) const ROULETTE: u64 = kind(13);
 
 // Of either half of the seed of a shifted Sobol sequence.
 /// The bits by which one coordinate is shifted.

@@ -9,7 +9,7 @@ use super::exchange::{
 };
 use super::link_set::{Link, Pair};
 use super::oracle::Decision;
-use super::sample_pairs::{SamplePairs, sampled_blocked_form_factor, sampled_transmittance};
+use super::sample_pairs::{SamplePairs, sampled_transmittance, sampled_visible_form_factor};
 use crate::geometry::{sampling, streams};
 use crate::hierarchy::Hierarchy;
 
@@ -61,7 +61,7 @@ impl RefineContext<'_> {
             Unseen::Asked { form_factor, deciding, valued } => {
                 let (deciding, valued) = (answers.take(deciding), answers.take(valued));
                 let seen = sampled_transmittance(deciding.kernels, deciding.occluded);
-                let transmittance = sampled_link_transmittance(hierarchy, pair, form_factor, valued) as f32;
+                let transmittance = sampled_link_transmittance(hierarchy, pair, form_factor, seen, valued) as f32;
                 let candidate = || self.candidate(hierarchy, pair, form_factor, Some(seen));
                 match if may_split { self.oracle.decide(&candidate()) } else { Decision::Link } {
                     Decision::Link => Outcome::Linked(Link { form_factor, source: pair.source, transmittance, seen: seen as f32 }),
@@ -143,11 +143,13 @@ impl<'a> Answers<'a> {
     }
 }
 
-/// The part of a link's form factor that gets through, without bias but where the two are near each other.
+/// The part of a link's form factor that gets through, without bias but where the two are near each other; `seen` is what other samples
+/// found of it.
 fn sampled_link_transmittance(
     hierarchy: &Hierarchy,
     pair: Pair,
     form_factor: f64,
+    seen: f64,
     Answers { kernels, occluded }: Answers<'_>,
 ) -> f64 {
     let (receiver, source) = (hierarchy.node(pair.receiver), hierarchy.node(pair.source));
@@ -156,7 +158,7 @@ fn sampled_link_transmittance(
     if near || clusters || form_factor <= 0.0 {
         sampled_transmittance(kernels, occluded)
     } else {
-        1.0 - sampled_blocked_form_factor(source.area, kernels, occluded) / form_factor
+        sampled_visible_form_factor(form_factor, seen, source.area, kernels, occluded) / form_factor
     }
 }
 

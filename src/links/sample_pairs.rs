@@ -62,11 +62,19 @@ pub(super) fn sampled_transmittance(kernels: &[f64], occluded: &[bool]) -> f64 {
     }
 }
 
-/// The part of the form factor to a source of `source_area` that is blocked, from sample points uniform by area; without bias.
+/// The part of the exact form factor to a source of `source_area` that gets through, from sample points uniform by area; without bias.
 ///
-/// Taken from the exact form factor it leaves no noise where nothing is blocked. The quotient of two sampled sums, as in
-/// [`sampled_transmittance`], is biased by up to some percent with few rays.
-pub(super) fn sampled_blocked_form_factor(source_area: f64, kernels: &[f64], occluded: &[bool]) -> f64 {
-    let blocked: f64 = kernels.iter().zip(occluded).filter(|(_, occluded)| **occluded).map(|(kernel, _)| kernel).sum();
-    source_area * blocked / kernels.len() as f64
+/// As a control variate it takes the part `expected` of the form factor, known by other samples: so there is no noise where nothing is
+/// blocked, and no light where everything is. The quotient of two sampled sums, as in [`sampled_transmittance`], is biased by up to some
+/// percent with few rays.
+pub(super) fn sampled_visible_form_factor(
+    form_factor: f64,
+    expected: f64,
+    source_area: f64,
+    kernels: &[f64],
+    occluded: &[bool],
+) -> f64 {
+    let part = |(kernel, &occluded): (&f64, &bool)| kernel * (f64::from(u8::from(!occluded)) - expected);
+    let beyond: f64 = kernels.iter().zip(occluded).map(part).sum();
+    expected * form_factor + source_area * beyond / kernels.len() as f64
 }

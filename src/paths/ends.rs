@@ -1,11 +1,23 @@
 //! Where paths end, and the light that they collected before.
+//!
+//! # Russian roulette
+//! A path of little weight w at a point of a cell with the radiosity C may end there, but C is not the radiosity B at that point. So it goes
+//! on with a chance p, and brings
+//!
+//! ```text
+//! w C                            if it ends
+//! w C + w (B_sampled - C) / p    if it goes on
+//! ```
+//!
+//! which is w B on average, whatever C is; the closer C is to B, the less noise that adds (Arvo and Kirk 1990, with the cell as control
+//! variate). Where the cell has no value, C is 0.
 
 use glam::DVec3;
 
 use super::grid::NO_CELL;
 
-/// A place lies inside a solid if more than this part of the rays from there meets backs first.
-pub(crate) const INSIDE: f32 = 0.5;
+/// A path whose weight falls below this goes on with this weight, or ends. At most 1; the less, the longer paths get, and the less noisy.
+const LITTLE: f64 = 0.25;
 
 /// Where paths end, path after path. A path that ends where its first ray arrives brings the radiosity of the cell there.
 #[derive(Default)]
@@ -14,14 +26,13 @@ pub(crate) struct Ends {
     pub cell: Vec<u32>,
     /// By path, the point in that cell.
     pub point: Vec<DVec3>,
-    /// By path, whether its first ray met a back.
-    pub back: Vec<bool>,
     /// The paths that went on, in their order.
     pub continued: Vec<Continuation>,
     /// By continuation and channel: it brings `constant + weight * B`, B being the radiosity of the cell where it ends.
     pub constant: Vec<f64>,
     pub weight: Vec<f64>,
-    /// Cells of reflectors that next-event rays of continuations see: the number of the continuation, and the cell.
+    /// Other cells that continuations bring light of, those of reflectors seen on the way and of Russian roulette: the number of the
+    /// continuation, and the cell.
     pub seen: Vec<(usize, u32)>,
     /// By entry of `seen` and channel: it brings `weight * B`, B being the radiosity of the cell.
     pub seen_weight: Vec<f64>,
@@ -37,10 +48,22 @@ pub(crate) struct Continuation {
 }
 
 impl Ends {
-    /// By place, each with `count` paths: whether it lies inside a solid.
-    pub fn inside(&self, count: u32) -> Vec<bool> {
-        let is_inside = |backs: &[bool]| backs.iter().filter(|&&back| back).count() as f32 > INSIDE * count as f32;
-        self.back.chunks(count as usize).map(is_inside).collect()
+    /// Whether a continuation that arrives in `cell`, if that has a value there, goes on, by a random number in [0, 1).
+    pub(super) fn goes_on(&mut self, continuation: usize, draw: f64, channels: usize, cell: Option<u32>) -> bool {
+        let weights = &mut self.weight[continuation * channels..][..channels];
+        let chance = (weights.iter().copied().fold(0.0, f64::max) / LITTLE).min(1.0);
+        if draw >= chance {
+            self.continued[continuation].cell = cell.unwrap_or(NO_CELL);
+            return false;
+        }
+        if chance < 1.0 {
+            if let Some(cell) = cell {
+                self.seen.push((continuation, cell));
+                self.seen_weight.extend(weights.iter().map(|weight| weight * (1.0 - 1.0 / chance)));
+            }
+            weights.iter_mut().for_each(|weight| *weight /= chance);
+        }
+        true
     }
 
     /// Forgets everything, and makes room for so many paths.
@@ -48,8 +71,6 @@ impl Ends {
         self.cell.clear();
         self.cell.resize(paths, NO_CELL);
         self.point.resize(paths, DVec3::ZERO);
-        self.back.clear();
-        self.back.resize(paths, false);
         self.continued.clear();
         self.seen.clear();
         self.seen_weight.clear();

@@ -3,11 +3,11 @@
 //! The grid of a surface fills a rectangle around it, in its plane, along its longest edge. A point finds its cell by one division
 //! for each axis, whatever the size of the scene. All cells have about the same size; each surface has at least one.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::reflectors::Brightness;
-use crate::geometry::{Facet, sampling};
+use crate::geometry::{Clip, ClippedFacet, Facet, clip_to_front, sampling};
 use crate::scene::{Scene, SurfaceId};
 
 /// The cell of a path that ends on none.
@@ -78,8 +78,37 @@ impl Grid {
         self.origin + x * self.across + y * self.along
     }
 
+    /// The longer side of a cell, in metres.
+    pub fn size(&self) -> f64 {
+        self.cell[0].max(self.cell[1])
+    }
+
+    /// Coordinates of a point over the grid, whose cells have so many squares along each side, in squares.
+    pub fn in_squares(&self, point: DVec3, squares: u32) -> DVec2 {
+        let from_origin = point - self.origin;
+        DVec2::new(from_origin.dot(self.across), from_origin.dot(self.along)) / self.square(squares)
+    }
+
+    /// The sides of a square, in metres.
+    pub fn square(&self, squares: u32) -> DVec2 {
+        DVec2::from(self.cell) / f64::from(squares)
+    }
+
+    /// The part of the grid's surface that lies in cell number `index`; `None` if nothing does.
+    pub fn part_of(&self, facet: &Facet<'_>, index: usize) -> Option<ClippedFacet> {
+        let (low, high) = (self.point_in(index, 0.0, 0.0), self.point_in(index, 1.0, 1.0));
+        let sides = [(low, self.across), (low, self.along), (high, -self.across), (high, -self.along)];
+        sides.into_iter().try_fold(ClippedFacet::copy_of(facet), |part, (origin, normal)| {
+            match clip_to_front(&part.facet(), origin, normal) {
+                Clip::Whole => Some(part),
+                Clip::Part(part) => Some(part),
+                Clip::Nothing => None,
+            }
+        })
+    }
+
     /// The cell that `point` of the surface lies in, counted over all grids.
-    fn cell_at(&self, point: DVec3) -> u32 {
+    pub fn cell_at(&self, point: DVec3) -> u32 {
         // Float to integer conversion saturates, so points before the first cell fall into it.
         let from_origin = point - self.origin;
         let place = |axis: DVec3, size: f64, count: u32| ((from_origin.dot(axis) / size) as u32).min(count - 1);
@@ -148,10 +177,9 @@ impl Grids {
         Self { grids, cells }
     }
 
-    /// The cell that a point of a surface lies in, and its longer side in metres; `None` if the surface has no cells.
-    pub fn cell_at(&self, surface: SurfaceId, point: DVec3) -> Option<(u32, f64)> {
-        let grid = self.grids[surface.index()].as_ref()?;
-        Some((grid.cell_at(point), grid.cell[0].max(grid.cell[1])))
+    /// The grid of a surface, if it has cells.
+    pub fn of(&self, surface: SurfaceId) -> Option<&Grid> {
+        self.grids[surface.index()].as_ref()
     }
 
     /// The point at `(u, v)`, each in [0, 1], of the cell that `point` of the surface lies in; it may lie beside the surface.

@@ -9,13 +9,14 @@ mod ends;
 mod grid;
 mod light_tree;
 mod next_event;
+mod open_parts;
 mod particles;
 mod place;
 mod reflector_rays;
 mod reflectors;
 mod trace;
 
-pub(crate) use ends::{Ends, INSIDE};
+pub(crate) use ends::Ends;
 pub(crate) use grid::{Grid, NO_CELL, Resolution, cell_count};
 pub(crate) use particles::Illumination;
 pub(crate) use place::{Directions, Place, place_at};

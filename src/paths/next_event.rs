@@ -4,6 +4,16 @@
 //! exitance if nothing were in between; rays go to pieces in proportion to that, so no single ray weighs much, even a millimetre
 //! from an emitter. Where there are fewer rays than emitters, each ray first draws an emitter from the light tree, so its cost
 //! hardly grows with their number.
+//!
+//! # Control variate
+//! How much a piece would bring is known exactly, F; a ray samples it, s, and tells whether it is visible, v. The sample is
+//!
+//! ```text
+//! v s + beta (F - s)
+//! ```
+//!
+//! with beta the part of the place's other rays that see emitters, which does not depend on this ray, so that there is no bias. Where nothing
+//! is occluded it is F, without noise; where everything is, it is 0.
 
 use glam::DVec3;
 
@@ -49,6 +59,8 @@ pub(super) struct EmitterRays {
     segments: Vec<Segment>,
     drawn: Vec<Drawn>,
     occluded: Vec<bool>,
+    /// By place: its rays, and those that see an emitter.
+    seeing: Vec<[u32; 2]>,
 }
 
 impl Emitters<'_> {
@@ -85,10 +97,20 @@ impl Emitters<'_> {
         }
         self.rays.occluded(&memory.segments, &mut memory.occluded);
 
-        // A control variate: the exact form factor less what is blocked, so there is no noise where nothing is blocked.
+        // How much each place sees, and by that the samples.
         let channels = self.scene.channels();
+        memory.seeing.clear();
+        memory.seeing.resize(places.len(), [0, 0]);
         for (drawn, occluded) in memory.drawn.iter().zip(&memory.occluded) {
-            let visible = drawn.form_factor - if *occluded { drawn.sampled } else { 0.0 };
+            let [rays, seeing] = &mut memory.seeing[drawn.place];
+            *rays += 1;
+            *seeing += u32::from(!occluded);
+        }
+        for (drawn, occluded) in memory.drawn.iter().zip(&memory.occluded) {
+            let sees = u32::from(!occluded);
+            let [rays, seeing] = memory.seeing[drawn.place];
+            let beta = if rays > 1 { f64::from(seeing - sees) / f64::from(rays - 1) } else { 0.0 };
+            let visible = f64::from(sees) * drawn.sampled + beta * (drawn.form_factor - drawn.sampled);
             let exitance = &self.scene.material_of(drawn.emitter).exitance;
             for (h, e) in irradiance[drawn.place * channels..][..channels].iter_mut().zip(exitance) {
                 *h += visible * drawn.share * e;

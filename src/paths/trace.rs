@@ -1,8 +1,9 @@
 //! Light paths: how they go on, and where they end.
 //!
 //! A path leaves a place in a cosine-distributed direction. Where its ray arrives it ends in the cell there, if the cell is small
-//! as seen from where the ray started. A nearer cell is too coarse, for it has one value only: the path goes on from the point
-//! itself, with one next-event ray and one cosine-distributed ray.
+//! as seen from where the ray started, and has a value at that point ([`OpenParts`]). Else one value would be too coarse: the path goes on
+//! from the point itself, with one next-event ray and one cosine-distributed ray. Paths of little weight go on at random, so that what
+//! they bring is right on average however often they go on ([`Ends::goes_on`]).
 //!
 //! Next-event rays bring the light of emitters, and of bright reflectors by cells that are small; so a path that arrives in such a
 //! cell brings nothing.
@@ -11,8 +12,9 @@ use glam::DVec3;
 
 use super::emitters::Emitters;
 use super::ends::{Continuation, Ends};
-use super::grid::{Grids, NO_CELL};
+use super::grid::{Grid, Grids, NO_CELL};
 use super::next_event::EmitterRays;
+use super::open_parts::OpenParts;
 use super::place::{Directions, Place};
 use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
 use super::reflectors::Brightness;
@@ -25,11 +27,9 @@ use crate::visibility::{Hit, NO_PLANE, Ray, Segment};
 /// Empirical.
 const SMALL_FROM: f64 = 2.0;
 
-/// After so many bounces a path ends in the next cell, small or not. Safety limit.
-const MAX_BOUNCES: u32 = 16;
-
-/// A path with this weight or less left ends in the next cell, small or not: it can add but little error. Empirical.
-const LITTLE: f64 = 0.25;
+/// After so many bounces a path ends and brings no more. Safety limit: at a reflectance of 0.99, Russian roulette leaves fewer than one
+/// path in a million so long.
+const MAX_BOUNCES: u32 = 2048;
 
 /// Next-event rays to reflectors for each one to emitters. Empirical.
 const REFLECTOR_RAYS: f64 = 0.5;
@@ -56,11 +56,9 @@ pub(crate) struct PathScratch {
 enum Arrival {
     /// Nothing, what sends nothing, or what next-event rays bring.
     Nothing,
-    Back,
     /// A cell that is small, and the point in it.
     Cell(u32, DVec3),
-    /// A point from which the path goes on; with its cell, if that is small and only the least number of bounces forbids to end
-    /// there.
+    /// A point from which the path goes on; with its cell, if only the least number of bounces forbids to end there.
     Onward(DVec3, SurfaceId, Option<u32>),
 }
 
@@ -68,6 +66,7 @@ enum Arrival {
 pub(crate) struct LightPaths<'a> {
     pub scene: &'a Scene,
     pub grids: Grids,
+    open_parts: OpenParts<'a>,
     rays: &'a Rays<'a>,
     emitters: Emitters<'a>,
     reflectors: Reflectors<'a>,
@@ -86,7 +85,7 @@ impl<'a> LightPaths<'a> {
             material.reflectance.iter().all(|&rho| rho == 0.0) && (!material.emits() || emitters.contains(surface))
         };
         let is_black = (0..scene.surfaces().len() as u32).map(|surface| is_black(SurfaceId(surface))).collect();
-        Self { scene, rays, grids, emitters, reflectors, is_black }
+        Self { scene, rays, grids, open_parts: OpenParts::new(scene), emitters, reflectors, is_black }
     }
 
     /// Next-event estimation: adds the irradiance from emitters at each place, by `count` rays, and fills `scratch.seen` with what
@@ -99,18 +98,30 @@ impl<'a> LightPaths<'a> {
     /// Fills `scratch.seen` by the rays to reflectors that go with `count` rays to emitters.
     pub fn see_reflectors(&self, places: &[Place], count: u32, scratch: &mut PathScratch) {
         let to_reflectors = (f64::from(count) * REFLECTOR_RAYS).ceil() as u32;
-        self.reflectors.see(places, self.rays, to_reflectors, &mut scratch.reflector_rays, &mut scratch.seen);
+        self.see(places, to_reflectors, &mut scratch.reflector_rays, &mut scratch.seen);
     }
 
-    /// The cell of a place.
-    pub fn cell_at(&self, place: &Place) -> Option<u32> {
-        self.grids.cell_at(place.surface, place.point).map(|(cell, _)| cell)
+    /// Casts rays to reflectors; points where cells have no value are left to paths.
+    fn see(&self, places: &[Place], count: u32, memory: &mut ReflectorRays, seen: &mut Vec<SeenCell>) {
+        self.reflectors.see(places, self.rays, count, memory, seen);
+        seen.retain(|seen| self.cell_at(seen.surface, seen.point).is_some());
     }
 
-    /// The cell of a point, if it is small as seen from `distance` metres away.
+    /// The cell that has a value at a point.
+    pub fn cell_at(&self, surface: SurfaceId, point: DVec3) -> Option<u32> {
+        let grid = self.grids.of(surface)?;
+        self.open_parts.contains(surface, grid, point).then(|| grid.cell_at(point))
+    }
+
+    /// A random point of cell number `index` of a surface's grid where it has a value.
+    pub fn sampled_point(&self, surface: SurfaceId, grid: &Grid, index: usize, seed: u64) -> Option<DVec3> {
+        self.open_parts.sampled_point(surface, grid, index, seed)
+    }
+
+    /// The cell that has a value at a point, if it is small as seen from `distance` metres away.
     fn small_cell(&self, surface: SurfaceId, point: DVec3, distance: f64) -> Option<u32> {
-        let (cell, size) = self.grids.cell_at(surface, point)?;
-        (distance >= SMALL_FROM * size).then_some(cell)
+        let is_small = distance >= SMALL_FROM * self.grids.of(surface)?.size();
+        if is_small { self.cell_at(surface, point) } else { None }
     }
 
     /// The exitance of a surface by channel; `None` if next-event estimation brings it.
@@ -152,7 +163,7 @@ impl<'a> LightPaths<'a> {
                 break;
             }
             self.reflect(scratch);
-            self.go_on(scratch, bounce < bounces, bounce == MAX_BOUNCES);
+            self.go_on(scratch, bounce < bounces);
         }
     }
 
@@ -177,7 +188,6 @@ impl<'a> LightPaths<'a> {
         for (path, (ray, hit)) in rays.iter().zip(&scratch.hits).enumerate() {
             match self.arrival(places[path / count as usize].surface, ray, *hit, beyond) {
                 Arrival::Nothing => {}
-                Arrival::Back => ends.back[path] = true,
                 Arrival::Cell(cell, point) => (ends.cell[path], ends.point[path]) = (cell, point),
                 Arrival::Onward(point, surface, small) => {
                     let (place, ray) = (path / count as usize, path % count as usize);
@@ -211,7 +221,7 @@ impl<'a> LightPaths<'a> {
         }
 
         // Bright reflectors, whose radiosities are not known here.
-        self.reflectors.see(heads, self.rays, 1, reflector_rays, seen);
+        self.see(heads, 1, reflector_rays, seen);
         for seen in &*seen {
             let continuation = continuation_of[seen.by];
             ends.seen.push((continuation, seen.cell));
@@ -220,10 +230,9 @@ impl<'a> LightPaths<'a> {
         }
     }
 
-    /// Casts the next ray of each continuation, which ends in a small cell. One with little weight left ends in any cell, and with
-    /// `anywhere` all do: else many paths would go to and fro between near surfaces, such as the books of a shelf, up to
-    /// [`MAX_BOUNCES`]. With `beyond` no small cell ends a path.
-    fn go_on(&self, scratch: &mut PathScratch, beyond: bool, anywhere: bool) {
+    /// Casts the next ray of each continuation, which ends in a small cell; else it goes on, by Russian roulette if it has little weight
+    /// left. With `beyond` no small cell ends a path.
+    fn go_on(&self, scratch: &mut PathScratch, beyond: bool) {
         let PathScratch { ends, rays, hits, heads, continuation_of, .. } = scratch;
         rays.clear();
         heads.iter().for_each(|head| rays.extend(self.cosine_rays(head, 0..1)));
@@ -231,17 +240,17 @@ impl<'a> LightPaths<'a> {
 
         // Those that do not end stay in the lists, moved to the front.
         let channels = self.scene.channels();
-        let little_is_left = |number: usize| ends.weight[number * channels..][..channels].iter().all(|&weight| weight <= LITTLE);
         let mut left = 0;
         for (index, (ray, hit)) in rays.iter().zip(&*hits).enumerate() {
             let continuation = continuation_of[index];
             match self.arrival(heads[index].surface, ray, *hit, beyond) {
-                Arrival::Nothing | Arrival::Back => {}
+                Arrival::Nothing => {}
                 Arrival::Cell(cell, _) => ends.continued[continuation].cell = cell,
-                Arrival::Onward(point, surface, _) if anywhere || little_is_left(continuation) => {
-                    ends.continued[continuation].cell = self.grids.cell_at(surface, point).map_or(NO_CELL, |(cell, _)| cell);
-                }
                 Arrival::Onward(point, surface, _) => {
+                    let draw = sampling::unit(sampling::hash(heads[index].seed, streams::ROULETTE));
+                    if !ends.goes_on(continuation, draw, channels, self.cell_at(surface, point)) {
+                        continue;
+                    }
                     heads[left] = Place { point, surface, seed: sampling::hash(heads[index].seed, streams::NEXT_BOUNCE) };
                     continuation_of[left] = continuation;
                     left += 1;
@@ -256,7 +265,7 @@ impl<'a> LightPaths<'a> {
     fn arrival(&self, from: SurfaceId, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
         let Some(hit) = hit else { return Arrival::Nothing };
         let direction = DVec3::from(ray.direction);
-        let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { return Arrival::Back };
+        let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { return Arrival::Nothing };
         if self.is_black[surface.index()] {
             return Arrival::Nothing;
         }

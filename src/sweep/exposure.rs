@@ -5,9 +5,10 @@
 //! means over the exposed part, form factors and visibilities are those of the whole, and the irradiance that a node gathers is
 //! divided by its exposure.
 //!
-//! Exposure is sampled, by one cosine-distributed ray from each point. A point is hidden if its ray first meets a back. It is
-//! hidden, too, if the ray leaves the scene and the point lies on a surface of the same plane that faces the other way, such as the
-//! underside of a box on a floor: rays ignore what lies in their own plane.
+//! Exposure is sampled by cosine-distributed rays. A point is hidden if all its rays first meet backs: one that meets anything else shows
+//! that light may come there, however many backs there are around. It is hidden, too, if rays leave the scene and the point lies on a
+//! surface of the same plane that faces the other way, such as the underside of a box on a floor: rays ignore what lies in their own
+//! plane.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -37,8 +38,12 @@ const LEAKS: f64 = 1e-5;
 const SURFACE_SAMPLES: std::ops::RangeInclusive<u32> = 8..=64;
 const ALL_SAMPLES: u32 = 1 << 19;
 
-/// Rays from a piece of a surface that something stands on.
+/// Points of a piece of a surface that something stands on.
 const PIECE_SAMPLES: u32 = 16;
+
+/// A point is hidden if so many rays all meet backs. One from which light can come by a tenth of the directions is taken for hidden once in
+/// thirty times.
+const HIDDEN_RAYS: u32 = 32;
 
 impl Exposure {
     /// The exposed part of a node, 0 to 1.
@@ -136,7 +141,7 @@ pub(crate) fn sampled_exposed_point(
         0.0 => None,
         _ => {
             let mut points = sampled_points(hierarchy, by_plane, rays, node, PIECE_SAMPLES, seed);
-            points.find_map(|(point, end)| (end != End::Back).then_some(point))
+            points.find_map(|point| (!point.is_hidden).then_some(point.point))
         }
     }
 }
@@ -163,9 +168,9 @@ fn sampled_exposure(
     seed: u64,
 ) -> Sampled {
     let (mut exposed, mut outside) = (0, 0);
-    for (_, end) in sampled_points(hierarchy, by_plane, rays, node, samples, seed) {
-        exposed += u32::from(end != End::Back);
-        outside += u32::from(end == End::Outside);
+    for point in sampled_points(hierarchy, by_plane, rays, node, samples, seed) {
+        exposed += u32::from(!point.is_hidden);
+        outside += u32::from(point.end == End::Outside);
     }
     Sampled { exposure: exposed as f32 / samples as f32, rays: samples, outside }
 }
@@ -201,7 +206,15 @@ enum End {
     Outside,
 }
 
-/// Points of a node, uniform by area, each with where a cosine-distributed ray from it ends; a point is hidden if that is a back.
+/// A point of a node.
+struct SampledPoint {
+    point: DVec3,
+    /// Where its first ray ends.
+    end: End,
+    is_hidden: bool,
+}
+
+/// Points of a node, uniform by area.
 fn sampled_points(
     hierarchy: &Hierarchy,
     by_plane: &ByPlane<'_>,
@@ -209,7 +222,7 @@ fn sampled_points(
     node: NodeId,
     samples: u32,
     seed: u64,
-) -> impl Iterator<Item = (DVec3, End)> {
+) -> impl Iterator<Item = SampledPoint> {
     let scene = by_plane.scene;
     let facet = hierarchy.facet(node);
     let surface = SurfaceId(hierarchy.node(node).surface);
@@ -217,26 +230,48 @@ fn sampled_points(
     let frame = Frame::around(facet.normal);
     let seed = sampling::hash(seed, streams::EXPOSURE + u64::from(node.0));
 
-    // The rays.
+    // The first rays, and where they end.
     let ray = |sample| {
         let [u, v, s, t] = sampling::sobol_4d(sample, seed);
         Ray { origin: facet.point_at(u, v).to_array(), direction: frame.sampled_by_cosine(s, t).to_array(), origin_plane }
     };
-    let cast: Vec<Ray> = (0..samples).map(ray).collect();
+    let mut cast: Vec<Ray> = (0..samples).map(ray).collect();
     let mut hits = Vec::new();
     rays.first_hits(&cast, &mut hits);
-
-    // Where they end.
-    let leaves_scene = hits.iter().any(Option::is_none);
-    let opposite: Vec<Facet<'_>> = if leaves_scene { by_plane.opposite(surface).collect() } else { Vec::new() };
-    let end = |ray: &Ray, hit: Option<Hit>| match hit {
-        None if opposite.iter().any(|facing| facing.contains(DVec3::from(ray.origin))) => End::Back,
-        None => End::Outside,
+    let mut opposite: Option<Vec<Facet<'_>>> = None;
+    let mut end = |ray: &Ray, hit: Option<Hit>| match hit {
+        None => {
+            let opposite = opposite.get_or_insert_with(|| by_plane.opposite(surface).collect());
+            let is_hidden = opposite.iter().any(|facing| facing.contains(DVec3::from(ray.origin)));
+            if is_hidden { End::Back } else { End::Outside }
+        }
         Some(hit) => {
             let side = scene.side_towards(SurfaceId(hit.surface), -DVec3::from(ray.direction));
             side.map_or(End::Back, |_| End::Front)
         }
     };
-    let ends: Vec<(DVec3, End)> = cast.iter().zip(hits).map(|(ray, hit)| (DVec3::from(ray.origin), end(ray, hit))).collect();
-    ends.into_iter()
+    let first = |(ray, hit): (&Ray, &Option<Hit>)| {
+        let end = end(ray, *hit);
+        SampledPoint { point: DVec3::from(ray.origin), end, is_hidden: end == End::Back }
+    };
+    let mut points: Vec<SampledPoint> = cast.iter().zip(&hits).map(first).collect();
+
+    // More from those that met backs, until one does not.
+    for round in 1..HIDDEN_RAYS {
+        let hidden: Vec<usize> = (0..points.len()).filter(|&index| points[index].is_hidden).collect();
+        let directions = sampling::shifted_sobol_2d(sampling::hash(seed, streams::EXPOSURE_AGAIN + u64::from(round)));
+        let again = |(number, &index): (u32, &usize)| {
+            let [s, t] = directions(number);
+            Ray { origin: points[index].point.to_array(), direction: frame.sampled_by_cosine(s, t).to_array(), origin_plane }
+        };
+        cast = (0..).zip(&hidden).map(again).collect();
+        if cast.is_empty() {
+            break;
+        }
+        rays.first_hits(&cast, &mut hits);
+        for ((index, ray), hit) in hidden.into_iter().zip(&cast).zip(&hits) {
+            points[index].is_hidden = end(ray, *hit) == End::Back;
+        }
+    }
+    points.into_iter()
 }

@@ -106,18 +106,15 @@ impl FinalGather<'_> {
     }
 
     fn add_sampled_indirect_of_batch(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
-        // Follow the paths. Those from inside a solid see the inner representatives of cells.
         let channels = self.paths.scene.channels();
         let share = 1.0 / f64::from(count);
         self.paths.follow(places, count, self.bounces, scratch);
         let ends = &scratch.ends;
-        let inside = ends.inside(count);
-        let sent_to = |place: usize, cell| self.radiosities.seen_from(inside[place], cell);
 
         // Paths that end where their first rays arrive.
-        for (place, (cells, irradiance)) in ends.cell.chunks(count as usize).zip(irradiance.chunks_mut(channels)).enumerate() {
+        for (cells, irradiance) in ends.cell.chunks(count as usize).zip(irradiance.chunks_mut(channels)) {
             for &cell in cells.iter().filter(|&&cell| cell != NO_CELL) {
-                irradiance.iter_mut().zip(sent_to(place, cell)).for_each(|(h, &sent)| *h += share * f64::from(sent));
+                irradiance.iter_mut().zip(self.radiosities.of(cell)).for_each(|(h, &sent)| *h += share * f64::from(sent));
             }
         }
 
@@ -128,15 +125,15 @@ impl FinalGather<'_> {
             let irradiance = &mut irradiance[place * channels..][..channels];
             irradiance.iter_mut().zip(&ends.constant[own.clone()]).for_each(|(h, constant)| *h += share * constant);
             if continuation.cell != NO_CELL {
-                let sent = sent_to(place, continuation.cell).iter().zip(&ends.weight[own]);
+                let sent = self.radiosities.of(continuation.cell).iter().zip(&ends.weight[own]);
                 irradiance.iter_mut().zip(sent).for_each(|(h, (&sent, weight))| *h += share * weight * f64::from(sent));
             }
         }
 
-        // Reflectors that they saw on the way.
+        // Other cells whose light they bring.
         for (&(continuation, cell), weight) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
             let place = ends.continued[continuation].path / count as usize;
-            let sent = sent_to(place, cell).iter().zip(weight);
+            let sent = self.radiosities.of(cell).iter().zip(weight);
             let irradiance = &mut irradiance[place * channels..][..channels];
             irradiance.iter_mut().zip(sent).for_each(|(h, (&sent, weight))| *h += share * weight * f64::from(sent));
         }

@@ -78,6 +78,14 @@ pub(crate) struct LinkScratch {
     beyond: Option<Box<LinkScratch>>,
 }
 
+/// The transmittance that is expected by the link, 0 to 1.
+#[derive(Clone, Copy)]
+struct Expected {
+    transmittance: f64,
+    /// The same where the link is one between polygons; 0 where a cluster is in it, whose parts may be seen or not.
+    control: f64,
+}
+
 /// A source, or a piece of one, as seen from the point.
 #[derive(Clone, Copy)]
 struct SourcePiece {
@@ -92,8 +100,7 @@ struct SourcePiece {
     /// that is expected, of a cluster all that it brings.
     worth: f64,
     near: bool,
-    /// The transmittance that is expected by the link, 0 to 1.
-    expected: f64,
+    expected: Expected,
     rays: u32,
     /// The probability with which the rays are cast.
     chance: f64,
@@ -101,7 +108,7 @@ struct SourcePiece {
 
 impl SourcePiece {
     /// A piece without rays yet; `None` if it brings nothing.
-    fn new(node: NodeId, part: Option<Part>, form_factor: f64, worth: f64, near: bool, expected: f64) -> Option<Self> {
+    fn new(node: NodeId, part: Option<Part>, form_factor: f64, worth: f64, near: bool, expected: Expected) -> Option<Self> {
         let piece = Self { node, part, form_factor, of_whole: form_factor, worth, near, expected, rays: 0, chance: 1.0 };
         (worth > 0.0).then_some(piece)
     }
@@ -178,19 +185,19 @@ impl<'a> LinkGather<'a> {
         self.place_rays(receiver, share, budget, scratch);
         self.rays.occluded(&scratch.segments, &mut scratch.occluded);
 
-        // A piece brings its form factor times its mean radiosity (a control variate), corrected by what its rays find. A piece
-        // whose ray was cast by chance brings what is expected of it, corrected if the ray was cast: no bias in either case. The
-        // form factor of a cluster is too rough for a control variate: a cluster brings what its rays find.
+        // A piece brings what its rays find, and as control variate the part of its form factor that the link expects to see, less what
+        // the rays sampled of that: so what is seen is exact, and what is hidden dark. A piece whose ray was cast by chance brings what is
+        // expected of it, corrected if the ray was cast: no bias in either case. The form factor of a cluster is too rough for a control
+        // variate: a cluster brings what its rays find.
         let LinkScratch { pieces, segments, weights, met, occluded, there, beyond, .. } = scratch;
         there.resize(irradiance.len(), 0.0);
         let mut rays = segments.iter().zip(weights).zip(met).zip(occluded);
         for piece in pieces {
             let mean = self.radiosity.of(piece.node);
             let cluster = self.hierarchy.is_cluster(piece.node);
-            let seen = if piece.rays == 0 { piece.expected } else { piece.expected + (1.0 - piece.expected) / piece.chance };
-            let mut brought = if cluster { 0.0 } else { piece.form_factor * seen };
+            let mut brought = if cluster { 0.0 } else { piece.form_factor * piece.expected.control };
             for (((segment, &mut weight), &mut met), &mut occluded) in rays.by_ref().take(piece.rays as usize) {
-                brought -= if cluster { 0.0 } else { weight };
+                brought -= if cluster { 0.0 } else { piece.expected.control * weight };
                 if occluded {
                     continue;
                 }
@@ -220,7 +227,9 @@ impl<'a> LinkGather<'a> {
         let mut node = Some(receiver.leaf);
         while let Some(above) = node {
             for link in self.links.of(above) {
-                let expected = f64::from(0.5 * (link.seen + link.transmittance)).clamp(0.0, 1.0);
+                let transmittance = f64::from(0.5 * (link.seen + link.transmittance)).clamp(0.0, 1.0);
+                let has_cluster = self.hierarchy.is_cluster(above) || self.hierarchy.is_cluster(link.source);
+                let expected = Expected { transmittance, control: if has_cluster { 0.0 } else { transmittance } };
                 self.collect(receiver, link.source, expected, &mut scratch.pieces);
             }
             node = self.hierarchy.parent(above);
@@ -228,7 +237,7 @@ impl<'a> LinkGather<'a> {
     }
 
     /// Appends a source as seen from the point; for a near cluster its children instead.
-    fn collect(&self, receiver: &Receiver<'_>, source: NodeId, expected: f64, pieces: &mut Vec<SourcePiece>) {
+    fn collect(&self, receiver: &Receiver<'_>, source: NodeId, expected: Expected, pieces: &mut Vec<SourcePiece>) {
         if !self.hierarchy.is_cluster(source) {
             pieces.extend(self.piece(receiver, source, None, &self.hierarchy.facet(source), expected));
             return;
@@ -242,7 +251,7 @@ impl<'a> LinkGather<'a> {
     }
 
     /// A cluster as seen from the point, by the area that it shows; `None` if it lies behind or is dark.
-    fn cluster_piece(&self, receiver: &Receiver<'_>, node: NodeId, expected: f64) -> Option<SourcePiece> {
+    fn cluster_piece(&self, receiver: &Receiver<'_>, node: NodeId, expected: Expected) -> Option<SourcePiece> {
         let cluster = self.hierarchy.node(node);
         let to_cluster = cluster.centroid - receiver.point;
         let distance_sq = to_cluster.length_squared();
@@ -265,12 +274,12 @@ impl<'a> LinkGather<'a> {
         node: NodeId,
         part: Option<Part>,
         facet: &Facet<'_>,
-        expected: f64,
+        expected: Expected,
     ) -> Option<SourcePiece> {
         let form_factor = point_to_polygon(receiver.point, receiver.normal, facet);
 
         // The noise of a ray: by visibility, and by radiosity that varies over the polygon.
-        let doubt = doubt(expected);
+        let doubt = doubt(expected.transmittance);
         let shrunk = if part.is_some() { facet.radius / self.hierarchy.node(node).radius } else { 1.0 };
         let scatter = |(b, deviation): (&f64, &f64)| ((b * doubt).powi(2) + (2.0 * deviation * shrunk).powi(2)).sqrt();
         let scatters = self.radiosity.of(node).iter().zip(self.variation.deviation(node)).map(scatter);

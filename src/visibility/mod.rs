@@ -30,12 +30,14 @@ mod embree;
 #[cfg(feature = "embree4-sys")]
 mod embree4_sys;
 mod mesh;
+mod near;
 mod obvhs;
 mod occluders;
 
 pub use backend::{Backend, VisibilityError};
 pub use build::build;
 pub use mesh::OccluderMesh;
+pub(crate) use near::SurfaceBoxes;
 
 /// A plane number that belongs to no surface: nothing is ignored at that end.
 pub const NO_PLANE: u32 = u32::MAX;

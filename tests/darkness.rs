@@ -1,0 +1,109 @@
+//! Where no path can bring light, none arrives; and what no light meets changes nothing.
+
+#[path = "support/rooms.rs"]
+mod rooms;
+#[path = "support/triangles.rs"]
+mod triangles;
+
+use patchlight::scene::SurfacePoint;
+use patchlight::solve::{SolveOptions, Solver};
+use rooms::{Room, solve, straight, values};
+
+/// Points just inside the edges of a box, and in the middles of its faces, on all six faces seen from inside.
+fn inside(corner: [f64; 3], sides: [f64; 3]) -> Vec<SurfacePoint> {
+    let mut points = Vec::new();
+    for axis in 0..3 {
+        for (end, sign) in [(0.0, 1.0), (1.0, -1.0)] {
+            for (s, t) in [(0.5, 0.5), (0.001, 0.3), (0.7, 0.999), (0.01, 0.99)] {
+                let mut at = [s; 3];
+                (at[axis], at[(axis + 1) % 3]) = (end, t);
+                let mut normal = [0.0; 3];
+                normal[axis] = sign;
+                points.push(SurfacePoint { position: std::array::from_fn(|k| corner[k] + at[k] * sides[k]), normal });
+            }
+        }
+    }
+    points
+}
+
+fn options(solver: Solver, error: f64, seed: u64) -> SolveOptions {
+    SolveOptions { error, solver, seed, ..SolveOptions::default() }
+}
+
+#[test]
+fn a_sealed_box_of_thin_walls_is_dark_inside() {
+    // Cells are as large as the box, and its walls stand across them.
+    let (corner, sides) = ([1.37, 1.21, 0.0], [0.31, 0.23, 0.2]);
+    let room = || {
+        let mut room = Room::default();
+        let (grey, lamp) = (room.material(&[0.7], &[0.0]), room.material(&[0.0], &[10.0]));
+        room.cuboid([0.0; 3], straight(4.0, 4.0, 2.5), true, |_, face| if face == 1 { lamp } else { grey });
+        let [x, y, z] = sides;
+        room.cuboid(corner, straight(x, y, z), false, |_, _| grey);
+        room.cuboid(corner, straight(x, y, z), true, |_, _| grey);
+        room.scene()
+    };
+    for (error, seed) in [(0.1, 0), (0.05, 1), (0.02, 2)] {
+        let (evaluator, _) = solve(room(), &options(Solver::Cells, error, seed));
+        let found = values(&evaluator, &inside(corner, sides));
+        assert!(found.iter().all(|&value| value == 0.0), "at {error}: {found:?}");
+    }
+}
+
+#[test]
+fn a_room_behind_double_walls_is_dark_over_links_and_over_cells() {
+    let room = || {
+        let mut room = Room::default();
+        let (grey, lamp) = (room.material(&[0.7], &[0.0]), room.material(&[0.5], &[10.0]));
+        room.cuboid([0.0; 3], straight(4.0, 4.0, 3.0), true, |_, _| grey);
+        room.cuboid([4.1, 0.0, 0.0], straight(3.9, 4.0, 3.0), true, |_, _| grey);
+        room.quad([1.5, 1.5, 2.9], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], lamp);
+        room.scene()
+    };
+    for solver in [Solver::Links, Solver::Cells] {
+        for (error, seed) in [(0.05, 0), (0.02, 1)] {
+            let (evaluator, _) = solve(room(), &options(solver, error, seed));
+            let found = values(&evaluator, &inside([4.1, 0.0, 0.0], [3.9, 4.0, 3.0]));
+            assert!(found.iter().all(|&value| value == 0.0), "{solver:?} at {error}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_black_box_around_changes_nothing() {
+    // The open side of the room looks at the back of a black face, from a tenth of its depth: more than half of the rays from walls beside
+    // it meet that.
+    let room = |boxed: bool| {
+        let mut room = Room::default();
+        let (grey, lamp, black) = (room.material(&[0.6], &[0.0]), room.material(&[0.0], &[10.0]), room.material(&[0.0], &[0.0]));
+        for (corner, u, v) in [
+            ([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
+            ([0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]),
+            ([0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]),
+            ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]),
+            ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]),
+        ] {
+            room.quad(corner, u, v, grey);
+        }
+        room.quad([0.3, 0.3, 0.99], [0.0, 0.4, 0.0], [0.4, 0.0, 0.0], lamp);
+        if boxed {
+            room.cuboid([-0.1; 3], straight(1.2, 1.2, 1.2), false, |_, _| black);
+        }
+        room.scene()
+    };
+    let points: Vec<SurfacePoint> = (0..64)
+        .map(|k| [f64::from(k % 8), f64::from(k / 8)].map(|along| (along + 0.5) / 8.0))
+        .map(|[x, y]| SurfacePoint { position: [x, y, 0.0], normal: [0.0, 0.0, 1.0] })
+        .collect();
+    for solver in [Solver::Links, Solver::Cells] {
+        let [(alone, report), (boxed, report_boxed)] =
+            [false, true].map(|is_boxed| solve(room(is_boxed), &options(solver, 0.01, 0)));
+        let [alone, boxed] = [alone, boxed].map(|evaluator| values(&evaluator, &points));
+        let norm: f64 = alone.iter().map(|value| value * value).sum();
+        let apart: f64 = alone.iter().zip(&boxed).map(|(a, b)| (a - b).powi(2)).sum();
+        println!("{solver:?}: {} apart, {} and {} links", (apart / norm).sqrt(), report.counts.links, report_boxed.counts.links);
+        // Either is claimed to be within 1%.
+        assert!((apart / norm).sqrt() < 0.02);
+        assert!(report_boxed.counts.links < 2 * report.counts.links);
+    }
+}
