@@ -8,7 +8,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::equations::{BATCH, Equations, ReflectorTerms};
-use super::view_points::{Arrival, VIEW_POINTS, view_points};
+use super::view_points::{Arrival, VIEW_POINTS, view_point_count, view_points};
 use crate::geometry::{sampling, streams};
 use crate::paths::{Directions, Ends, LightPaths, NO_CELL, PathScratch, Place};
 
@@ -42,7 +42,8 @@ impl Equations {
     pub fn of_paths(paths: &LightPaths<'_>, cells: &[Option<Place>], count: u32, seed: u64) -> Self {
         let mut equations = Self::empty(cells.len(), count as usize, paths.scene.channels());
         let arrivals = equations.follow(paths, cells, seed);
-        let points = view_points(cells.len(), &arrivals, sampling::hash(seed, streams::VIEW_POINTS));
+        let points =
+            view_points(cells.len(), view_point_count(count as usize), &arrivals, sampling::hash(seed, streams::VIEW_POINTS));
         equations.add_next_event(paths, cells, &points);
         equations
     }
@@ -76,6 +77,7 @@ impl Equations {
     /// Casts as many next-event rays from the view points of each cell as paths left it, and adds the light to the rows.
     fn add_next_event(&mut self, paths: &LightPaths<'_>, cells: &[Option<Place>], points: &[Option<[[f32; 2]; VIEW_POINTS]>]) {
         let (channels, count) = (self.channels, self.paths);
+        let of_cell = view_point_count(count);
         let Self { constant, end, weight, of_reflectors, .. } = self;
         let batches = cells
             .par_chunks(BATCH)
@@ -92,22 +94,22 @@ impl Equations {
                 .zip(&places)
                 .flat_map(|(&index, place)| {
                     let points = points[index];
-                    (0..VIEW_POINTS).map(move |number| at_view_point(paths, place, number, points.map(|points| points[number])))
+                    (0..of_cell).map(move |number| at_view_point(paths, place, number, points.map(|points| points[number])))
                 })
                 .collect();
             let mut irradiance = vec![0.0; starts.len() * channels];
-            paths.add_next_event(&starts, VIEW_POINTS, count.div_ceil(VIEW_POINTS) as u32, scratch, &mut irradiance);
+            paths.add_next_event(&starts, of_cell, count.div_ceil(of_cell) as u32, scratch, &mut irradiance);
 
             // A cell gets the mean over its view points.
-            let part = 1.0 / VIEW_POINTS as f64;
+            let part = 1.0 / of_cell as f64;
             for (number, irradiance) in irradiance.chunks(channels).enumerate() {
-                let position = number / VIEW_POINTS;
+                let position = number / of_cell;
                 let reflectance = &paths.scene.material_of(places[position].surface).reflectance;
                 let constant = constant[indices[position] * channels..].iter_mut();
                 constant.zip(irradiance).zip(reflectance).for_each(|((constant, h), rho)| *constant += part * rho * h);
             }
             for seen in &scratch.seen {
-                let position = seen.by / VIEW_POINTS;
+                let position = seen.by / of_cell;
                 let reflectance = &paths.scene.material_of(places[position].surface).reflectance;
                 terms.add(indices[position], seen.cell, std::iter::repeat(part * seen.weight), reflectance);
             }

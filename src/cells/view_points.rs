@@ -7,8 +7,13 @@ use rayon::prelude::*;
 
 use crate::geometry::sampling;
 
-/// View points of a cell. Empirical.
+/// View points of a cell at most; with fewer paths from its position it has as many as these. Empirical.
 pub(super) const VIEW_POINTS: usize = 4;
+
+/// How many view points go with so many paths.
+pub(super) fn view_point_count(paths: usize) -> usize {
+    paths.clamp(1, VIEW_POINTS)
+}
 
 /// A point of a cell where a path arrived.
 #[derive(Clone, Copy)]
@@ -20,9 +25,14 @@ pub(super) struct Arrival {
     pub weight: f32,
 }
 
-/// The view points of each of so many cells, by coordinates within the cell: drawn from its arrivals by weight, by systematic
+/// The view points of each of so many cells, of which the first `count` count, by coordinates within the cell: drawn from its arrivals by weight, by systematic
 /// sampling along the Morton curve through the cell. `None` where nothing arrives.
-pub(super) fn view_points(cells: usize, arrivals: &[Vec<Arrival>], seed: u64) -> Vec<Option<[[f32; 2]; VIEW_POINTS]>> {
+pub(super) fn view_points(
+    cells: usize,
+    count: usize,
+    arrivals: &[Vec<Arrival>],
+    seed: u64,
+) -> Vec<Option<[[f32; 2]; VIEW_POINTS]>> {
     // The arrivals of each cell, one cell after the other.
     let all = || arrivals.iter().flatten();
     let mut starts = vec![0_u32; cells + 1];
@@ -50,7 +60,7 @@ pub(super) fn view_points(cells: usize, arrivals: &[Vec<Arrival>], seed: u64) ->
         let start = sampling::unit(sampling::hash(seed, cell as u64)) as f32;
         let (mut number, mut above) = (0, arrivals.first()?.1);
         Some(std::array::from_fn(|point: usize| {
-            let wanted = (point as f32 + start) / VIEW_POINTS as f32 * total;
+            let wanted = (point.min(count - 1) as f32 + start) / count as f32 * total;
             while above < wanted && number + 1 < arrivals.len() {
                 number += 1;
                 above += arrivals[number].1;
@@ -79,7 +89,7 @@ mod tests {
         let mut low = 0;
         let seeds = 200;
         for seed in 0..seeds {
-            let view_points = view_points(3, &arrivals, seed);
+            let view_points = view_points(3, VIEW_POINTS, &arrivals, seed);
             assert!(view_points[0].is_none() && view_points[2].is_none());
             let view_points = view_points[1].unwrap();
             assert!(view_points.iter().all(|at| at[0] < 0.5));

@@ -80,6 +80,8 @@ pub struct SolveArguments {
 pub struct SettingArguments {
     #[arg(long, value_name = "E", help = option_help::of_flag("error"))]
     pub error: Option<String>,
+    #[arg(long, value_name = "NORM", help = option_help::of_flag("norm"))]
+    pub norm: Option<String>,
     #[arg(long, value_name = "NAME", help = option_help::of_flag("strategy"))]
     pub strategy: Option<String>,
     #[arg(long, value_name = "WHAT", help = option_help::of_flag("importance"))]
@@ -110,6 +112,7 @@ impl SettingArguments {
     pub fn flags(&self) -> impl Iterator<Item = (&'static str, &str)> {
         let flags = [
             ("error", &self.error),
+            ("norm", &self.norm),
             ("strategy", &self.strategy),
             ("importance", &self.importance),
             ("bounds", &self.bounds),

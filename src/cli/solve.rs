@@ -133,8 +133,9 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
     voice.figure(
         "error",
         format_args!(
-            "{:.2}% claimed with {:.0}% confidence; {:.2}% asked for: {reached} (stopped by {})",
+            "{:.2}% claimed in the {} norm with {:.0}% confidence; {:.2}% asked for: {reached} (stopped by {})",
             100.0 * error.estimate,
+            run.options.norm,
             100.0 * error.confidence,
             100.0 * run.options.error,
             stopped_by_name(report)

@@ -1,6 +1,6 @@
 //! How wrong the values are: an estimate from light paths that are independent of the values.
 //!
-//! At random points x the values B~(x) that a user would get are compared with two independent replicates of the truth T, by
+//! At random points x the values B~(x) that a user would get are compared with independent replicates of the truth T, by
 //! next-event estimation and paths. Where values go over links, a replicate estimates all of the light:
 //!
 //! ```text
@@ -12,86 +12,66 @@
 //! taking them twice at half of the points:
 //!
 //! ```text
-//! e^2 = mean of r_1 r_2 + (B~_1 - B~_2)^2 / 2
+//! e^2 = mean of r_i r_j over all pairs i, j and all points, + (B~_1 - B~_2)^2 / 2
 //! ```
 //!
-//! The expected product of two independent replicates is the square of the error, free of the noise of either; over links B~_1 =
-//! B~_2. Each replicate has its own cell radiosities, from other positions and other paths, and its paths take one bounce more than
-//! those of values, so it shares neither the noise nor the size of the values' cells. Replicates take more rays where they are
-//! noisier, else a few points would make up most of the scatter; pilot rays of their own tell where that is.
+//! relative to the light, as the norm says. The expected product of two independent replicates is the square of the error, free of the noise
+//! of either; over links B~_1 = B~_2. Each replicate has its own cell radiosities, from other positions and other paths, and its paths take
+//! one bounce more than those of values, so it shares neither the noise nor the size of the values' cells. Replicates take more rays where
+//! they are noisier, else a few points would make up most of the scatter; pilot rays of their own tell where that is.
 //!
-//! The result is an estimate, with a confidence limit from its scatter over the points. It does not see errors on areas so small
-//! that no point falls on them, noise of a replicate's cells that all points share (most in bright rooms), or errors of light paths
-//! as such: leaks of rays, and the size of cells two bounces away.
+//! The result is an estimate, with a confidence limit from its scatter over the points and from what replicates have in common at all points.
+//! It does not see errors on areas so small that no point falls on them, or errors of light paths as such: leaks of rays, and the size of
+//! cells two bounces away.
 
 use rayon::prelude::*;
 
+use super::claim::{Doubts, FEW_REPLICATES, claim};
+use super::compared::{Cancelled, by_other_rays, compared, is_taken_twice, lit, values_at};
+use super::norm::{ErrorNorm, Lit, NormWeights};
+use super::pairs::{PairProducts, mean_and_variance, variance_by_noise};
 use super::points::{ErrorPoint, Surroundings};
-use super::replicates::{ErrorSample, RayShares, ReplicateGather, Replication};
-use crate::geometry::{sampling, streams};
+use super::replicates::{ErrorSample, REPLICATES, RayShares, ReplicateGather, Replication};
+use crate::geometry::sampling;
 use crate::paths::{PathScratch, Place};
-use crate::values::{Gather, Over, RayBudget, Scratch};
+use crate::values::Gather;
 
-/// The estimated error, relative to `||B - E||`.
+/// An error with its upper confidence limit, see [`claim`]; infinite where nothing can be said.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct ErrorEstimate {
+pub(crate) struct ErrorFigure {
     /// The error itself. Its square is unbiased; 0 where that came out negative.
     pub measured: f64,
-    /// An upper confidence limit, see [`claim`].
     pub claimed: f64,
-    /// Standard deviations of the two parts of the measured square.
+}
+
+impl ErrorFigure {
+    const UNKNOWN: Self = Self { measured: f64::INFINITY, claimed: f64::INFINITY };
+}
+
+/// The estimated error.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ErrorEstimate {
+    /// In the norm that was asked for.
+    pub measured: f64,
+    pub claimed: f64,
+    pub energy: ErrorFigure,
+    pub local: ErrorFigure,
+    /// Standard deviations of the parts of the measured square.
     pub doubts: Doubts,
     /// The part of the replicates' variance that is noise of their rays, and falls with more rays; the rest is scatter of the error
     /// itself over the points.
     pub ray_share: f64,
     /// The part of the error that is noise of the values' gathers; known where values are taken twice.
     pub value_noise: Option<f64>,
+    /// The part of the area of reflecting surfaces where light was found, 0 to 1.
+    pub lit: f64,
 }
-
-/// Standard deviations of a measured square: by the products of replicates, and by the noise of values.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Doubts {
-    pub replicates: f64,
-    pub noise: f64,
-}
-
-impl Doubts {
-    pub fn both(&self) -> f64 {
-        self.replicates.hypot(self.noise)
-    }
-}
-
-/// The upper limit that is claimed for a measured square with this standard deviation: [`CONFIDENCE_SIGMAS`] above it, times
-/// [`UNSEEN`].
-pub(crate) fn claim(error_sq: f64, deviation: f64) -> f64 {
-    UNSEEN * (error_sq.max(0.0) + CONFIDENCE_SIGMAS * deviation).sqrt() + LEFT_BY_SWEEPS
-}
-
-/// The standard deviation that leaves room for a claim of 1, if the square of the error is `error_sq`.
-pub(crate) fn doubt_for_claim(error_sq: f64) -> f64 {
-    ((1.0 / UNSEEN).powi(2) - error_sq) / CONFIDENCE_SIGMAS
-}
-
-/// The claim lies so many standard deviations above the measured square.
-pub(crate) const CONFIDENCE_SIGMAS: f64 = 2.0;
-
-/// A factor on the claim for what scatter does not show: most sets of points miss errors on a small area. Empirical.
-const UNSEEN: f64 = 1.1;
-
-/// What the sweeps over cell radiosities leave undone, relative to the reflected light: values and replicates have it in common.
-const LEFT_BY_SWEEPS: f64 = 2e-5;
-
-/// The one-sided probability that belongs to [`CONFIDENCE_SIGMAS`], for normal scatter.
-pub(crate) const CONFIDENCE: f64 = 0.977;
 
 /// Values over cells are taken twice at one of so many points.
 pub(crate) const TWICE: usize = 2;
 
 /// The noise of values over links is sampled at one of so many points.
 const AGAIN: usize = 4;
-
-/// Whether to stop working.
-type Cancelled<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// Sums over points.
 #[derive(Clone, Copy, Default)]
@@ -115,7 +95,7 @@ impl Moments {
     }
 }
 
-/// A prediction of the noise of values and replicates, relative to `||B - E||^2`.
+/// A prediction of the noise of values and replicates, relative to the light.
 pub(crate) struct Pilot {
     /// The variance of values with the rays that were tried.
     pub noise_sq: f64,
@@ -123,17 +103,17 @@ pub(crate) struct Pilot {
     pub replicate_doubt: f64,
 }
 
-/// The parts of the error of values, relative to the reflected light.
+/// The parts of the error of values, relative to the light.
 pub(crate) struct ErrorParts {
-    /// What is off without the noise of values. Its square is unbiased; 0 where that came out negative.
+    /// What is off without the noise of values, at least: its square less a standard deviation.
     pub bias: f64,
     /// The variance of values.
     pub noise_sq: f64,
 }
 
-/// Samples of the error. Replicates are kept while values change; points and rays are added as they are needed.
-#[derive(Default)]
+/// Samples of the error in one norm. Replicates are kept while values change; points and rays are added as they are needed.
 pub(crate) struct ErrorSamples {
+    norm: ErrorNorm,
     samples: Vec<ErrorSample>,
     /// By sample, the radiosities that a user gets there, by channel; two independent values where they are taken twice, else equal
     /// ones.
@@ -141,8 +121,18 @@ pub(crate) struct ErrorSamples {
 }
 
 impl ErrorSamples {
+    pub fn new(norm: ErrorNorm) -> Self {
+        Self { norm, samples: Vec::new(), values: Vec::new() }
+    }
+
     pub fn is_empty(&self) -> bool {
         self.samples.is_empty()
+    }
+
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.samples.clear();
+        self.values.clear();
     }
 
     /// Forgets the values, because they have changed.
@@ -154,7 +144,7 @@ impl ErrorSamples {
     pub fn add_points(&mut self, points: usize, pilot_rays: u32, with: &Replication<'_>, cancelled: Cancelled<'_>) -> bool {
         let (first, channels) = (self.samples.len(), with.scene.channels());
 
-        // More points where much is reflected.
+        // By energy, more points where much is reflected.
         let around = Surroundings { scene: with.scene, hierarchy: with.hierarchy, radiosity: with.radiosity };
         let seed = sampling::hash(with.seed, first as u64);
         let reflected = |place: &Place| match &with.gathers[0] {
@@ -163,21 +153,27 @@ impl ErrorSamples {
         };
         let knows_cells = matches!(with.gathers[0], ReplicateGather::Residual(_));
         let more = points.saturating_sub(first);
-        let points = around.sampled_points(more, seed, knows_cells.then_some(&reflected as &dyn Fn(&Place) -> f64));
-        let untaken = |ErrorPoint { place, stands_for, .. }| ErrorSample {
+        let points = around.sampled_points(self.norm, more, seed, knows_cells.then_some(&reflected as &dyn Fn(&Place) -> f64));
+        let lit = |point: &ErrorPoint| {
+            let light = if knows_cells { reflected(&point.place) } else { 1.0 };
+            Lit { area: point.stands_for, light, light_sq: light * light }
+        };
+        let weights = NormWeights::new(self.norm, &points.iter().map(lit).collect::<Vec<_>>());
+        let untaken = |(number, ErrorPoint { place, stands_for, .. })| ErrorSample {
             place,
             stands_for,
-            found: [0, 1].map(|_| vec![0.0; channels]),
+            found: std::array::from_fn(|_| vec![0.0; channels]),
             rays: 0,
-            noisiness: 0.0,
+            noise: 0.0,
+            noisiness: weights.as_ref().map_or(1.0, |weights| weights.by_point[number]),
         };
-        self.samples.extend(points.into_iter().map(untaken));
+        self.samples.extend(points.into_iter().enumerate().map(untaken));
 
         // Pilot rays.
         self.samples[first..].par_iter_mut().for_each_init(PathScratch::default, |scratch, sample| {
             if !cancelled() {
-                let of_rays = with.gathers[0].sampled_noisiness(sample.place, pilot_rays, with.scene, scratch);
-                sample.noisiness = sample.stands_for * of_rays;
+                sample.noise = with.gathers[0].sampled_noise(sample.place, pilot_rays, with.scene, scratch);
+                sample.noisiness *= sample.noise;
             }
         });
         !cancelled()
@@ -186,27 +182,29 @@ impl ErrorSamples {
     /// Predicts the noise of values, by values of few rays, and of replicates, by pilot rays. `None` if cancelled, or if nothing is
     /// reflected.
     pub fn pilot(&self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> Option<Pilot> {
-        let samples = || self.samples.iter().step_by(TWICE);
-        let places: Vec<Place> = samples().map(|sample| sample.place).collect();
-        let values = [gather.budget, by_other_rays(gather.budget)].map(|budget| values_at(&places, gather, budget, cancelled));
-        let [Some(values), Some(again)] = values else { return None };
+        let samples: Vec<&ErrorSample> = self.samples.iter().step_by(TWICE).collect();
+        let places: Vec<Place> = samples.iter().map(|sample| sample.place).collect();
+        let values = values_at(&places, gather, gather.budget, cancelled)?;
+        let again = values_at(&places, gather, by_other_rays(gather.budget), cancelled)?;
 
-        // Of values, by the differences of two.
-        let (mut norm_sq, mut noise_sq) = (0.0, 0.0);
-        for (sample, (values, again)) in samples().zip(values.iter().zip(&again)) {
-            let weight = sample.stands_for / places.len() as f64;
+        // The light, and the noise of values, by the differences of two.
+        let (mut lit, mut variances) = (Vec::new(), Vec::new());
+        for (sample, (values, again)) in samples.iter().zip(values.iter().zip(&again)) {
             let exitance = &gather.scene.material_of(sample.place.surface).exitance;
-            for ((value, again), exitance) in values.iter().zip(again).zip(exitance) {
-                norm_sq += weight * (value - exitance) * (again - exitance);
-                noise_sq += weight * 0.5 * (value - again).powi(2);
-            }
+            let channels = || values.iter().zip(again).zip(exitance).map(|((value, again), e)| (value - e, again - e));
+            let light_sq: f64 = channels().map(|(value, again)| value * again).sum();
+            lit.push(Lit { area: sample.stands_for / samples.len() as f64, light: light_sq.max(0.0).sqrt(), light_sq });
+            variances.push(channels().map(|(value, again)| 0.5 * (value - again).powi(2)).sum::<f64>());
         }
+        let weights = NormWeights::new(self.norm, &lit)?.by_point;
 
-        // Of replicates: the variance of a product of two is the square of the variance of each.
+        // Of replicates.
         let shares = RayShares::new(&self.samples);
-        let variance_of = |sample: &ErrorSample| sample.noisiness / shares.of(sample) / self.samples.len() as f64;
-        let replicate_doubt = self.samples.iter().map(|sample| variance_of(sample).powi(2)).sum::<f64>().sqrt();
-        (norm_sq > 0.0).then(|| Pilot { noise_sq: noise_sq / norm_sq, replicate_doubt: replicate_doubt / norm_sq })
+        let of_replicates =
+            |(sample, weight): (&&ErrorSample, &f64)| variance_by_noise(0.0, weight * sample.noise / shares.of(sample));
+        let replicate_doubt = (samples.iter().zip(&weights).map(of_replicates).sum::<f64>() / TWICE as f64).sqrt();
+        let noise_sq = weights.iter().zip(variances).map(|(weight, variance)| weight * variance).sum();
+        Some(Pilot { noise_sq, replicate_doubt })
     }
 
     /// Takes more rays, until each replicate has `rays` on average. `false` if cancelled before it is done.
@@ -225,62 +223,85 @@ impl ErrorSamples {
         !cancelled()
     }
 
-    /// Estimates the error of the values that `gather` gives: 0 if no light is reflected, infinite if nothing can be said. `None`
-    /// if cancelled.
+    /// Estimates the error of the values that `gather` gives, 0 if no light is reflected, infinite if
+    /// nothing can be said. `None` if cancelled.
     pub fn estimate(&mut self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> Option<ErrorEstimate> {
         self.take_values(gather, cancelled)?;
-
-        // Point by point, the products of the two replicates and the variances of values.
-        let count = self.samples.len() as f64;
-        let norm_sq = self.norm_sq(gather);
-        let (mut replicates, mut noise, mut both) = (Moments::default(), Moments::default(), Moments::default());
-        let mut ray_variance = 0.0;
-        for (sample, values) in self.samples.iter().zip(&self.values) {
-            let weight = sample.stands_for / count;
-            let (mut product, mut apart, mut value_apart) = (0.0, 0.0, 0.0);
-            for [(value, residual), (again, residual_again)] in compared(sample, gather, values) {
-                product += weight * residual * residual_again;
-                apart += weight * 0.5 * (residual - residual_again).powi(2);
-                value_apart += weight * TWICE as f64 * 0.5 * (value - again).powi(2);
-            }
-            replicates.add(product);
-            noise.add(value_apart);
-            both.add(product + value_apart);
-            // With normal noise of variance s^2 in each replicate of an error e, their product has the variance s^4 + 2 s^2 e^2.
-            ray_variance += apart * apart + 2.0 * product * apart;
-        }
-        let error_sq = both.sum;
-        if error_sq == 0.0 && norm_sq == 0.0 {
+        let lit = self.lit(gather, &self.values);
+        if lit.iter().all(|point| point.light == 0.0 && point.light_sq == 0.0) {
             return Some(ErrorEstimate::default());
         }
-        if error_sq.is_nan() || norm_sq.is_nan() || norm_sq <= 0.0 {
-            return Some(ErrorEstimate { measured: f64::INFINITY, claimed: f64::INFINITY, ..ErrorEstimate::default() });
+
+        let in_norm = |norm| {
+            let weights = NormWeights::new(norm, &lit)?.by_point;
+            let estimate = self.estimate_weighted(gather, &weights);
+            estimate.measured.is_finite().then_some(estimate)
+        };
+        let estimates = [ErrorNorm::Energy, ErrorNorm::Local].map(in_norm);
+        let [energy, local] = estimates.each_ref().map(|estimate| {
+            estimate
+                .as_ref()
+                .map_or(ErrorFigure::UNKNOWN, |&ErrorEstimate { measured, claimed, .. }| ErrorFigure { measured, claimed })
+        });
+        let [by_energy, locally] = estimates;
+        let asked = match self.norm {
+            ErrorNorm::Energy => by_energy,
+            ErrorNorm::Local => locally,
+        };
+        let ErrorFigure { measured, claimed } = ErrorFigure::UNKNOWN;
+        let asked = asked.unwrap_or(ErrorEstimate { measured, claimed, ..ErrorEstimate::default() });
+        let area = |is_counted: &dyn Fn(&&Lit) -> bool| lit.iter().filter(is_counted).map(|point| point.area).sum::<f64>();
+        let part = area(&|point| point.light > 0.0) / area(&|_| true);
+        Some(ErrorEstimate { energy, local, lit: part, ..asked })
+    }
+
+    /// The estimate with a weight for the squares at each point.
+    fn estimate_weighted(&self, gather: &Gather<'_>, weights: &[f64]) -> ErrorEstimate {
+        // Point by point, the products of replicates and the variances of values.
+        let (mut replicates, mut noise, mut both) = (Moments::default(), Moments::default(), Moments::default());
+        let mut all = PairProducts::default();
+        let (mut variance_at_points, mut ray_variance) = (0.0, 0.0);
+        for ((sample, values), &weight) in self.samples.iter().zip(&self.values).zip(weights) {
+            let (mut products, mut of_rays, mut of_values) = (PairProducts::default(), 0.0, 0.0);
+            for compared in compared(sample, gather, values) {
+                products.add(weight, compared.residuals);
+                of_rays += weight * REPLICATES as f64 * mean_and_variance(compared.residuals).1;
+                of_values += weight * TWICE as f64 * compared.variance();
+            }
+            replicates.add(products.all);
+            noise.add(of_values);
+            both.add(products.all + of_values);
+            all.add_all(&products);
+            variance_at_points += products.variance();
+            ray_variance += variance_by_noise(products.all, of_rays);
         }
 
-        // The scatter of the points gives the confidence limit.
-        let [of_replicates, of_noise, of_both] = [replicates, noise, both].map(|moments| moments.deviation_of_sum() / norm_sq);
-        let variance_of_replicates = replicates.deviation_of_sum().powi(2);
-        Some(ErrorEstimate {
-            measured: (error_sq.max(0.0) / norm_sq).sqrt(),
-            claimed: claim(error_sq / norm_sq, of_both),
-            doubts: Doubts { replicates: of_replicates, noise: of_noise },
-            ray_share: if variance_of_replicates > 0.0 { (ray_variance / variance_of_replicates).clamp(0.0, 1.0) } else { 0.0 },
-            value_noise: is_taken_twice(gather).then(|| (noise.sum / norm_sq).sqrt()),
-        })
+        // The scatter of the points, and what replicates have in common beyond that, give the confidence limit. Where a single ray of a
+        // single replicate finds much light, products are small, but not the scatter of the replicates.
+        let of_replicates = replicates.deviation_of_sum().max(ray_variance.sqrt());
+        let common = FEW_REPLICATES * (all.variance() - variance_at_points).max(0.0).sqrt();
+        let ray_share = if of_replicates > 0.0 { (ray_variance / of_replicates.powi(2)).clamp(0.0, 1.0) } else { 0.0 };
+        ErrorEstimate {
+            measured: both.sum.max(0.0).sqrt(),
+            claimed: claim(both.sum, both.deviation_of_sum().max(of_replicates).hypot(common)),
+            doubts: Doubts { replicates: of_replicates, common, noise: noise.deviation_of_sum() },
+            ray_share,
+            value_noise: is_taken_twice(gather).then(|| noise.sum.sqrt()),
+            ..ErrorEstimate::default()
+        }
     }
 
     /// The part of the error that is noise of the values' gathers, and falls with more rays to points: values at some of the points
     /// are taken again by other rays. 0 if cancelled.
     pub fn sampled_value_noise(&self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> f64 {
-        let samples = || self.samples.iter().step_by(AGAIN);
-        let places: Vec<Place> = samples().map(|sample| sample.place).collect();
+        let places: Vec<Place> = self.samples.iter().step_by(AGAIN).map(|sample| sample.place).collect();
         let Some(again) = values_at(&places, gather, by_other_rays(gather.budget), cancelled) else { return 0.0 };
-        let noise_of = |(sample, ([value, _], again)): (&ErrorSample, (&[Vec<f64>; 2], &Vec<f64>))| {
+        let Some(weights) = NormWeights::new(self.norm, &self.lit(gather, &self.values)) else { return 0.0 };
+        let noise_of = |(weight, ([value, _], again)): (&f64, (&[Vec<f64>; 2], &Vec<f64>))| {
             let difference_sq: f64 = value.iter().zip(again).map(|(value, again)| (value - again).powi(2)).sum();
-            sample.stands_for / places.len() as f64 * 0.5 * difference_sq
+            weight * AGAIN as f64 * 0.5 * difference_sq
         };
-        let noise_sq: f64 = samples().zip(self.values.iter().step_by(AGAIN).zip(&again)).map(noise_of).sum();
-        (noise_sq / self.norm_sq(gather)).sqrt()
+        weights.by_point.iter().step_by(AGAIN).zip(self.values.iter().step_by(AGAIN).zip(&again)).map(noise_of).sum::<f64>().sqrt()
     }
 
     /// The two parts of the error, by taking all values twice; `None` if cancelled, or if nothing is reflected.
@@ -288,26 +309,32 @@ impl ErrorSamples {
         let places: Vec<Place> = self.samples.iter().map(|sample| sample.place).collect();
         let values = values_at(&places, gather, gather.budget, cancelled)?;
         let again = values_at(&places, gather, by_other_rays(gather.budget), cancelled)?;
-        let (mut bias_sq, mut noise_sq, mut norm_sq) = (0.0, 0.0, 0.0);
-        for (sample, values) in self.samples.iter().zip(values.into_iter().zip(again).map(|(value, again)| [value, again])) {
-            let weight = sample.stands_for / places.len() as f64;
-            for [(value, residual), (again, residual_again)] in compared(sample, gather, &values) {
-                bias_sq += weight * residual * residual_again;
-                noise_sq += weight * 0.5 * (value - again).powi(2);
-                norm_sq += weight * (value - residual) * (again - residual_again);
+        let values: Vec<[Vec<f64>; 2]> = values.into_iter().zip(again).map(|(value, again)| [value, again]).collect();
+        let weights = NormWeights::new(self.norm, &self.lit(gather, &values))?.by_point;
+        let (mut bias_sq, mut noise_sq, mut all) = (Moments::default(), 0.0, PairProducts::default());
+        for ((sample, values), &weight) in self.samples.iter().zip(&values).zip(&weights) {
+            // Of (B~_1 - T_i) (B~_2 - T_j), over all pairs.
+            let (mut residuals, mut variance) = (PairProducts::default(), 0.0);
+            for compared in compared(sample, gather, values) {
+                residuals.add(weight, compared.residuals);
+                variance += weight * compared.variance();
             }
+            bias_sq.add(residuals.all - 0.5 * variance);
+            noise_sq += variance;
+            all.add_all(&residuals);
         }
-        (norm_sq > 0.0).then(|| ErrorParts { bias: (bias_sq.max(0.0) / norm_sq).sqrt(), noise_sq: noise_sq / norm_sq })
+        let doubt = bias_sq.deviation_of_sum().max(all.variance().sqrt());
+        Some(ErrorParts { bias: (bias_sq.sum - doubt).max(0.0).sqrt(), noise_sq })
     }
 
-    /// `||B - E||^2`, in W^2/m^2, by products of independent replicates, whose mean is free of noise.
-    fn norm_sq(&self, gather: &Gather<'_>) -> f64 {
-        let of_sample = |(sample, values): (&ErrorSample, &[Vec<f64>; 2])| {
-            let product =
-                |[(value, residual), (again, residual_again)]: [(f64, f64); 2]| (value - residual) * (again - residual_again);
-            sample.stands_for / self.samples.len() as f64 * compared(sample, gather, values).map(product).sum::<f64>()
-        };
-        self.samples.iter().zip(&self.values).map(of_sample).sum()
+    /// The points as norms see them.
+    fn lit(&self, gather: &Gather<'_>, values: &[[Vec<f64>; 2]]) -> Vec<Lit> {
+        let area = |sample: &ErrorSample| sample.stands_for / self.samples.len() as f64;
+        self.samples
+            .iter()
+            .zip(values)
+            .map(|(sample, values)| lit(area(sample), compared(sample, gather, values), gather))
+            .collect()
     }
 
     /// Takes the values at points that have none yet. `None` if cancelled.
@@ -324,43 +351,4 @@ impl ErrorSamples {
         }
         Some(())
     }
-}
-
-/// By channel, for both replicates at a point: the reflected radiosity of the value, and by how much the replicate finds it too
-/// bright, in W/m^2.
-fn compared<'a>(
-    sample: &'a ErrorSample,
-    gather: &'a Gather<'_>,
-    values: &'a [Vec<f64>; 2],
-) -> impl Iterator<Item = [(f64, f64); 2]> + 'a {
-    let material = gather.scene.material_of(sample.place.surface);
-    let finds_residual = is_taken_twice(gather);
-    (0..gather.scene.channels()).map(move |channel| {
-        [0, 1].map(|half: usize| {
-            let value = values[half][channel] - material.exitance[channel];
-            let found = material.reflectance[channel] * sample.found[half][channel];
-            (value, if finds_residual { found } else { value - found })
-        })
-    })
-}
-
-/// Whether values are taken twice: over cells, where replicates find residuals.
-fn is_taken_twice(gather: &Gather<'_>) -> bool {
-    matches!(gather.over, Over::Cells(_))
-}
-
-/// The same budget with other random numbers.
-fn by_other_rays(budget: RayBudget) -> RayBudget {
-    RayBudget { seed: sampling::hash(budget.seed, streams::VALUES_AGAIN), ..budget }
-}
-
-/// The radiosities at `places`, by channel, that `gather` gives with a budget; `None` if cancelled.
-fn values_at(places: &[Place], gather: &Gather<'_>, budget: RayBudget, cancelled: Cancelled<'_>) -> Option<Vec<Vec<f64>>> {
-    let value = |scratch: &mut Scratch, place: &Place| {
-        let mut value = vec![0.0; gather.scene.channels()];
-        let place = crate::paths::place_at(place.point, place.surface, budget.seed);
-        gather.radiosities_at(&[place], budget, scratch, &mut value);
-        (!cancelled()).then_some(value)
-    };
-    places.par_iter().map_init(Scratch::default, value).collect()
 }

@@ -1,15 +1,19 @@
 //! How wrong values are: an estimate with a confidence, from light paths that share nothing with the values.
 //!
-//! Start with `estimate`: what is estimated. `points` says where, `replicates` by which rays, `residual` what replicates estimate
-//! where values go over cells.
+//! Start with `estimate`: what is estimated; `norm` says relative to what. `points` says where, `replicates` by which rays, `residual` what
+//! replicates estimate where values go over cells. `pairs` combines them, and `claim` tells the confidence limit.
 
+mod claim;
+mod compared;
 mod estimate;
+mod norm;
+mod pairs;
 mod points;
 mod replicates;
 mod residual;
 
-pub(crate) use estimate::{
-    CONFIDENCE, CONFIDENCE_SIGMAS, Doubts, ErrorEstimate, ErrorParts, ErrorSamples, Pilot, TWICE, claim, doubt_for_claim,
-};
-pub(crate) use replicates::{ReplicateGather, Replication};
+pub(crate) use claim::{CONFIDENCE, Doubts, SIGMAS, claim, doubt_for_claim};
+pub(crate) use estimate::{ErrorEstimate, ErrorFigure, ErrorParts, ErrorSamples, Pilot, TWICE};
+pub(crate) use norm::ErrorNorm;
+pub(crate) use replicates::{REPLICATES, ReplicateGather, Replication};
 pub(crate) use residual::ResidualGather;

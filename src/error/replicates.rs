@@ -1,4 +1,4 @@
-//! Independent replicates: at every point two estimates, by other random numbers, of the true light or of by how much values are
+//! Independent replicates: at every point a few estimates, by other random numbers, of the true light or of by how much values are
 //! too bright.
 
 use crate::geometry::{sampling, streams};
@@ -9,6 +9,11 @@ use crate::sweep::Radiosity;
 use crate::values::FinalGather;
 
 use super::residual::ResidualGather;
+
+/// How many there are. All pairs count, so more of them with fewer rays each know as much of the error; and they tell how much they have in
+/// common at all points, with one degree of freedom less than they are. At least three; the more, the less evenly the rays of
+/// each are spread.
+pub(crate) const REPLICATES: usize = 8;
 
 /// The rays of the replicates at a point, relative to the mean over all points, lie between these. Ratios.
 const LEAST_SHARE: f64 = 0.25;
@@ -28,26 +33,28 @@ pub(crate) struct Replication<'a> {
     pub hierarchy: &'a Hierarchy,
     /// Radiosities of the leaves: more points lie where it is bright.
     pub radiosity: &'a Radiosity,
-    pub gathers: [ReplicateGather<'a>; 2],
+    pub gathers: [ReplicateGather<'a>; REPLICATES],
     pub seed: u64,
 }
 
-/// A point with what its two replicates found.
+/// A point with what its replicates found.
 pub(super) struct ErrorSample {
     pub place: Place,
     /// The area in m^2 that the point stands for if it is the only one.
     pub stands_for: f64,
     /// By replicate: the mean of what its rays found, in W/m^2 by channel.
-    pub found: [Vec<f64>; 2],
+    pub found: [Vec<f64>; REPLICATES],
     /// Rays of each replicate so far.
     pub rays: u32,
-    /// The mean square of what a single ray finds, times the area: how much noise here matters, in W^2/m^2.
+    /// The mean square of what a single ray finds, in W^2/m^4.
+    pub noise: f64,
+    /// How much that matters in the norm, relative to other points.
     pub noisiness: f64,
 }
 
 impl ReplicateGather<'_> {
     /// The mean square of the reflected residual by a single ray, in W^2/m^4, by pilot rays that no replicate takes; 0 over links.
-    pub(super) fn sampled_noisiness(&self, place: Place, count: u32, scene: &Scene, scratch: &mut PathScratch) -> f64 {
+    pub(super) fn sampled_noise(&self, place: Place, count: u32, scene: &Scene, scratch: &mut PathScratch) -> f64 {
         let Self::Residual(gather) = self else { return 0.0 };
         let channels = scene.channels();
         let of_ray = |ray| Place { seed: sampling::hash(place.seed, streams::REPLICATE_PILOT + ray), ..place };
@@ -68,14 +75,20 @@ impl ReplicateGather<'_> {
 
 impl ErrorSample {
     /// Takes more rays, until each replicate has `rays`; `found` is memory for one result.
-    pub fn take_up_to(&mut self, rays: u32, gathers: &[ReplicateGather<'_>; 2], scratch: &mut PathScratch, found: &mut [f64]) {
+    pub fn take_up_to(
+        &mut self,
+        rays: u32,
+        gathers: &[ReplicateGather<'_>; REPLICATES],
+        scratch: &mut PathScratch,
+        found: &mut [f64],
+    ) {
         let more = rays.saturating_sub(self.rays);
         if more == 0 {
             return;
         }
         let share = f64::from(more) / f64::from(self.rays + more);
-        for ((stream, known), gather) in streams::REPLICATES.into_iter().zip(&mut self.found).zip(gathers) {
-            let seed = sampling::hash(self.place.seed, stream + u64::from(self.rays));
+        for ((number, known), gather) in (0..).zip(&mut self.found).zip(gathers) {
+            let seed = sampling::hash(self.place.seed, streams::replicate(number) + u64::from(self.rays));
             gather.sample(Place { seed, ..self.place }, more, scratch, found);
             known.iter_mut().zip(found.iter()).for_each(|(known, found)| *known += share * (found - *known));
         }
@@ -114,8 +127,9 @@ mod tests {
         let sample = |noisiness: f64| ErrorSample {
             place: Place { point: glam::DVec3::ZERO, surface: SurfaceId(0), seed: 0 },
             stands_for: 1.0,
-            found: [vec![], vec![]],
+            found: Default::default(),
             rays: 0,
+            noise: 0.0,
             noisiness,
         };
         let samples: Vec<ErrorSample> = [1.0, 8.0, 0.0, 1e9].map(sample).into();

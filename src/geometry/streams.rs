@@ -14,7 +14,7 @@ const fn kind(kind: u8) -> u64 {
 pub(crate) const PILOT_POINTS: u64 = kind(1);
 /// Points and replicates of the error estimate.
 pub(crate) const ERROR: u64 = kind(2);
-/// Cell radiosities; add 0 for those of values, 1 and 2 for those of replicates, 3 and 4 for those of the pilot.
+/// Cell radiosities; add 0 for those of values, and from 1 on for those of replicates, then of the pilot.
 pub(crate) const CELL_RADIOSITIES: u64 = kind(3);
 /// Values taken again, to tell their noise.
 pub(crate) const VALUES_AGAIN: u64 = kind(4);
@@ -72,10 +72,13 @@ pub(crate) const RECORD: u64 = kind(8);
 pub(crate) const CONTROL_GATHERS: u64 = kind(9);
 /// Rays of the pilot of replicates; add the ray.
 pub(crate) const REPLICATE_PILOT: u64 = kind(10);
-/// Replicates 0 and 1; add the rays taken before.
-pub(crate) const REPLICATES: [u64; 2] = [kind(11), kind(12)];
 /// Whether a path of little weight goes on.
-pub(crate) const ROULETTE: u64 = kind(13);
+pub(crate) const ROULETTE: u64 = kind(11);
+
+/// A replicate, by its number; add the rays taken before.
+pub(crate) const fn replicate(number: u8) -> u64 {
+    kind(12 + number)
+}
 
 // Of either half of the seed of a shifted Sobol sequence.
 /// The bits by which one coordinate is shifted.

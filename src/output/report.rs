@@ -11,7 +11,8 @@ use serde::Serialize;
 
 use crate::bounds::BoundsReport;
 use crate::solve::{
-    Counts, Energy, EnergyBalance, IterationReport, LinkErrorReport, SkippedWork, SolveOptions, SolveReport, StageTimes, StoppedBy,
+    Counts, Energy, EnergyBalance, ErrorFigure, IterationReport, LinkErrorReport, Norm, SkippedWork, SolveOptions, SolveReport,
+    StageTimes, StoppedBy,
 };
 
 /// The version of the schema.
@@ -128,8 +129,16 @@ pub struct ErrorFigures {
     pub confidence: f64,
     /// The measured error itself.
     pub measured: f64,
+    /// The norm that both are in.
+    pub norm: Norm,
+    /// The same in the norm by energy.
+    pub energy: ErrorFigure,
+    /// The same in the local norm.
+    pub local: ErrorFigure,
     /// A proven bound of the error of values at points, where one was asked for.
     pub bound: Option<f64>,
+    /// The part of the area of reflecting surfaces, 0 to 1, where light was found.
+    pub lit: f64,
     /// What pairs without a link hold back at most, as a part of the power that the elements reflect.
     pub skipped: f64,
 }
@@ -154,6 +163,10 @@ impl RunReport {
                 estimate: error.estimate,
                 confidence: error.confidence,
                 measured: error.measured,
+                norm: options.norm,
+                energy: error.energy,
+                local: error.local,
+                lit: error.lit,
                 bound: report.bounds.as_ref().map(|bounds| bounds.relative_error),
                 skipped: error.skipped,
             },

@@ -35,7 +35,8 @@ pub(super) struct CellsWay<'a> {
 impl<'a> CellsWay<'a> {
     pub fn new(mut linked: Linked<'a>, plan: Plan, search: ErrorSearch) -> Self {
         linked.reserved_bytes = cell_bytes(&linked, plan.resolution());
-        Self { linked, plan, cells: None, judge: Judge::default(), search }
+        let judge = Judge::new(linked.job.options.norm.into());
+        Self { linked, plan, cells: None, judge, search }
     }
 }
 

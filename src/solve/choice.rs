@@ -2,7 +2,7 @@
 //!
 //! What values over links take hangs on how much must be linked, and that on what few links leave wrong; what values over cells take the law
 //! of effort tells beforehand. So a pilot makes the coarse pass over links that either solver begins with, sees how wrong values over these
-//! few links are, and the law says what links would have to be made for the requested error. Whenever links are to be refined anew, the same
+//! few links are and how noisy values either way, and the law says what links would have to be made for the requested error. Whenever links are to be refined anew, the same
 //! is asked again.
 
 use std::sync::Arc;
@@ -19,21 +19,21 @@ use super::plan::{COARSE_TOLERANCE, Plan};
 use super::strategies::ErrorSearch;
 use super::way::Way;
 use crate::cells::SolvedCells;
-use crate::error::{ErrorParts, ErrorSamples, ReplicateGather, Replication};
+use crate::error::{ErrorParts, ErrorSamples, REPLICATES, ReplicateGather, Replication};
 use crate::geometry::{sampling, streams};
 use crate::links::RefineEnd;
 use crate::paths::{Illumination, LightPaths, Resolution};
 use crate::scene::{Material, SurfaceId};
-use crate::values::{FinalGather, RayBudget};
+use crate::values::{FinalGather, Gather, Over, RayBudget};
 
 /// Points at which the pilot looks what few links leave wrong, rays of a value, of a replicate and of a leaf, and positions and paths for
 /// the replicates: enough to know the error to a third, for a few percent of the work of a solve to 2%.
 const POINTS: usize = 64;
 const VALUE_RAYS: u32 = 64;
-const REPLICATE_RAYS: u32 = 32;
+const REPLICATE_RAYS: u32 = 8;
 const LEAF_RAYS: u32 = 16;
 const POSITIONS: f64 = 256.0;
-const POSITION_RAYS: u32 = 4;
+const POSITION_RAYS: u32 = 1;
 
 /// The solver for a job, with its plan.
 pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dyn Way<'a> + 'a> {
@@ -41,7 +41,7 @@ pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dy
     let illumination = Illumination::sampled(job.scene, job.rays, seed);
     let plan = |over_cells| Plan::new(job.scene, job.options, illumination.clone(), over_cells);
     let search = ErrorSearch::new(importance);
-    let (mut links, cells) = (plan(false), plan(true));
+    let (mut links, mut cells) = (plan(false), plan(true));
     let linked = || Linked::new(*job, links.links_clusters(pairs(job), cells.work()));
     let options = job.options;
     match options.solver {
@@ -67,11 +67,11 @@ pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dy
     // What it leaves wrong, and how noisy values are.
     let swept = linked.radiosity.clone();
     linked.regather_leaves(LEAF_RAYS);
-    let parts = sampled_parts(&linked, illumination.lit_area);
-    let Some(ErrorParts { bias, noise_sq }) = parts else {
+    let Some(Tried { over_links: ErrorParts { bias, noise_sq }, cells_noise_sq }) = try_both(&linked, illumination.lit_area) else {
         return Box::new(LinksWay::new(linked, links, search).or_over(cells));
     };
     links.fit_point_rays(noise_sq, VALUE_RAYS);
+    cells.fit_point_rays(cells_noise_sq, VALUE_RAYS);
     if over_links(&links, Law::tolerance_factor_of_pilot(bias, AIM * options.error)) > cells.work() {
         linked.radiosity = swept;
         Box::new(CellsWay::new(linked, cells, search))
@@ -90,12 +90,20 @@ fn pairs(job: &Job<'_>) -> f64 {
     count(&reflects) * count(&|material| reflects(material) || material.emits())
 }
 
-/// The parts of the error of values over the links as they are; `None` if nothing is reflected.
-fn sampled_parts(linked: &Linked<'_>, lit_area: f64) -> Option<ErrorParts> {
+/// What the pilot found.
+struct Tried {
+    /// The parts of the error of values over the links as they are.
+    over_links: ErrorParts,
+    /// The variance of values over cells.
+    cells_noise_sq: f64,
+}
+
+/// Tries values of few rays over the links as they are, and over cells; `None` if nothing is reflected.
+fn try_both(linked: &Linked<'_>, lit_area: f64) -> Option<Tried> {
     let job = linked.job;
     let resolution = Resolution { side: (lit_area / POSITIONS).sqrt(), rays: POSITION_RAYS };
     let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), resolution.side));
-    let seeds = [3, 4].map(|number| cell_seed(job.options.seed, number));
+    let seeds = std::array::from_fn(|number| cell_seed(job.options.seed, (1 + REPLICATES + number) as u64));
     let cells = SolvedCells::solve(paths, resolution, seeds);
     let gathers = cells
         .radiosities
@@ -104,8 +112,12 @@ fn sampled_parts(linked: &Linked<'_>, lit_area: f64) -> Option<ErrorParts> {
     let seed = sampling::hash(job.options.seed, streams::PILOT_POINTS);
     let with = Replication { scene: job.scene, hierarchy: &linked.hierarchy, radiosity: &linked.radiosity, gathers, seed };
     let cancelled = || job.is_cancelled();
-    let mut samples = ErrorSamples::default();
+    let mut samples = ErrorSamples::new(job.options.norm.into());
     let taken = samples.add_points(POINTS, 1, &with, &cancelled) && samples.take_replicates(REPLICATE_RAYS, &with, &cancelled);
-    let gather = linked.gather(RayBudget::of_values(VALUE_RAYS, job.options.seed));
-    taken.then(|| samples.sampled_parts(&gather, &cancelled)).flatten()
+    let budget = RayBudget::of_values(VALUE_RAYS, job.options.seed);
+    let over_cells = Over::Cells(FinalGather { paths: &cells.paths, radiosities: &cells.radiosities[0], bounces: 0 });
+    let over_cells = Gather { scene: job.scene, hierarchy: &linked.hierarchy, over: over_cells, budget };
+    let found = || Some((samples.sampled_parts(&linked.gather(budget), &cancelled)?, samples.pilot(&over_cells, &cancelled)?));
+    let (over_links, of_cells) = taken.then(found).flatten()?;
+    Some(Tried { over_links, cells_noise_sq: of_cells.noise_sq })
 }

@@ -63,14 +63,14 @@ const MOST_POSITION_RAYS: u32 = 256;
 const FEW_BOUNCES_ALBEDO: f64 = 0.75;
 const MOST_FOR_BOUNCES: f64 = 4.0;
 
-/// Replicates take this part of the paths of each position; more, up to a half, where light is reflected often.
-const REPLICATES_PART: f64 = 0.25;
-const MOST_REPLICATES_PART: f64 = 0.5;
+/// Each replicate takes this part of the paths of each position; more, up to an eighth, where light is reflected often.
+const REPLICATES_PART: f64 = 0.0625;
+const MOST_REPLICATES_PART: f64 = 0.125;
 
 /// Rays of a replicate at a point.
-const REPLICATE_RAYS_AT_2_PERCENT: f64 = 131.0;
+const REPLICATE_RAYS_AT_2_PERCENT: f64 = 33.0;
 const REPLICATE_RAYS_POWER: f64 = 1.2;
-const REPLICATE_RAYS: (f64, f64) = (64.0, 4096.0);
+const REPLICATE_RAYS: (f64, f64) = (16.0, 1024.0);
 
 /// Values that a user takes at least, as far as choices of rays go. With more, rays to each are fewer at first, and positions are more, by
 /// these powers of their number: the least work in all.
@@ -171,9 +171,11 @@ impl Law {
         2_u32.pow(rays.log2().ceil().max(0.0) as u32).clamp(LEAST_POSITION_RAYS, MOST_POSITION_RAYS)
     }
 
-    /// The part of the paths of a position that replicates take.
-    pub fn replicate_part(&self) -> f64 {
-        (REPLICATES_PART * self.for_bounces()).min(MOST_REPLICATES_PART)
+    /// The part of the paths of a position that each replicate takes. Where values have no cells, replicates bear alone that positions grow
+    /// more slowly than the square of what cells make wrong must fall.
+    pub fn replicate_part(&self, over_cells: bool) -> f64 {
+        let of_values = (REPLICATES_PART * self.for_bounces()).min(MOST_REPLICATES_PART);
+        if over_cells { of_values } else { of_values * (AT / self.error).powf(2.0 - POSITIONS_POWER).max(1.0) }
     }
 
     /// Rays of a replicate at a point.

@@ -1,11 +1,11 @@
 //! The end of a solve: what is kept, and what is told.
 
 use super::linked::Linked;
-use super::report::{Counts, Energy, ErrorReport, Powers, SkippedWork, SolveReport, StoppedBy};
+use super::report::{Counts, Energy, ErrorFigure, ErrorReport, Powers, SkippedWork, SolveReport, StoppedBy};
 use super::solution::Solution;
 use crate::bounds::{Light, bound_held_back};
 use crate::cells::CellRadiosities;
-use crate::error::{CONFIDENCE, ErrorEstimate};
+use crate::error::{self, CONFIDENCE, ErrorEstimate};
 use crate::links::Pair;
 use crate::paths::Resolution;
 
@@ -33,6 +33,9 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
         estimate: error.map_or(f64::INFINITY, |error| error.claimed),
         confidence: CONFIDENCE,
         measured: error.map_or(f64::INFINITY, |error| error.measured),
+        energy: error.map_or_else(ErrorFigure::default, |error| figure(error.energy)),
+        local: error.map_or_else(ErrorFigure::default, |error| figure(error.local)),
+        lit: error.map_or(0.0, |error| error.lit),
         skipped: if reflected > 0.0 { energy.held_back / reflected } else { 0.0 },
     };
     let (segments, first_hits) = (linked.job.rays.segments(), linked.job.rays.first_hit_rays());
@@ -66,6 +69,10 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     };
     report.memory_bytes = solution.memory_bytes();
     (solution, report)
+}
+
+fn figure(error: error::ErrorFigure) -> ErrorFigure {
+    ErrorFigure { estimate: error.claimed, measured: error.measured }
 }
 
 /// Where the power goes, and what pairs without a link hold back of it.

@@ -6,21 +6,24 @@ use std::time::Instant;
 use super::linked::Linked;
 use super::plan::Plan;
 use crate::cells::SolvedCells;
-use crate::error::{ErrorEstimate, ErrorSamples, Pilot, ReplicateGather, Replication};
+use crate::error::{ErrorEstimate, ErrorNorm, ErrorSamples, Pilot, REPLICATES, ReplicateGather, Replication};
 use crate::geometry::{sampling, streams};
 use crate::paths::{LightPaths, Resolution};
 use crate::values::Gather;
 
 /// Samples of the error, the cells in which the paths of their replicates end, and what was estimated last.
-#[derive(Default)]
 pub(super) struct Judge<'a> {
-    cells: Option<SolvedCells<'a, 2>>,
+    cells: Option<SolvedCells<'a, REPLICATES>>,
     samples: ErrorSamples,
     /// Of the values as they stand; `None` before the first estimate, and where the last one was cut short.
     pub error: Option<ErrorEstimate>,
 }
 
 impl<'a> Judge<'a> {
+    pub fn new(norm: ErrorNorm) -> Self {
+        Self { cells: None, samples: ErrorSamples::new(norm), error: None }
+    }
+
     /// Values have changed.
     pub fn forget_values(&mut self) {
         self.samples.forget_values();
@@ -29,8 +32,9 @@ impl<'a> Judge<'a> {
     /// Finds the cell radiosities of the replicates, if they are not known so finely; `paths` end in cells of that size.
     pub fn find_cells(&mut self, resolution: Resolution, seed: u64, paths: impl FnOnce() -> Arc<LightPaths<'a>>) {
         if self.cells.as_ref().is_none_or(|own| own.resolution != resolution) {
-            self.cells = Some(SolvedCells::solve(paths(), resolution, [1, 2].map(|number| cell_seed(seed, number))));
-            self.samples = ErrorSamples::default();
+            self.cells =
+                Some(SolvedCells::solve(paths(), resolution, std::array::from_fn(|number| cell_seed(seed, 1 + number as u64))));
+            self.samples.clear();
         }
     }
 
@@ -40,7 +44,7 @@ impl<'a> Judge<'a> {
         &'b mut self,
         linked: &'b Linked<'a>,
         plan: &mut Plan,
-        replicate: impl Fn(&'b SolvedCells<'a, 2>, usize) -> ReplicateGather<'b>,
+        replicate: impl Fn(&'b SolvedCells<'a, REPLICATES>, usize) -> ReplicateGather<'b>,
         gather: impl Fn(u32) -> Gather<'b>,
         pilots: bool,
     ) {
@@ -53,7 +57,7 @@ impl<'a> Judge<'a> {
             scene: job.scene,
             hierarchy: &linked.hierarchy,
             radiosity: &linked.radiosity,
-            gathers: [0, 1].map(|number| replicate(cells, number)),
+            gathers: std::array::from_fn(|number| replicate(cells, number)),
             seed: sampling::hash(job.options.seed, streams::ERROR),
         };
         let is_first = samples.is_empty();
@@ -73,7 +77,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The seed of cell radiosities: number 0 of values, 1 and 2 of replicates.
+/// The seed of cell radiosities: number 0 of values, the next ones of replicates.
 pub(super) fn cell_seed(seed: u64, number: u64) -> u64 {
     sampling::hash(seed, streams::CELL_RADIOSITIES + number)
 }

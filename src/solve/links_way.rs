@@ -32,7 +32,7 @@ pub(super) struct LinksWay<'a> {
 
 impl<'a> LinksWay<'a> {
     pub fn new(linked: Linked<'a>, plan: Plan, search: ErrorSearch) -> Self {
-        Self { linked, plan, judge: Judge::default(), search, over_cells: None }
+        Self { plan, judge: Judge::new(linked.job.options.norm.into()), linked, search, over_cells: None }
     }
 
     /// Cells are taken where they are predicted to take less.
@@ -95,6 +95,7 @@ impl<'a> Way<'a> for LinksWay<'a> {
         add_time(&mut linked.report.time_s.error, start);
         let step = match next_step(&self.plan, error, noise) {
             NextStep::Refine(factor) if self.had_better_take_cells(factor) => NextStep::TakeCells,
+            NextStep::FindCells(_) if self.had_better_take_cells(1.0) => NextStep::TakeCells,
             step => step,
         };
         self.plan.apply(step);

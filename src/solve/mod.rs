@@ -26,11 +26,12 @@ pub use crate::links::Skips;
 pub(crate) use interest::InitialImportance;
 pub use interest::InterestError;
 pub use options::{
-    Bounds, CellOptions, ChangShih98Options, Holzschuch94Options, Interest, LinkOptions, OptionEntry, OptionGroup, OptionsError,
-    RunOptions, SolveOptions, Solver, Strategy, Sweep, UniformOptions,
+    Bounds, CellOptions, ChangShih98Options, Holzschuch94Options, Interest, LinkOptions, Norm, OptionEntry, OptionGroup,
+    OptionsError, RunOptions, SolveOptions, Solver, Strategy, Sweep, UniformOptions,
 };
 pub use report::{
-    Counts, Energy, EnergyBalance, ErrorReport, IterationReport, LinkErrorReport, SkippedWork, SolveReport, StageTimes, StoppedBy,
+    Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LinkErrorReport, SkippedWork, SolveReport,
+    StageTimes, StoppedBy,
 };
 pub use solution::Solution;
 

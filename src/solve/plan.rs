@@ -4,7 +4,7 @@ use super::effort::{LEAST_VALUES, Law, REFERENCE_AREA};
 use super::options::{SolveOptions, Strategy};
 use super::scale::Scale;
 use super::step::{Choice, NextStep};
-use crate::error::{ErrorEstimate, Pilot, TWICE, doubt_for_claim};
+use crate::error::{ErrorEstimate, Pilot, REPLICATES, TWICE, doubt_for_claim};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
 use crate::paths::{Illumination, Resolution};
 use crate::scene::Scene;
@@ -68,7 +68,7 @@ const CELLS_SHOW_BELOW: f64 = 0.0075;
 const ERROR_POINTS: std::ops::RangeInclusive<usize> = 512..=32_768;
 
 /// The most rays of a replicate, and to a point.
-const MAX_REPLICATE_RAYS: u32 = 4096;
+const MAX_REPLICATE_RAYS: u32 = 1024;
 const MAX_POINT_RAYS: u32 = 1 << 16;
 
 /// Rounds after which refining once more would not help either.
@@ -207,7 +207,7 @@ impl Plan {
 
     /// How finely they are found for replicates.
     pub fn replicate_resolution(&self) -> Resolution {
-        let rays = self.law.replicate_part() * f64::from(self.resolution.rays);
+        let rays = self.law.replicate_part(self.over_cells) * f64::from(self.resolution.rays);
         Resolution { rays: rays.ceil() as u32, ..self.resolution }
     }
 
@@ -223,7 +223,7 @@ impl Plan {
 
     /// The work of all replicates so far, in rays: each bounce takes one more, and one to an emitter.
     fn replicate_work(&self) -> f64 {
-        let paths = 2.0 * self.error_points as f64 * f64::from(self.replicate_rays);
+        let paths = REPLICATES as f64 * self.error_points as f64 * f64::from(self.replicate_rays);
         paths * f64::from(1 + 2 * self.replicate_bounces())
     }
 
@@ -295,8 +295,9 @@ impl Plan {
         self.over_cells
     }
 
+    /// Whether cells may be found more finely: those of values, or of replicates alone.
     pub fn may_find_cells(&self) -> bool {
-        self.over_cells && self.refinements < MAX_CELLS
+        self.refinements < MAX_CELLS
     }
 
     pub fn may_refine(&self) -> bool {
@@ -339,7 +340,7 @@ impl Plan {
     fn cell_work(&self, more_positions: f64, more_rays: u32) -> f64 {
         let positions = more_positions * (self.law.illumination.lit_area / self.resolution.side.powi(2) + self.surfaces as f64);
         let own = if self.over_cells { self.resolution.rays } else { 0 };
-        positions * f64::from(more_rays * 2 * (own + 2 * self.replicate_resolution().rays))
+        positions * f64::from(more_rays * 2 * (own + REPLICATES as u32 * self.replicate_resolution().rays))
     }
 
     /// The work of a solve over links, in rays, if links are made of so many times the tolerance, of which there are so many now, and leaves.

@@ -52,6 +52,21 @@ pub struct Counts {
     pub rounds: u64,
 }
 
+/// An error in one norm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ErrorFigure {
+    /// An upper confidence limit of the measured error; infinite where nothing was, or can be, estimated.
+    pub estimate: f64,
+    /// The measured error itself.
+    pub measured: f64,
+}
+
+impl Default for ErrorFigure {
+    fn default() -> Self {
+        Self { estimate: f64::INFINITY, measured: f64::INFINITY }
+    }
+}
+
 /// The error that is claimed, in the norm of [`SolveOptions::error`](super::SolveOptions::error).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorReport {
@@ -63,6 +78,13 @@ pub struct ErrorReport {
     pub confidence: f64,
     /// The measured error itself, without the allowance for its noise.
     pub measured: f64,
+    /// Both in the norm by energy; one of the norms is what was asked for.
+    pub energy: ErrorFigure,
+    /// Both in the local norm.
+    pub local: ErrorFigure,
+    /// The part of the area of reflecting surfaces, 0 to 1, where light was found: the local norm is over it. Where it is too rare to be found
+    /// by some hundred paths from a point, a surface counts as dark.
+    pub lit: f64,
     /// [`Energy::held_back`] as a part of the power that the elements reflect.
     pub skipped: f64,
 }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::OptionsError;
 use super::kinds::{Choice, OneName, read};
+use crate::error::ErrorNorm;
 
 /// Declares an enum from `Variant = "name"`, one line for each: it is read, shown and stored as JSON by these names. `for "key"` names the
 /// option in messages.
@@ -112,6 +113,27 @@ choice! {
         Links = "links",
         /// Over cells: radiosities of small cells from random light paths, and a final gather at the point. For many sources.
         Cells = "cells",
+    }
+}
+
+choice! {
+    /// In which norm the error is asked for; either is told.
+    Norm for "norm" {
+        /// Relative to the light at each place, or to typical light where it is darker: the root mean square, over the lit area, of
+        /// `|B - B_true| / max(|B_true - E|, m)`, m the median of `|B_true - E|` over the lit area.
+        Local = "local",
+        /// Relative to all light: `||B - B_true|| / ||B_true - E||`, so that bright places count most.
+        #[default]
+        Energy = "energy",
+    }
+}
+
+impl From<Norm> for ErrorNorm {
+    fn from(norm: Norm) -> Self {
+        match norm {
+            Norm::Energy => Self::Energy,
+            Norm::Local => Self::Local,
+        }
     }
 }
 

@@ -12,7 +12,7 @@ mod kinds;
 mod run;
 mod table;
 
-pub use choices::{Bounds, Solver, Strategy, Sweep};
+pub use choices::{Bounds, Norm, Solver, Strategy, Sweep};
 pub use error::OptionsError;
 pub use interest::Interest;
 pub use run::RunOptions;

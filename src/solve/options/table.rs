@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::choices::{Bounds, Solver, Strategy, Sweep};
+use super::choices::{Bounds, Norm, Solver, Strategy, Sweep};
 use super::declare::options;
 use super::error::OptionsError;
 use super::interest::Interest;
@@ -20,8 +20,11 @@ use crate::links::Skips;
 options! {
     /// What decides the answer, kept in the solution.
     SolveOptions {
-        /// Error asked for, relative to the reflected light: `||B - B_true|| / ||B_true - E||` over all surfaces, channels pooled.
+        /// Error asked for, relative to the reflected light, as `norm` says, over all surfaces, channels pooled.
         error: f64 = 0.02, above(0.0).below(1.0);
+
+        /// Relative to what errors are: local, to the light at each place, or to typical light where it is darker; or energy, to all light.
+        norm: Norm = Norm::Energy, OneName;
 
         /// How pairs of nodes are refined.
         strategy: Strategy = Strategy::Default, OneName;

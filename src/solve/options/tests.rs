@@ -30,6 +30,7 @@ fn what_is_shown_is_what_is_read() {
     let mut values = vec![
         ("strategy", "lazy94+reduction"),
         ("solver", "cells"),
+        ("norm", "local"),
         ("bounds", "guaranteed"),
         ("sweep", "in-place"),
         ("importance", "material floor"),
@@ -72,6 +73,7 @@ fn each_option_is_stored_in_its_own_field() {
             let other = match entry.key {
                 "strategy" => "uniform",
                 "solver" => "links",
+                "norm" => "local",
                 "bounds" => "guaranteed",
                 "importance" => "material floor",
                 "sweep" => "in-place",
@@ -115,6 +117,7 @@ fn values_out_of_range_are_refused_at_once() {
         ("bottom_area", "0.0009", "a number from 0.0009765625 to 1"),
         ("bottom_samples", "9", "a whole number from 1 to 8"),
         ("solver", "hemisphere", "auto, links or cells"),
+        ("norm", "rms", "local or energy"),
         ("bounds", "none", "estimate or guaranteed"),
         ("sweep", "up", "jacobi or in-place"),
         ("ambient", "yes", "true or false"),
@@ -129,7 +132,7 @@ fn values_out_of_range_are_refused_at_once() {
     );
     assert!(SolveOptions::entry("strategy").unwrap().range().ends_with("top-down98 or error-driven"));
     let unknown = refused("gather", "links");
-    assert!(unknown.starts_with("unknown option 'gather'; choose one of error, strategy, solver,"), "{unknown}");
+    assert!(unknown.starts_with("unknown option 'gather'; choose one of error, norm, strategy, solver,"), "{unknown}");
     assert_eq!("best".parse::<Strategy>().unwrap_err().to_string(), refused("strategy", "best"));
 }
 

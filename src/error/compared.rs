@@ -1,0 +1,103 @@
+//! Values at points beside what replicates found there.
+
+use rayon::prelude::*;
+
+use super::norm::Lit;
+use super::pairs::{PairProducts, mean_and_variance};
+use super::replicates::{ErrorSample, REPLICATES};
+use crate::geometry::{sampling, streams};
+use crate::paths::{Place, place_at};
+use crate::values::{Gather, Over, RayBudget, Scratch};
+
+/// What a value says of the light at a point may differ from what replicates say by so many of their standard deviations.
+const LIGHT_SIGMAS: f64 = 2.0;
+
+/// Whether to stop working.
+pub(super) type Cancelled<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// What is known at a point in one channel, in W/m^2: the reflected radiosities of two values, which are equal where only one was taken, and
+/// by how much the replicates find them too bright.
+pub(super) struct Compared {
+    pub values: [f64; 2],
+    pub residuals: [f64; REPLICATES],
+}
+
+impl Compared {
+    pub fn value(&self) -> f64 {
+        0.5 * (self.values[0] + self.values[1])
+    }
+
+    /// Half the square of the difference of both values: the variance of one.
+    pub fn variance(&self) -> f64 {
+        0.5 * (self.values[0] - self.values[1]).powi(2)
+    }
+
+    /// The true light.
+    pub fn truths(&self) -> [f64; REPLICATES] {
+        self.residuals.map(|residual| self.value() - residual)
+    }
+}
+
+/// What is known at a point, by channel.
+pub(super) fn compared<'a>(
+    sample: &'a ErrorSample,
+    gather: &'a Gather<'_>,
+    values: &'a [Vec<f64>; 2],
+) -> impl Iterator<Item = Compared> + 'a {
+    let material = gather.scene.material_of(sample.place.surface);
+    let finds_residual = is_taken_twice(gather);
+    (0..gather.scene.channels()).map(move |channel| {
+        let values = [0, 1].map(|half: usize| values[half][channel] - material.exitance[channel]);
+        let value = 0.5 * (values[0] + values[1]);
+        let residuals = sample.found.each_ref().map(|found| {
+            let found = material.reflectance[channel] * found[channel];
+            if finds_residual { found } else { value - found }
+        });
+        Compared { values, residuals }
+    })
+}
+
+/// Whether values are taken twice: over cells, where replicates find residuals.
+pub(super) fn is_taken_twice(gather: &Gather<'_>) -> bool {
+    matches!(gather.over, Over::Cells(_))
+}
+
+/// The same budget with other random numbers.
+pub(super) fn by_other_rays(budget: RayBudget) -> RayBudget {
+    RayBudget { seed: sampling::hash(budget.seed, streams::VALUES_AGAIN), ..budget }
+}
+
+/// The radiosities at `places`, by channel, that `gather` gives with a budget; `None` if cancelled.
+pub(super) fn values_at(
+    places: &[Place],
+    gather: &Gather<'_>,
+    budget: RayBudget,
+    cancelled: Cancelled<'_>,
+) -> Option<Vec<Vec<f64>>> {
+    let value = |scratch: &mut Scratch, place: &Place| {
+        let mut value = vec![0.0; gather.scene.channels()];
+        let place = place_at(place.point, place.surface, budget.seed);
+        gather.radiosities_at(&[place], budget, scratch, &mut value);
+        (!cancelled()).then_some(value)
+    };
+    places.par_iter().map_init(Scratch::default, value).collect()
+}
+
+/// A point that stands for so much area, as norms see it: the light there is what values tell, as far as replicates do not contradict.
+pub(super) fn lit(area: f64, channels: impl Iterator<Item = Compared>, gather: &Gather<'_>) -> Lit {
+    let (mut by_values, mut by_replicates, mut variance, mut noise_sq) = (0.0, 0.0, 0.0, 0.0);
+    let mut truth = PairProducts::default();
+    for compared in channels {
+        let (mean, of_mean) = mean_and_variance(compared.truths());
+        by_values += compared.value().powi(2);
+        by_replicates += mean * mean;
+        variance += of_mean;
+        truth.add(1.0, compared.truths());
+        noise_sq += 0.5 * compared.variance();
+    }
+    let (by_replicates, slack) = (by_replicates.sqrt(), LIGHT_SIGMAS * variance.sqrt());
+    let light = by_values.sqrt().max(by_replicates - slack).min(by_replicates + slack);
+    // Over cells truths are told by values, and have the noise of these.
+    let light_sq = truth.all - if is_taken_twice(gather) { noise_sq } else { 0.0 };
+    Lit { area, light, light_sq }
+}

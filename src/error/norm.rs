@@ -1,0 +1,97 @@
+//! The norms in which errors are told: by energy, and locally.
+//!
+//! ```text
+//! energy:  ||B~ - B|| / ||B - E||, root mean squares over all area
+//! local:   root mean square over the lit area of |B~ - B| / max(|B - E|, m), m the median of |B - E| over the lit area
+//! ```
+//!
+//! channels pooled in both. By energy a small bright place outweighs all others. The local norm is relative to the light at each place, and
+//! to typical light where it is darker. What counts as the light at a point is the value there, as far as replicates do not contradict it.
+
+/// In which norm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ErrorNorm {
+    Energy,
+    Local,
+}
+
+/// A point as norms see it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lit {
+    /// The area that it stands for, in m^2.
+    pub area: f64,
+    /// |B - E|, in W/m^2.
+    pub light: f64,
+    /// An estimate of its square without bias, which may be negative.
+    pub light_sq: f64,
+}
+
+/// What squares of differences at points count: a factor for each, in m^4/W^2 per m^2 of its area, by which the sum is relative.
+pub(super) struct NormWeights {
+    /// By point, times its area.
+    pub by_point: Vec<f64>,
+}
+
+impl NormWeights {
+    /// `None` if no light is reflected.
+    pub fn new(norm: ErrorNorm, points: &[Lit]) -> Option<Self> {
+        let by_point: Vec<f64> = match norm {
+            ErrorNorm::Energy => {
+                let all: f64 = points.iter().map(|point| point.area * point.light_sq).sum();
+                (all > 0.0).then(|| points.iter().map(|point| point.area / all).collect())?
+            }
+            ErrorNorm::Local => {
+                let typical = median_light(points)?;
+                let lit: f64 = points.iter().filter(|point| point.light > 0.0).map(|point| point.area).sum();
+                points.iter().map(|point| point.area / (lit * point.light.max(typical).powi(2))).collect()
+            }
+        };
+        by_point.iter().all(|weight| weight.is_finite()).then_some(Self { by_point })
+    }
+}
+
+/// The median light over the lit area; `None` if all is dark.
+pub(super) fn median_light(points: &[Lit]) -> Option<f64> {
+    let mut lit: Vec<&Lit> = points.iter().filter(|point| point.light > 0.0).collect();
+    lit.sort_by(|a, b| a.light.total_cmp(&b.light));
+    let half = 0.5 * lit.iter().map(|point| point.area).sum::<f64>();
+    let mut below = 0.0;
+    let middle = lit.iter().find(|point| {
+        below += point.area;
+        below >= half
+    });
+    middle.map(|point| point.light)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lit(area: f64, light: f64) -> Lit {
+        Lit { area, light, light_sq: light * light }
+    }
+
+    #[test]
+    fn by_energy_what_is_bright_counts_and_locally_what_is_large() {
+        // Nine tenths of the area at 1, a tenth at 10, as much in the dark; everything 10% too bright.
+        let points = [lit(0.45, 1.0), lit(0.45, 1.0), lit(0.1, 10.0), lit(1.0, 0.0)];
+        let squares = |norm| -> Vec<f64> {
+            let weights = NormWeights::new(norm, &points).unwrap().by_point;
+            points.iter().zip(weights).map(|(point, weight)| weight * (0.1 * point.light).powi(2)).collect()
+        };
+        for norm in [ErrorNorm::Energy, ErrorNorm::Local] {
+            assert!((squares(norm).iter().sum::<f64>().sqrt() - 0.1).abs() < 1e-12, "{norm:?}");
+        }
+        assert!((squares(ErrorNorm::Energy)[2] / 0.01 - 10.0 / 10.9).abs() < 1e-12);
+        assert!((squares(ErrorNorm::Local)[2] / 0.01 - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_median_is_by_lit_area_and_there_is_none_in_the_dark() {
+        assert_eq!(median_light(&[lit(1.0, 5.0), lit(10.0, 0.0), lit(3.0, 2.0), lit(1.0, 1.0)]), Some(2.0));
+        assert_eq!(median_light(&[lit(1.0, 0.0)]), None);
+        for norm in [ErrorNorm::Energy, ErrorNorm::Local] {
+            assert!(NormWeights::new(norm, &[lit(1.0, 0.0)]).is_none());
+        }
+    }
+}
