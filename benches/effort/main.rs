@@ -5,8 +5,8 @@
 //! given: `cargo bench --bench effort -- room`. Scenes beside the repository take part where they are. `-- pieces` prints instead what a Cornell
 //! box takes whose polygons are cut into pieces, with black things around and far below.
 //!
-//! Values are compared at points, uniform by area, and told relative to the reflected light there. References are of the same solver family
-//! that nothing of the table is made by: paths of another seed, from four times as many positions as the most that is measured.
+//! Values are compared at points, uniform by area, and told relative to the reflected light there. References are values over cells, by another
+//! seed and from four times as many positions as the most that is measured.
 #![allow(missing_docs, reason = "a program")]
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program that prints tables and tells how far it is")]
 

@@ -163,7 +163,8 @@ impl Grids {
         let reflectors = &brightness.reflectors;
         let mut sides: Vec<f64> = brightness.coarser.iter().map(|coarser| side * coarser.sqrt()).collect();
         let reflecting: f64 = reflectors.iter().map(|of| area(&of.surface.index())).sum();
-        let all: f64 = (0..surfaces.len()).map(|index| area(&index)).sum();
+        let reflects = |index: &usize| brightness.coarser[*index].is_finite();
+        let all: f64 = (0..surfaces.len()).filter(reflects).map(|index| area(&index)).sum();
         let more = (1.0 + MORE_CELLS * all / reflecting).min(MORE_ON_REFLECTORS);
         reflectors.iter().for_each(|of| sides[of.surface.index()] = side / more.sqrt());
 

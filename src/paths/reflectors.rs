@@ -7,13 +7,13 @@
 
 use crate::scene::{Scene, SurfaceId};
 
-/// A surface is bright if it reflects more than so many times the mean over all surfaces, in its brightest channel. Empirical.
+/// A surface is bright if it reflects more than so many times the mean over all that reflect, in its brightest channel. Empirical.
 const BRIGHT: f64 = 8.0;
 
 /// Bright surfaces are sampled if without them the variance falls by more than this, in squares of the mean. Empirical.
 const WORTH: f64 = 1.0;
 
-/// They are sampled only if they are at most these parts of all area and of all surfaces: few, and small. Empirical.
+/// They are sampled only if they are at most these parts of the area and of the number of all that reflect: few, and small. Empirical.
 const MOST_AREA: f64 = 0.01;
 const MOST_SURFACES: f64 = 0.125;
 
@@ -80,6 +80,7 @@ fn bright_reflectors(scene: &Scene, brightness: &impl Fn(SurfaceId) -> f64) -> V
     let all: Vec<Reflector> = (0..scene.surfaces().len() as u32)
         .map(SurfaceId)
         .map(|surface| Reflector { surface, brightness: brightness(surface) })
+        .filter(|of| of.brightness > 0.0)
         .collect();
 
     // Those far above the mean.

@@ -45,7 +45,7 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64) ->
     let choice = choices(plan, &doubtful).filter(|choice| will_do(choice) && is_worth_it(choice)).min_by(by_work);
 
     // Where none will do, begin with what is worst; where that is links, refine them.
-    let worst = || Some(doubtful.worst()).filter(|choice| !choice.keeps_values() || plan.may_know_closer(choice));
+    let worst = || Some(doubtful.worst(requested)).filter(|choice| !choice.keeps_values() || plan.may_know_closer(choice));
     let otherwise = || if plan.has_cells() { Choice { finds_cells: true, ..Choice::NOTHING } } else { Choice::NOTHING };
     let choice = choice.or_else(worst).unwrap_or_else(otherwise);
     if choice == Choice::NOTHING {
@@ -122,14 +122,15 @@ impl<'a> Doubtful<'a> {
         self.error.doubts.common > 2.0 * self.error.doubts.replicates
     }
 
-    /// What takes away the largest part of the square of the claim; nothing where that is the bias of links.
-    fn worst(&self) -> Choice {
+    /// What takes away the largest part of the square of the claim; nothing where that is the bias of links. To know closer what is more than
+    /// is asked for would not do.
+    fn worst(&self, requested: f64) -> Choice {
         let Doubts { replicates, common, noise } = self.error.doubts;
         let doubt = SIGMAS * replicates.hypot(common);
         let noise_sq = self.noise_sq + SIGMAS * noise;
         if noise_sq >= self.other_sq.max(doubt) {
             Choice { rays: MORE_RAYS_FACTOR, ..Choice::NOTHING }
-        } else if doubt > self.other_sq && !self.is_common() {
+        } else if doubt > self.other_sq && !self.is_common() && self.error.measured <= requested {
             self.closer()
         } else {
             Choice { finds_cells: self.has_cells || doubt > self.other_sq, ..Choice::NOTHING }

@@ -18,10 +18,11 @@ use super::record::{Record, Recorder, Site};
 use crate::geometry::{sampling, streams};
 use crate::hierarchy::Hierarchy;
 use crate::paths::{PathScratch, Place};
+use crate::scene::Scene;
 use crate::values::budget::NOISE_POWER;
 use crate::values::final_gather::FinalGather;
 
-/// The size of the largest cells, as a part of the side of a square with the area of all surfaces.
+/// The size of the largest cells, as a part of the side of a square with the area of all surfaces that points lie on.
 const FIRST_CELL: f64 = 1.0 / 32.0;
 
 /// So many levels of cells at most, each of half the size of the one before.
@@ -97,7 +98,7 @@ impl CacheBuilder<'_> {
         let channels = scene.channels();
         let mut cache = IrradianceCache::none(channels, places.len(), self.rays);
         let cells = PlaneCells::new(scene);
-        let area: f64 = scene.surfaces().iter().map(|surface| surface.polygon.area()).sum();
+        let area = area_with_places(scene, places);
         let mut left: Vec<usize> = (0..places.len()).filter(|&index| places[index].is_some()).collect();
         let mut controls = Vec::new();
 
@@ -210,6 +211,13 @@ impl CacheBuilder<'_> {
         let fewer = louder.powf(1.0 / NOISE_POWER).min(MOST_SPARED);
         IrradianceCache { rays: (f64::from(self.rays) / fewer).ceil() as u32, ..cache }
     }
+}
+
+/// The area of the surfaces that places lie on, in m^2.
+fn area_with_places(scene: &Scene, places: &[Option<Place>]) -> f64 {
+    let mut has_place = vec![false; scene.surfaces().len()];
+    places.iter().flatten().for_each(|place| has_place[place.surface.index()] = true);
+    scene.surfaces().iter().zip(has_place).filter(|(_, has)| *has).map(|(surface, _)| surface.polygon.area()).sum()
 }
 
 /// Those of the places `left` that share their cell with enough others, by cell.
