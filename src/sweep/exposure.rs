@@ -8,7 +8,8 @@
 //! Exposure is sampled by cosine-distributed rays. A point is hidden if all its rays first meet backs: one that meets anything else shows
 //! that light may come there, however many backs there are around. It is hidden, too, if rays leave the scene and the point lies on a
 //! surface of the same plane that faces the other way, such as the underside of a box on a floor: rays ignore what lies in their own
-//! plane.
+//! plane. A point is hidden as well if something lies over it that is close for the size of the node, unless that covers the whole node:
+//! others hardly see it, and little light comes there. Smaller nodes tell it apart.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -19,7 +20,7 @@ use crate::geometry::{Facet, Frame, sampling, streams};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
-use crate::visibility::{Hit, Ray};
+use crate::visibility::{Hit, NO_PLANE, Ray, Segment};
 
 /// The exposed part of every node, 0 to 1.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -198,6 +199,10 @@ impl<'a> ByPlane<'a> {
     }
 }
 
+/// What lies over a point within this part of the node's size hides it. A slot that is so many times as wide as high gets about this part of
+/// the light, so little is lost by calling it dark; larger values lose what stands beside walls.
+const CLOSE_OVER: f64 = 0.02;
+
 /// Where a ray from a point ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum End {
@@ -209,8 +214,9 @@ enum End {
 /// A point of a node.
 struct SampledPoint {
     point: DVec3,
-    /// Where its first ray ends.
+    /// Where its first ray ends, and how high over the node's plane, in metres.
     end: End,
+    height: f64,
     is_hidden: bool,
 }
 
@@ -223,55 +229,100 @@ fn sampled_points(
     samples: u32,
     seed: u64,
 ) -> impl Iterator<Item = SampledPoint> {
-    let scene = by_plane.scene;
     let facet = hierarchy.facet(node);
     let surface = SurfaceId(hierarchy.node(node).surface);
-    let origin_plane = scene.surface(surface).plane;
-    let frame = Frame::around(facet.normal);
+    let plane = by_plane.scene.surface(surface).plane;
     let seed = sampling::hash(seed, streams::EXPOSURE + u64::from(node.0));
+    let mut from = PointsOfNode { by_plane, rays, facet, surface, plane, opposite: None, points: Vec::new() };
+    from.cast(samples, seed);
+    from.cast_again_where_hidden(seed);
+    from.hide_covered();
+    from.points.into_iter()
+}
 
-    // The first rays, and where they end.
-    let ray = |sample| {
-        let [u, v, s, t] = sampling::sobol_4d(sample, seed);
-        Ray { origin: facet.point_at(u, v).to_array(), direction: frame.sampled_by_cosine(s, t).to_array(), origin_plane }
-    };
-    let mut cast: Vec<Ray> = (0..samples).map(ray).collect();
-    let mut hits = Vec::new();
-    rays.first_hits(&cast, &mut hits);
-    let mut opposite: Option<Vec<Facet<'_>>> = None;
-    let mut end = |ray: &Ray, hit: Option<Hit>| match hit {
-        None => {
-            let opposite = opposite.get_or_insert_with(|| by_plane.opposite(surface).collect());
-            let is_hidden = opposite.iter().any(|facing| facing.contains(DVec3::from(ray.origin)));
-            if is_hidden { End::Back } else { End::Outside }
-        }
-        Some(hit) => {
-            let side = scene.side_towards(SurfaceId(hit.surface), -DVec3::from(ray.direction));
-            side.map_or(End::Back, |_| End::Front)
-        }
-    };
-    let first = |(ray, hit): (&Ray, &Option<Hit>)| {
-        let end = end(ray, *hit);
-        SampledPoint { point: DVec3::from(ray.origin), end, is_hidden: end == End::Back }
-    };
-    let mut points: Vec<SampledPoint> = cast.iter().zip(&hits).map(first).collect();
+/// Points of a node on their way to being known as hidden or not.
+struct PointsOfNode<'a> {
+    by_plane: &'a ByPlane<'a>,
+    rays: &'a Rays<'a>,
+    facet: Facet<'a>,
+    surface: SurfaceId,
+    plane: u32,
+    /// Surfaces in the same plane that face the other way, once they are asked for.
+    opposite: Option<Vec<Facet<'a>>>,
+    points: Vec<SampledPoint>,
+}
 
-    // More from those that met backs, until one does not.
-    for round in 1..HIDDEN_RAYS {
-        let hidden: Vec<usize> = (0..points.len()).filter(|&index| points[index].is_hidden).collect();
-        let directions = sampling::shifted_sobol_2d(sampling::hash(seed, streams::EXPOSURE_AGAIN + u64::from(round)));
-        let again = |(number, &index): (u32, &usize)| {
-            let [s, t] = directions(number);
-            Ray { origin: points[index].point.to_array(), direction: frame.sampled_by_cosine(s, t).to_array(), origin_plane }
+impl PointsOfNode<'_> {
+    /// Draws the points, and casts a ray from each.
+    fn cast(&mut self, samples: u32, seed: u64) {
+        let (facet, frame) = (self.facet, Frame::around(self.facet.normal));
+        let ray = |sample| {
+            let [u, v, s, t] = sampling::sobol_4d(sample, seed);
+            let (origin, direction) = (facet.point_at(u, v).to_array(), frame.sampled_by_cosine(s, t).to_array());
+            Ray { origin, direction, origin_plane: self.plane }
         };
-        cast = (0..).zip(&hidden).map(again).collect();
-        if cast.is_empty() {
-            break;
-        }
-        rays.first_hits(&cast, &mut hits);
-        for ((index, ray), hit) in hidden.into_iter().zip(&cast).zip(&hits) {
-            points[index].is_hidden = end(ray, *hit) == End::Back;
+        let rays: Vec<Ray> = (0..samples).map(ray).collect();
+        for (ray, (end, height)) in rays.iter().zip(self.ends(&rays)) {
+            self.points.push(SampledPoint { point: DVec3::from(ray.origin), end, height, is_hidden: end == End::Back });
         }
     }
-    points.into_iter()
+
+    /// Casts more rays from points whose rays met backs, until one does not.
+    fn cast_again_where_hidden(&mut self, seed: u64) {
+        let frame = Frame::around(self.facet.normal);
+        for round in 1..HIDDEN_RAYS {
+            let hidden: Vec<usize> = (0..self.points.len()).filter(|&index| self.points[index].is_hidden).collect();
+            if hidden.is_empty() {
+                break;
+            }
+            let directions = sampling::shifted_sobol_2d(sampling::hash(seed, streams::EXPOSURE_AGAIN + u64::from(round)));
+            let ray = |(number, &index): (u32, &usize)| {
+                let [s, t] = directions(number);
+                let (origin, direction) = (self.points[index].point.to_array(), frame.sampled_by_cosine(s, t).to_array());
+                Ray { origin, direction, origin_plane: self.plane }
+            };
+            let rays: Vec<Ray> = (0..).zip(&hidden).map(ray).collect();
+            for (index, (end, _)) in hidden.into_iter().zip(self.ends(&rays)) {
+                self.points[index].is_hidden = end == End::Back;
+            }
+        }
+    }
+
+    /// Hides points over which something lies close, unless that are all: only where the first ray has met something as low.
+    fn hide_covered(&mut self) {
+        let height = CLOSE_OVER * self.facet.area.sqrt();
+        let low = |index: &usize| !self.points[*index].is_hidden && self.points[*index].height <= height;
+        let low: Vec<usize> = (0..self.points.len()).filter(low).collect();
+        let upwards = |&index: &usize| {
+            let from = self.points[index].point;
+            let to = (from + height * self.facet.normal).to_array();
+            Segment { from: from.to_array(), to, from_plane: self.plane, to_plane: NO_PLANE }
+        };
+        let mut occluded = Vec::new();
+        self.rays.occluded(&low.iter().map(upwards).collect::<Vec<_>>(), &mut occluded);
+        let covered: Vec<usize> = low.into_iter().zip(occluded).filter(|(_, occluded)| *occluded).map(|(index, _)| index).collect();
+        if self.points.iter().filter(|point| !point.is_hidden).count() > covered.len() {
+            covered.into_iter().for_each(|index| self.points[index].is_hidden = true);
+        }
+    }
+
+    /// Where rays from the node end, and how high over its plane.
+    fn ends(&mut self, rays: &[Ray]) -> Vec<(End, f64)> {
+        let mut hits = Vec::new();
+        self.rays.first_hits(rays, &mut hits);
+        let Self { by_plane, surface, facet, opposite, .. } = self;
+        let end = |(ray, hit): (&Ray, Option<Hit>)| match hit {
+            None => {
+                let opposite = opposite.get_or_insert_with(|| by_plane.opposite(*surface).collect());
+                let is_hidden = opposite.iter().any(|facing| facing.contains(DVec3::from(ray.origin)));
+                (if is_hidden { End::Back } else { End::Outside }, f64::INFINITY)
+            }
+            Some(hit) => {
+                let direction = DVec3::from(ray.direction);
+                let side = by_plane.scene.side_towards(SurfaceId(hit.surface), -direction);
+                (side.map_or(End::Back, |_| End::Front), hit.distance * facet.normal.dot(direction))
+            }
+        };
+        rays.iter().zip(hits).map(end).collect()
+    }
 }
