@@ -17,7 +17,8 @@ const MAX_SWEEPS: u32 = 5000;
 /// The ratio of successive changes is steady if the rest of their geometric series is known to this part.
 const STEADY: f64 = 0.02;
 
-/// That ratio is taken to be at most this: rows sum to less than 1, so sweeps converge.
+/// That ratio is taken to be at most this: rows sum to less than 1, so sweeps converge. Terms of Russian roulette may be negative, but each is
+/// at most a quarter of its path.
 const MAX_RATIO: f64 = 0.9999;
 
 /// One equation for each cell: `B = constant + sum over paths of weight * B_end + terms of reflectors`.

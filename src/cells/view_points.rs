@@ -25,8 +25,8 @@ pub(super) struct Arrival {
     pub weight: f32,
 }
 
-/// The view points of each of so many cells, of which the first `count` count, by coordinates within the cell: drawn from its arrivals by weight, by systematic
-/// sampling along the Morton curve through the cell. `None` where nothing arrives.
+/// The view points of each of so many cells, of which the first `count` count, by coordinates within the cell: drawn from its arrivals by
+/// weight, by systematic sampling along the Morton curve through the cell. `None` where nothing arrives.
 pub(super) fn view_points(
     cells: usize,
     count: usize,

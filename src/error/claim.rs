@@ -1,8 +1,8 @@
 //! Claims: upper confidence limits of a measured error.
 //!
 //! An error is looked at until it can be claimed, so each look is another chance to be wrong. The limit is that of a group sequential test:
-//! with [`SIGMAS`] at each of five looks, at sums that grow, all together claim falsely with a probability of [`CONFIDENCE`] to the contrary
-//! (Pocock, Biometrika 64, 1977), as far as sums over many points are normal. Fewer looks risk less.
+//! with [`SIGMAS`] at each of five looks, at sums that grow, all together claim falsely with a probability of 2.5% (Pocock, Biometrika 64,
+//! 1977), as far as sums over many points are normal. Fewer looks risk less, more looks more.
 
 use super::replicates::REPLICATES;
 

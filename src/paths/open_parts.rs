@@ -24,9 +24,10 @@ const SQUARES: u32 = 8;
 /// over so many; at most the distance from which cells have a value.
 const COVERS_WITHIN: f64 = 0.25;
 
-/// Below this part of the surface's radius another surface lies in its plane, and that far from its edges it only adjoins: files round to
-/// six digits or more.
+/// What reaches over the surface's edges by no more than this part of its radius only adjoins it: files round to six digits or more.
 const TOUCHES_WITHIN: f64 = 1e-6;
+
+/// What is no higher than this part of the radius lies in the surface's plane: rounding of the coordinates.
 const IN_PLANE_WITHIN: f64 = 1e-9;
 
 /// Squares of a cell, one bit each, row after row.
