@@ -219,7 +219,7 @@ impl Evaluator {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
         let paths = self.solution.light_paths(&rays);
         let gather = self.solution.gather_at_points(&rays, paths.as_ref());
-        let values = self.pool.install(|| values::values_at(&gather, points, observer));
+        let values = self.pool.install(|| values::values_at(&gather, self.solution.error_bars, points, observer));
         let mut values = values?;
         if let Some(bounds) = self.bounds_at(points) {
             bounds.confine(&mut values.radiosity);
@@ -236,8 +236,8 @@ impl Evaluator {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
         let paths = self.solution.light_paths(&rays);
         let gather = self.solution.gather_at_points(&rays, paths.as_ref());
-        let image = Image::black(camera.width, camera.height, self.solution.scene().channels());
-        let render = || picture::render(&gather, &rays, &through, image, observer);
+        let size = [camera.width, camera.height];
+        let render = || picture::render(&gather, self.solution.error_bars, &rays, &through, size, observer);
         Ok(self.pool.install(render))
     }
 

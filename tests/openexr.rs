@@ -13,7 +13,7 @@ use patchlight::solve::SolveOptions;
 fn picture(width: u32, height: u32, channels: usize) -> Image {
     let count = width as usize * height as usize * channels;
     let radiance = (0..count).map(|k| (k as f32 + 1.0) * 1.7_f32.powi((k % 80) as i32 - 40)).collect();
-    Image { width, height, channels, radiance }
+    Image { radiance, ..Image::black(width, height, channels) }
 }
 
 fn names(channels: usize) -> Vec<&'static str> {

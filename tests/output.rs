@@ -24,7 +24,7 @@ fn provenance() -> Provenance {
 fn picture(channels: usize) -> Image {
     let (width, height) = (37, 23);
     let radiance = (0..width * height * channels).map(|k| (k as f32 + 1.0) * 1.7_f32.powi((k % 80) as i32 - 40)).collect();
-    Image { width: width as u32, height: height as u32, channels, radiance }
+    Image { width: width as u32, height: height as u32, channels, radiance, standard_error: None }
 }
 
 /// Channels by name, comments, software.
@@ -125,7 +125,7 @@ fn png_of(image: &Image, exposure: PngExposure) -> (ReadPng, f64) {
 #[test]
 fn png_shows_known_values_at_a_fixed_exposure() {
     // Linear 0.18 and 0.5 are 118 and 188 in sRGB; two stops brighter, 0.045 and 0.125 are as well.
-    let image = Image { width: 2, height: 1, channels: 3, radiance: vec![0.18, 0.5, 0.0, 0.0, 0.18, 0.18] };
+    let image = Image { radiance: vec![0.18, 0.5, 0.0, 0.0, 0.18, 0.18], ..Image::black(2, 1, 3) };
     let (read, ev) = png_of(&image, PngExposure::Ev(0.0));
     assert_eq!((read.colour, read.bytes.as_slice(), ev), (png::ColorType::Rgb, &[118, 188, 0, 0, 118, 118][..], 0.0));
     let darker = Image { radiance: image.radiance.iter().map(|l| l / 4.0).collect(), ..image };
@@ -134,7 +134,7 @@ fn png_shows_known_values_at_a_fixed_exposure() {
 
 #[test]
 fn png_is_grey_for_other_channel_counts_and_states_its_exposure() {
-    let image = Image { width: 2, height: 1, channels: 2, radiance: vec![0.1, 0.26, 0.0, 0.0] };
+    let image = Image { radiance: vec![0.1, 0.26, 0.0, 0.0], ..Image::black(2, 1, 2) };
     let (read, _) = png_of(&image, PngExposure::Ev(0.0));
     assert_eq!((read.colour, read.bytes.as_slice()), (png::ColorType::Grayscale, &[118, 0][..]));
     let (read, ev) = png_of(&image, PngExposure::Auto);
@@ -146,7 +146,7 @@ fn png_is_grey_for_other_channel_counts_and_states_its_exposure() {
 
 #[test]
 fn png_shows_black_and_broken_pixels_as_black() {
-    let image = Image { width: 3, height: 1, channels: 1, radiance: vec![0.0, f32::NAN, -1.0] };
+    let image = Image { radiance: vec![0.0, f32::NAN, -1.0], ..Image::black(3, 1, 1) };
     let (read, ev) = png_of(&image, PngExposure::Auto);
     assert_eq!((read.bytes.as_slice(), ev), (&[0, 0, 0][..], 0.0));
 }

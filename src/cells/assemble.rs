@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::equations::{BATCH, Equations, ReflectorTerms};
 use super::view_points::{Arrival, VIEW_POINTS, view_point_count, view_points};
 use crate::geometry::{sampling, streams};
-use crate::paths::{Directions, Ends, LightPaths, NO_CELL, PathScratch, Place};
+use crate::paths::{BatchSums, Directions, Ends, LightPaths, NO_CELL, PathScratch, Place};
 
 /// The rows of a batch of cells, while they are filled in.
 struct Rows<'a> {
@@ -98,7 +98,8 @@ impl Equations {
                 })
                 .collect();
             let mut irradiance = vec![0.0; starts.len() * channels];
-            paths.add_next_event(&starts, of_cell, count.div_ceil(of_cell) as u32, scratch, &mut irradiance);
+            let mut sums = BatchSums::whole(channels, &mut irradiance);
+            paths.add_next_event(&starts, of_cell, count.div_ceil(of_cell) as u32, scratch, &mut sums);
 
             // A cell gets the mean over its view points.
             let part = 1.0 / of_cell as f64;

@@ -40,6 +40,10 @@ pub fn write_values_to(sink: &Sink, evaluator: &Evaluator, points: &Points, valu
     if values.missed > 0 {
         voice.warn(format_args!("{} of {} points lie on no surface; their values are empty", values.missed, points.len()));
     }
+    if let Some(error) = values.error {
+        let (energy, local) = (100.0 * error.energy, 100.0 * error.local);
+        voice.figure("values", format_args!("{energy:.2}% off by energy, {local:.2}% locally, over these points: an estimate"));
+    }
     voice.figure("wrote", format_args!("{} ({} points)", sink.name(), points.len()));
     Ok(())
 }

@@ -8,6 +8,7 @@ use patchlight::pipeline::{self, Evaluator};
 use patchlight::scene::Scene;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::solve::{SolveOptions, SolveReport};
+use patchlight::values::ValuesError;
 
 use super::exit::{Exit, Failure};
 use super::progress::{Voice, Watcher};
@@ -43,7 +44,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     // What is asked for.
     let mut ending = Ending::new(Exit::of_solve(report.stopped_by, report.converged));
     let sampling = Instant::now();
-    write_results(&request, &evaluator, points.as_ref(), &provenance, &mut ending);
+    run_report.error.points = write_results(&request, &evaluator, points.as_ref(), &provenance, &mut ending);
     let sample_s = sampling.elapsed().as_secs_f64() - ending.output_s;
 
     // The report, last: it tells about all of the above.
@@ -76,21 +77,25 @@ fn read(request: &SolveRequest) -> Result<(Scene, Vec<String>), Failure> {
     Ok((imported.scene, warnings))
 }
 
-/// Writes what is asked for, but for the report. The solution first: everything else can be made from it again.
+/// Writes what is asked for, but for the report, and tells how wrong the values at points are. The solution first: everything else can be
+/// made from it again.
 fn write_results(
     request: &SolveRequest,
     evaluator: &Evaluator,
     points: Option<&Points>,
     provenance: &Provenance,
     ending: &mut Ending,
-) {
-    let voice = request.voice;
+) -> Option<ValuesError> {
+    let (voice, mut error) = (request.voice, None);
     if let Some(destination) = &request.solution {
         ending.write(|| results::write_solution_to(destination, evaluator, voice));
     }
     if let (Some((_, sink)), Some(points)) = (&request.points, points) {
         match results::values_at(evaluator, points, voice) {
-            Some(values) => ending.write(|| results::write_values_to(sink, evaluator, points, &values, voice)),
+            Some(values) => {
+                error = values.error;
+                ending.write(|| results::write_values_to(sink, evaluator, points, &values, voice));
+            }
             None => ending.cancel(voice, &sink.name()),
         }
     }
@@ -101,6 +106,7 @@ fn write_results(
             Err(failure) => ending.note(Err(failure)),
         }
     }
+    error
 }
 
 fn available_threads() -> usize {

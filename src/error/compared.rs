@@ -7,7 +7,7 @@ use super::pairs::{PairProducts, mean_and_variance};
 use super::replicates::{ErrorSample, REPLICATES};
 use crate::geometry::{sampling, streams};
 use crate::paths::{Place, place_at};
-use crate::values::{Gather, Over, RayBudget, Scratch};
+use crate::values::{Gather, Gathered, Over, RayBudget, Scratch};
 
 /// What a value says of the light at a point may differ from what replicates say by so many of their standard deviations.
 const LIGHT_SIGMAS: f64 = 2.0;
@@ -42,12 +42,12 @@ impl Compared {
 pub(super) fn compared<'a>(
     sample: &'a ErrorSample,
     gather: &'a Gather<'_>,
-    values: &'a [Vec<f64>; 2],
+    values: &'a [Gathered; 2],
 ) -> impl Iterator<Item = Compared> + 'a {
     let material = gather.scene.material_of(sample.place.surface);
     let finds_residual = is_taken_twice(gather);
     (0..gather.scene.channels()).map(move |channel| {
-        let values = [0, 1].map(|half: usize| values[half][channel] - material.exitance[channel]);
+        let values = [0, 1].map(|half: usize| values[half].radiosity[channel] - material.exitance[channel]);
         let value = 0.5 * (values[0] + values[1]);
         let residuals = sample.found.each_ref().map(|found| {
             let found = material.reflectance[channel] * found[channel];
@@ -67,17 +67,17 @@ pub(super) fn by_other_rays(budget: RayBudget) -> RayBudget {
     RayBudget { seed: sampling::hash(budget.seed, streams::VALUES_AGAIN), ..budget }
 }
 
-/// The radiosities at `places`, by channel, that `gather` gives with a budget; `None` if cancelled.
+/// The values that `gather` gives at `places` with a budget, one by one; `None` if cancelled.
 pub(super) fn values_at(
     places: &[Place],
     gather: &Gather<'_>,
     budget: RayBudget,
     cancelled: Cancelled<'_>,
-) -> Option<Vec<Vec<f64>>> {
+) -> Option<Vec<Gathered>> {
     let value = |scratch: &mut Scratch, place: &Place| {
-        let mut value = vec![0.0; gather.scene.channels()];
+        let mut value = Gathered::default();
         let place = place_at(place.point, place.surface, budget.seed);
-        gather.radiosities_at(&[place], budget, scratch, &mut value);
+        gather.values_at(&[place], budget, scratch, &mut value);
         (!cancelled()).then_some(value)
     };
     places.par_iter().map_init(Scratch::default, value).collect()

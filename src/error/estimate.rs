@@ -34,7 +34,7 @@ use super::points::{ErrorPoint, Surroundings};
 use super::replicates::{ErrorSample, REPLICATES, RayShares, ReplicateGather, Replication};
 use crate::geometry::sampling;
 use crate::paths::{PathScratch, Place};
-use crate::values::Gather;
+use crate::values::{Gather, Gathered};
 
 /// An error with its upper confidence limit, see [`claim`]; infinite where nothing can be said.
 #[derive(Clone, Copy, Debug, Default)]
@@ -71,25 +71,25 @@ pub(crate) struct ErrorEstimate {
 pub(crate) const TWICE: usize = 2;
 
 /// The noise of values over links is sampled at one of so many points.
-const AGAIN: usize = 4;
+pub(super) const AGAIN: usize = 4;
 
 /// Sums over points.
 #[derive(Clone, Copy, Default)]
-struct Moments {
+pub(super) struct Moments {
     count: f64,
-    sum: f64,
+    pub sum: f64,
     sum_sq: f64,
 }
 
 impl Moments {
-    fn add(&mut self, value: f64) {
+    pub fn add(&mut self, value: f64) {
         self.count += 1.0;
         self.sum += value;
         self.sum_sq += value * value;
     }
 
     /// The standard deviation of the sum, by the scatter of what was added.
-    fn deviation_of_sum(&self) -> f64 {
+    pub fn deviation_of_sum(&self) -> f64 {
         let scatter = (self.sum_sq - self.sum * self.sum / self.count).max(0.0);
         (scatter / (self.count - 1.0).max(1.0) * self.count).sqrt()
     }
@@ -114,10 +114,9 @@ pub(crate) struct ErrorParts {
 /// Samples of the error in one norm. Replicates are kept while values change; points and rays are added as they are needed.
 pub(crate) struct ErrorSamples {
     norm: ErrorNorm,
-    samples: Vec<ErrorSample>,
-    /// By sample, the radiosities that a user gets there, by channel; two independent values where they are taken twice, else equal
-    /// ones.
-    values: Vec<[Vec<f64>; 2]>,
+    pub(super) samples: Vec<ErrorSample>,
+    /// By sample, the value that a user gets there; two independent ones where they are taken twice, else equal ones.
+    pub(super) values: Vec<[Gathered; 2]>,
 }
 
 impl ErrorSamples {
@@ -191,7 +190,8 @@ impl ErrorSamples {
         let (mut lit, mut variances) = (Vec::new(), Vec::new());
         for (sample, (values, again)) in samples.iter().zip(values.iter().zip(&again)) {
             let exitance = &gather.scene.material_of(sample.place.surface).exitance;
-            let channels = || values.iter().zip(again).zip(exitance).map(|((value, again), e)| (value - e, again - e));
+            let channels =
+                || values.radiosity.iter().zip(&again.radiosity).zip(exitance).map(|((value, again), e)| (value - e, again - e));
             let light_sq: f64 = channels().map(|(value, again)| value * again).sum();
             lit.push(Lit { area: sample.stands_for / samples.len() as f64, light: light_sq.max(0.0).sqrt(), light_sq });
             variances.push(channels().map(|(value, again)| 0.5 * (value - again).powi(2)).sum::<f64>());
@@ -297,8 +297,9 @@ impl ErrorSamples {
         let places: Vec<Place> = self.samples.iter().step_by(AGAIN).map(|sample| sample.place).collect();
         let Some(again) = values_at(&places, gather, by_other_rays(gather.budget), cancelled) else { return 0.0 };
         let Some(weights) = NormWeights::new(self.norm, &self.lit(gather, &self.values)) else { return 0.0 };
-        let noise_of = |(weight, ([value, _], again)): (&f64, (&[Vec<f64>; 2], &Vec<f64>))| {
-            let difference_sq: f64 = value.iter().zip(again).map(|(value, again)| (value - again).powi(2)).sum();
+        let noise_of = |(weight, ([value, _], again)): (&f64, (&[Gathered; 2], &Gathered))| {
+            let difference_sq: f64 =
+                value.radiosity.iter().zip(&again.radiosity).map(|(value, again)| (value - again).powi(2)).sum();
             weight * AGAIN as f64 * 0.5 * difference_sq
         };
         weights.by_point.iter().step_by(AGAIN).zip(self.values.iter().step_by(AGAIN).zip(&again)).map(noise_of).sum::<f64>().sqrt()
@@ -309,7 +310,7 @@ impl ErrorSamples {
         let places: Vec<Place> = self.samples.iter().map(|sample| sample.place).collect();
         let values = values_at(&places, gather, gather.budget, cancelled)?;
         let again = values_at(&places, gather, by_other_rays(gather.budget), cancelled)?;
-        let values: Vec<[Vec<f64>; 2]> = values.into_iter().zip(again).map(|(value, again)| [value, again]).collect();
+        let values: Vec<[Gathered; 2]> = values.into_iter().zip(again).map(|(value, again)| [value, again]).collect();
         let weights = NormWeights::new(self.norm, &self.lit(gather, &values))?.by_point;
         let (mut bias_sq, mut noise_sq, mut all) = (Moments::default(), 0.0, PairProducts::default());
         for ((sample, values), &weight) in self.samples.iter().zip(&values).zip(&weights) {
@@ -328,7 +329,7 @@ impl ErrorSamples {
     }
 
     /// The points as norms see them.
-    fn lit(&self, gather: &Gather<'_>, values: &[[Vec<f64>; 2]]) -> Vec<Lit> {
+    pub(super) fn lit(&self, gather: &Gather<'_>, values: &[[Gathered; 2]]) -> Vec<Lit> {
         let area = |sample: &ErrorSample| sample.stands_for / self.samples.len() as f64;
         self.samples
             .iter()
@@ -338,7 +339,7 @@ impl ErrorSamples {
     }
 
     /// Takes the values at points that have none yet. `None` if cancelled.
-    fn take_values(&mut self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> Option<()> {
+    pub(super) fn take_values(&mut self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> Option<()> {
         let first = self.values.len();
         let places: Vec<Place> = self.samples[first..].iter().map(|sample| sample.place).collect();
         let taken = values_at(&places, gather, gather.budget, cancelled)?;

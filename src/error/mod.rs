@@ -5,6 +5,7 @@
 
 mod claim;
 mod compared;
+mod error_bars;
 mod estimate;
 mod norm;
 mod pairs;

@@ -8,7 +8,8 @@ use super::{Provenance, Quantity};
 use crate::picture::Image;
 
 /// Writes `image` as OpenEXR: 32-bit float, ZIP-compressed scan lines. The channel is `Y` where there is one, `R`, `G`, `B` where
-/// there are three, else they are numbered from 0 with leading zeros, so that they sort. The attribute `software` holds name and
+/// there are three, else they are numbered from 0 with leading zeros, so that they sort; the layer `se` holds their standard errors, where
+/// these are known. The attribute `software` holds name and
 /// version, `comments` one line each for software, quantity, unit and options.
 ///
 /// # Errors
@@ -17,11 +18,8 @@ pub fn write_exr(writer: &mut (impl Write + Seek), image: &Image, quantity: Quan
     if !image.is_well_formed() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "the image has more or fewer values than pixels and channels"));
     }
-    let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = channel_names(image.channels)
-        .into_iter()
-        .enumerate()
-        .map(|(channel, name)| AnyChannel::new(name.as_str(), FlatSamples::F32(channel_samples(image, channel, quantity))))
-        .collect();
+    let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> =
+        named_channels(image, quantity).map(|(name, samples)| AnyChannel::new(name.as_str(), FlatSamples::F32(samples))).collect();
 
     // Only attributes that the format knows: the crate writes others in the order of a hash table.
     let attributes = LayerAttributes {
@@ -42,14 +40,26 @@ pub(super) fn comments(quantity: Quantity, provenance: &Provenance) -> String {
     provenance.statements(quantity).map(|(key, text)| format!("{key}: {text}")).join("\n")
 }
 
-/// One channel of the image, row after row.
-pub(super) fn channel_samples(image: &Image, channel: usize, quantity: Quantity) -> Vec<f32> {
+/// The channels of an image with their names, each row after row; after those of the quantity those of its standard error, where it is known.
+pub(super) fn named_channels(image: &Image, quantity: Quantity) -> impl Iterator<Item = (String, Vec<f32>)> {
     let scale = quantity.per_radiance();
-    image.pixels().map(|pixel| pixel[channel] * scale).collect()
+    let samples = move |numbers: &[f32], channel: usize| -> Vec<f32> {
+        numbers.iter().skip(channel).step_by(image.channels).map(|number| number * scale).collect()
+    };
+    let names = || channel_names(image.channels).into_iter().enumerate();
+    let own = names().map(move |(channel, name)| (name, samples(&image.radiance, channel)));
+    let errors = image
+        .standard_error
+        .iter()
+        .flat_map(move |errors| names().map(move |(channel, name)| (format!("{STANDARD_ERROR}.{name}"), samples(errors, channel))));
+    own.chain(errors)
 }
 
+/// The layer of standard errors.
+const STANDARD_ERROR: &str = "se";
+
 /// `Y` for one channel, `R`, `G`, `B` for three, else numbers from 0 with leading zeros, so that they sort.
-pub(super) fn channel_names(channels: usize) -> Vec<String> {
+fn channel_names(channels: usize) -> Vec<String> {
     match channels {
         1 => vec!["Y".to_owned()],
         3 => ["R", "G", "B"].map(str::to_owned).to_vec(),

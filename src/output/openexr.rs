@@ -9,7 +9,7 @@ use ::openexr::core::attribute::CppStringAttribute;
 use ::openexr::core::header::Header;
 use ::openexr::prelude::{CHANNEL_FLOAT, Compression, Frame, FrameBuffer, OutputFile};
 
-use super::exr::{channel_names, channel_samples, comments};
+use super::exr::{comments, named_channels};
 use super::{Provenance, Quantity};
 use crate::picture::Image;
 
@@ -54,9 +54,9 @@ fn write_file(
     header.insert("comments", &CppStringAttribute::from_value(&comments(quantity, provenance)))?;
     let window = [0, 0, width - 1, height - 1];
     let mut frame_buffer = FrameBuffer::new();
-    for (channel, name) in channel_names(image.channels).iter().enumerate() {
-        header.channels_mut().insert(name, &CHANNEL_FLOAT);
-        frame_buffer.insert_frame(Frame::with_vec(&[name], channel_samples(image, channel, quantity), window)?)?;
+    for (name, samples) in named_channels(image, quantity) {
+        header.channels_mut().insert(&name, &CHANNEL_FLOAT);
+        frame_buffer.insert_frame(Frame::with_vec(&[name.as_str()], samples, window)?)?;
     }
 
     // All of it at once.

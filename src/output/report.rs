@@ -14,6 +14,7 @@ use crate::solve::{
     Counts, Energy, EnergyBalance, ErrorFigure, IterationReport, LinkErrorReport, Norm, SkippedWork, SolveOptions, SolveReport,
     StageTimes, StoppedBy,
 };
+use crate::values::ValuesError;
 
 /// The version of the schema.
 pub const REPORT_SCHEMA: u32 = 2;
@@ -141,6 +142,8 @@ pub struct ErrorFigures {
     pub lit: f64,
     /// What pairs without a link hold back at most, as a part of the power that the elements reflect.
     pub skipped: f64,
+    /// An estimate of the error over the points that were asked for, if any.
+    pub points: Option<ValuesError>,
 }
 
 impl RunReport {
@@ -169,6 +172,7 @@ impl RunReport {
                 lit: error.lit,
                 bound: report.bounds.as_ref().map(|bounds| bounds.relative_error),
                 skipped: error.skipped,
+                points: None,
             },
             bounds: report.bounds.clone(),
             link_error: report.link_error,

@@ -1,9 +1,9 @@
 //! Points in, values out, as CSV.
 //!
 //! Points: the header `x,y,z,nx,ny,nz`, then one point a line; metres, and the unit normal of the side that is meant. Values:
-//! the same columns, then the radiosity per channel in W/m^2, `B_r,B_g,B_b` for three channels, else `B_0,B_1,...`, and where
-//! bounds are known the same with `lower` and `upper` for `B`; empty for points that lie on no surface. Numbers are the shortest
-//! that read back to the same value.
+//! the same columns, then the radiosity per channel in W/m^2, `B_r,B_g,B_b` for three channels, else `B_0,B_1,...`, their standard errors
+//! with `se` for `B`, empty where they are not known, and where bounds are known the same with `lower` and `upper`; all empty for points
+//! that lie on no surface. Numbers are the shortest that read back to the same value.
 
 use std::fmt::{Display, LowerExp};
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -171,7 +171,7 @@ fn fields(line: &str) -> impl Iterator<Item = &str> {
 /// # Errors
 /// What the writer says, and [`io::ErrorKind::InvalidInput`] if there are not `channels` values per point.
 pub fn write_values(writer: &mut impl Write, points: &Points, values: &Values) -> io::Result<()> {
-    write_columns(writer, points, values.channels, &[("B", &values.radiosity)])
+    write_columns(writer, points, values.channels, &[("B", &values.radiosity), ("se", &values.standard_error)])
 }
 
 /// Writes points with their values, and the bounds of these: `lower_r`, ... and `upper_r`, ... after the values.
@@ -179,7 +179,8 @@ pub fn write_values(writer: &mut impl Write, points: &Points, values: &Values) -
 /// # Errors
 /// As [`write_values`].
 pub fn write_bounded_values(writer: &mut impl Write, points: &Points, values: &Values, bounds: &PointBounds) -> io::Result<()> {
-    let columns: [(&str, &[f32]); 3] = [("B", &values.radiosity), ("lower", &bounds.lower), ("upper", &bounds.upper)];
+    let columns: [(&str, &[f32]); 4] =
+        [("B", &values.radiosity), ("se", &values.standard_error), ("lower", &bounds.lower), ("upper", &bounds.upper)];
     write_columns(writer, points, values.channels, &columns)
 }
 
@@ -239,10 +240,13 @@ mod tests {
         let points = read("x,y,z,nx,ny,nz\n0.1,-2,3e5,0,0,1\n 1 , 2 , 3 , 0.6 , 0.8 , 0 \r\n").unwrap();
         assert_eq!(points.len(), 2);
         assert_eq!(points.surface_points()[1], SurfacePoint { position: [1.0, 2.0, 3.0], normal: [0.6, 0.8, 0.0] });
-        let values = Values { channels: 3, radiosity: vec![0.1, 1e-9, 2.5, f32::NAN, f32::NAN, f32::NAN], missed: 1 };
+        let nan = f32::NAN;
+        let standard_error = vec![0.01, 0.0, 0.5, nan, nan, nan];
+        let values = Values { channels: 3, radiosity: vec![0.1, 1e-9, 2.5, nan, nan, nan], standard_error, missed: 1, error: None };
         let mut text = Vec::new();
         write_values(&mut text, &points, &values).unwrap();
-        let expected = "x,y,z,nx,ny,nz,B_r,B_g,B_b\n0.1,-2,300000,0,0,1,0.1,1e-9,2.5\n1,2,3,0.6,0.8,0,,,\n";
+        let expected = "x,y,z,nx,ny,nz,B_r,B_g,B_b,se_r,se_g,se_b\n\
+            0.1,-2,300000,0,0,1,0.1,1e-9,2.5,0.01,0,0.5\n1,2,3,0.6,0.8,0,,,,,,\n";
         assert_eq!(String::from_utf8(text).unwrap(), expected);
     }
 
@@ -250,20 +254,23 @@ mod tests {
     fn other_channel_counts_are_numbered() {
         let points = read("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n").unwrap();
         let mut text = Vec::new();
-        write_values(&mut text, &points, &Values { channels: 2, radiosity: vec![1.0, 2.0], missed: 0 }).unwrap();
-        assert!(String::from_utf8(text).unwrap().starts_with("x,y,z,nx,ny,nz,B_0,B_1\n"));
-        assert!(write_values(&mut Vec::new(), &points, &Values { channels: 2, radiosity: vec![1.0], missed: 0 }).is_err());
+        let values =
+            |radiosity: Vec<f32>| Values { channels: 2, standard_error: radiosity.clone(), radiosity, missed: 0, error: None };
+        write_values(&mut text, &points, &values(vec![1.0, 2.0])).unwrap();
+        assert!(String::from_utf8(text).unwrap().starts_with("x,y,z,nx,ny,nz,B_0,B_1,se_0,se_1\n"));
+        assert!(write_values(&mut Vec::new(), &points, &values(vec![1.0])).is_err());
     }
 
     #[test]
     fn bounds_stand_beside_the_values() {
         let points = read("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n").unwrap();
-        let values = Values { channels: 3, radiosity: vec![1.0, 2.0, 3.0], missed: 0 };
+        let values =
+            Values { channels: 3, radiosity: vec![1.0, 2.0, 3.0], standard_error: vec![f32::NAN; 3], missed: 0, error: None };
         let bounds = PointBounds { channels: 3, lower: vec![0.5, 1.5, 2.5], upper: vec![1.5, 2.5, f32::NAN] };
         let mut text = Vec::new();
         write_bounded_values(&mut text, &points, &values, &bounds).unwrap();
-        let expected =
-            "x,y,z,nx,ny,nz,B_r,B_g,B_b,lower_r,lower_g,lower_b,upper_r,upper_g,upper_b\n0,0,0,0,0,1,1,2,3,0.5,1.5,2.5,1.5,2.5,\n";
+        let expected = "x,y,z,nx,ny,nz,B_r,B_g,B_b,se_r,se_g,se_b,lower_r,lower_g,lower_b,upper_r,upper_g,upper_b\n\
+             0,0,0,0,0,1,1,2,3,,,,0.5,1.5,2.5,1.5,2.5,\n";
         assert_eq!(String::from_utf8(text).unwrap(), expected);
     }
 
@@ -273,7 +280,8 @@ mod tests {
         let rows: Vec<SurfacePoint> =
             numbers.iter().map(|&x| SurfacePoint { position: [x, -x, 0.0], normal: [0.0, 1.0, 0.0] }).collect();
         let points = Points::from(rows.as_slice());
-        let values = Values { channels: 1, radiosity: vec![f32::MIN_POSITIVE, f32::MAX, 0.1, 1.0 / 3.0, 16_777_217.0], missed: 0 };
+        let radiosity = vec![f32::MIN_POSITIVE, f32::MAX, 0.1, 1.0 / 3.0, 16_777_217.0];
+        let values = Values { channels: 1, standard_error: radiosity.clone(), radiosity, missed: 0, error: None };
         let mut text = Vec::new();
         write_values(&mut text, &points, &values).unwrap();
         let mut reader = csv::Reader::from_reader(text.as_slice());

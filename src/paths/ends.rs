@@ -24,8 +24,9 @@ const LITTLE: f64 = 0.25;
 pub(crate) struct Ends {
     /// By path, the cell where its first ray arrives; [`NO_CELL`] if there is none, or if the path went on.
     pub cell: Vec<u32>,
-    /// By path, the point in that cell.
+    /// By path, the point in that cell, and the form factor of the cell, about.
     pub point: Vec<DVec3>,
+    pub form_factor: Vec<f64>,
     /// The paths that went on, in their order.
     pub continued: Vec<Continuation>,
     /// By continuation and channel: it brings `constant + weight * B`, B being the radiosity of the cell where it ends.
@@ -71,6 +72,7 @@ impl Ends {
         self.cell.clear();
         self.cell.resize(paths, NO_CELL);
         self.point.resize(paths, DVec3::ZERO);
+        self.form_factor.resize(paths, 0.0);
         self.continued.clear();
         self.seen.clear();
         self.seen_weight.clear();

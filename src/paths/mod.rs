@@ -3,6 +3,7 @@
 //! Start with `trace`: how a path goes on, and where it ends. Paths end in the cells of `grid`. `emitters` and `reflectors` say
 //! which surfaces are sampled by next-event estimation; `next_event` and `reflector_rays` how, both by draws from a `light_tree`.
 
+mod batch_sums;
 mod emission;
 mod emitters;
 mod ends;
@@ -16,7 +17,8 @@ mod reflector_rays;
 mod reflectors;
 mod trace;
 
-pub(crate) use ends::Ends;
+pub(crate) use batch_sums::{BATCHES, BatchSums};
+pub(crate) use ends::{Continuation, Ends};
 pub(crate) use grid::{Grid, NO_CELL, Resolution, cell_count};
 pub(crate) use particles::Illumination;
 pub(crate) use place::{Directions, Place, place_at};

@@ -17,6 +17,7 @@
 
 use glam::DVec3;
 
+use super::batch_sums::BatchSums;
 use super::emitters::{Emitters, brightest};
 use super::light_tree::Draws;
 use super::place::Place;
@@ -43,6 +44,8 @@ struct EmitterPiece {
 /// A ray to a piece of an emitter.
 struct Drawn {
     place: usize,
+    /// The number of the ray among those of the place.
+    ray: u32,
     emitter: SurfaceId,
     /// The piece's exact form factor, and this ray's sample of it.
     form_factor: f64,
@@ -64,16 +67,15 @@ pub(super) struct EmitterRays {
 }
 
 impl Emitters<'_> {
-    /// Adds the irradiance from all emitters at each place, by `count` rays from each; without bias for any number of rays.
-    /// `irradiance` is by place and channel. Each `together` places in a row draw emitters as one place with all of their rays
-    /// would.
+    /// Adds the irradiance from all emitters at each place, by `count` rays from each; without bias for any number of rays. Each
+    /// `together` places in a row draw emitters as one place with all of their rays would.
     pub fn add_sampled_irradiance(
         &self,
         places: &[Place],
         together: usize,
         count: u32,
         memory: &mut EmitterRays,
-        irradiance: &mut [f64],
+        irradiance: &mut BatchSums<'_>,
     ) {
         if self.tree.is_none() {
             return;
@@ -88,7 +90,7 @@ impl Emitters<'_> {
             if count as usize >= self.surfaces.len() {
                 for (number, place) in places.iter().enumerate() {
                     let start = (number as f64 + start) / places.len() as f64 % 1.0;
-                    let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
+                    let numbers = (0..count).map(|ray| (ray, (f64::from(ray) + start) / f64::from(count)));
                     self.cast_to_all(place, first + number, numbers, memory);
                 }
             } else {
@@ -98,7 +100,6 @@ impl Emitters<'_> {
         self.rays.occluded(&memory.segments, &mut memory.occluded);
 
         // How much each place sees, and by that the samples.
-        let channels = self.scene.channels();
         memory.seeing.clear();
         memory.seeing.resize(places.len(), [0, 0]);
         for (drawn, occluded) in memory.drawn.iter().zip(&memory.occluded) {
@@ -112,15 +113,21 @@ impl Emitters<'_> {
             let beta = if rays > 1 { f64::from(seeing - sees) / f64::from(rays - 1) } else { 0.0 };
             let visible = f64::from(sees) * drawn.sampled + beta * (drawn.form_factor - drawn.sampled);
             let exitance = &self.scene.material_of(drawn.emitter).exitance;
-            for (h, e) in irradiance[drawn.place * channels..][..channels].iter_mut().zip(exitance) {
+            for (h, e) in irradiance.in_turn(drawn.place, drawn.ray as usize).iter_mut().zip(exitance) {
                 *h += visible * drawn.share * e;
             }
         }
     }
 
-    /// Casts a ray from a place for each of `numbers`, rising in [0, 1), to the pieces of all emitters. `index` is the number of
-    /// the place.
-    fn cast_to_all(&self, place: &Place, index: usize, numbers: impl ExactSizeIterator<Item = f64>, memory: &mut EmitterRays) {
+    /// Casts a ray from a place for each of `numbers`, rising in [0, 1), to the pieces of all emitters; with the number of each ray.
+    /// `index` is the number of the place.
+    fn cast_to_all(
+        &self,
+        place: &Place,
+        index: usize,
+        numbers: impl ExactSizeIterator<Item = (u32, f64)>,
+        memory: &mut EmitterRays,
+    ) {
         memory.pieces.clear();
         let normal = self.scene.surface(place.surface).polygon.facet().normal;
         for &emitter in &self.surfaces {
@@ -156,7 +163,8 @@ impl Emitters<'_> {
                 }
                 memory.pieces.clear();
                 self.cut(place.point, normal, SurfaceId(same[0].number), None, &mut memory.pieces);
-                self.cast_to_pieces(place, first + number, weight, own.map(|drawn| drawn.rest), memory);
+                let numbers = own.map(|drawn| (drawn.ray / places.len() as u32, drawn.rest));
+                self.cast_to_pieces(place, first + number, weight, numbers, memory);
             }
         }
         memory.draws = draws;
@@ -169,7 +177,7 @@ impl Emitters<'_> {
         place: &Place,
         index: usize,
         weight: f64,
-        numbers: impl Iterator<Item = f64>,
+        numbers: impl Iterator<Item = (u32, f64)>,
         memory: &mut EmitterRays,
     ) {
         let EmitterRays { pieces, segments, drawn, .. } = memory;
@@ -179,12 +187,12 @@ impl Emitters<'_> {
         if total <= 0.0 {
             return;
         }
-        let mut wanted = numbers.map(|number| number * total).peekable();
+        let mut wanted = numbers.map(|(ray, number)| (ray, number * total)).peekable();
         let mut above = 0.0;
         for (number, piece) in pieces.iter().enumerate() {
             above += piece.unoccluded;
             let is_last = number + 1 == pieces.len();
-            let is_in_share = |wanted: &f64| *wanted < above || is_last;
+            let is_in_share = |(_, wanted): &(u32, f64)| *wanted < above || is_last;
             if !wanted.peek().is_some_and(is_in_share) {
                 continue;
             }
@@ -195,13 +203,15 @@ impl Emitters<'_> {
             let facet = piece.part.as_ref().map_or(whole, |part| part.facet(whole.normal));
             let of_emitter = sampling::hash(place.seed, streams::EMITTER_PIECES + u64::from(piece.emitter.0));
             let sobol = sampling::shifted_sobol_2d(sampling::hash(of_emitter, number as u64));
-            for ray in (0..).take_while(|_| wanted.next_if(is_in_share).is_some()) {
-                let [u, v] = sobol(ray);
+            let own = std::iter::from_fn(|| wanted.next_if(is_in_share));
+            for (sample, (ray, _)) in (0..).zip(own) {
+                let [u, v] = sobol(sample);
                 let y = facet.point_at(u, v);
                 let (from, to) = (place.point.to_array(), y.to_array());
                 segments.push(Segment { from, to, from_plane: receiver.plane, to_plane: emitter.plane });
                 drawn.push(Drawn {
                     place: index,
+                    ray,
                     emitter: piece.emitter,
                     form_factor: piece.form_factor,
                     sampled: facet.area * kernel(place.point, normal, y, facet.normal),
@@ -279,13 +289,19 @@ mod tests {
         // place alone, or for four places together, which lie metres apart.
         let mut expected = vec![0.0; 20];
         let mut memory = EmitterRays::default();
-        emitters.add_sampled_irradiance(&places(1), 1, 50_000, &mut memory, &mut expected);
+        emitters.add_sampled_irradiance(&places(1), 1, 50_000, &mut memory, &mut BatchSums::whole(1, &mut expected));
         for together in [1, 4] {
             let (mut sum, mut sum_sq) = (vec![0.0; 20], vec![0.0; 20]);
             let rounds = 1000;
             for round in 0..rounds {
                 let mut found = vec![0.0; 20];
-                emitters.add_sampled_irradiance(&places(100 + round), together, 16, &mut memory, &mut found);
+                emitters.add_sampled_irradiance(
+                    &places(100 + round),
+                    together,
+                    16,
+                    &mut memory,
+                    &mut BatchSums::whole(1, &mut found),
+                );
                 found.iter().zip(sum.iter_mut().zip(sum_sq.iter_mut())).for_each(|(h, (sum, sum_sq))| {
                     *sum += h;
                     *sum_sq += h * h;
@@ -342,7 +358,7 @@ mod tests {
             let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
             let rays = Rays::new(&*visibility, &scene);
             let (emitters, memory) = (Emitters::new(&scene, &rays), &mut EmitterRays::default());
-            emitters.add_sampled_irradiance(&places(1), 1, 24, memory, &mut [0.0; 20]);
+            emitters.add_sampled_irradiance(&places(1), 1, 24, memory, &mut BatchSums::whole(1, &mut [0.0; 20]));
             let cast = rays.segments().count();
             assert!(cast + rays.spared() <= 20 * 24, "{count} emitters: {cast} rays");
         }
@@ -356,7 +372,8 @@ mod tests {
         let emitters = Emitters::new(&scene, &rays);
         let drawn = |places: &[Place], together: usize, count: u32| {
             let mut memory = EmitterRays::default();
-            emitters.add_sampled_irradiance(places, together, count, &mut memory, &mut vec![0.0; places.len()]);
+            let mut irradiance = vec![0.0; places.len()];
+            emitters.add_sampled_irradiance(places, together, count, &mut memory, &mut BatchSums::whole(1, &mut irradiance));
             let mut drawn: Vec<u32> = memory.drawn.iter().map(|drawn| drawn.emitter.0).collect();
             drawn.sort_unstable();
             drawn

@@ -21,6 +21,8 @@ use crate::visibility::Segment;
 pub(crate) struct SeenCell {
     /// The number of the place.
     pub by: usize,
+    /// The number of the ray among those of the place.
+    pub ray: u32,
     pub cell: u32,
     pub surface: SurfaceId,
     pub point: DVec3,
@@ -115,9 +117,9 @@ impl<'a> Reflectors<'a> {
 
         // A point in each.
         let sobol = sampling::shifted_sobol_2d(seed);
-        for (ray, drawn) in (0..).zip(&memory.draws.drawn) {
+        for (sample, drawn) in (0..).zip(&memory.draws.drawn) {
             let target = &self.targets[drawn.number as usize];
-            let [u, v] = sobol(ray);
+            let [u, v] = sobol(sample);
             let point = target.corner + u * target.edges[0] + v * target.edges[1];
 
             // Beside the surface, behind the place, or so near that the cell is not small it brings nothing.
@@ -131,7 +133,7 @@ impl<'a> Reflectors<'a> {
             let (from, to) = (place.point.to_array(), point.to_array());
             memory.segments.push(Segment { from, to, from_plane: receiver.plane, to_plane: source.plane });
             let weight = target.area() * kernel / (f64::from(count) * drawn.probability);
-            seen.push(SeenCell { by, cell: target.cell, surface: target.surface, point, weight });
+            seen.push(SeenCell { by, ray: drawn.ray, cell: target.cell, surface: target.surface, point, weight });
         }
     }
 

@@ -8,8 +8,11 @@
 //! Next-event rays bring the light of emitters, and of bright reflectors by cells that are small; so a path that arrives in such a
 //! cell brings nothing.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
+use super::batch_sums::BatchSums;
 use super::emitters::Emitters;
 use super::ends::{Continuation, Ends};
 use super::grid::{Grid, Grids, NO_CELL};
@@ -40,8 +43,8 @@ pub(crate) struct PathScratch {
     pub ends: Ends,
     /// Cells of reflectors that next-event rays have seen.
     pub seen: Vec<SeenCell>,
-    /// The order in which the rays of a place are cast.
-    order: Vec<u32>,
+    /// The numbers of the paths of a place in the order in which they are cast.
+    pub order: Vec<u32>,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
     /// Where paths go on, and the number of each one's continuation.
@@ -90,7 +93,14 @@ impl<'a> LightPaths<'a> {
 
     /// Next-event estimation: adds the irradiance from emitters at each place, by `count` rays, and fills `scratch.seen` with what
     /// is seen of reflectors. Each `together` places in a row draw emitters as one place with all of their rays would.
-    pub fn add_next_event(&self, places: &[Place], together: usize, count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+    pub fn add_next_event(
+        &self,
+        places: &[Place],
+        together: usize,
+        count: u32,
+        scratch: &mut PathScratch,
+        irradiance: &mut BatchSums<'_>,
+    ) {
         self.emitters.add_sampled_irradiance(places, together, count, &mut scratch.emitter_rays, irradiance);
         self.see_reflectors(places, count, scratch);
     }
@@ -188,7 +198,11 @@ impl<'a> LightPaths<'a> {
         for (path, (ray, hit)) in rays.iter().zip(&scratch.hits).enumerate() {
             match self.arrival(places[path / count as usize].surface, ray, *hit, beyond) {
                 Arrival::Nothing => {}
-                Arrival::Cell(cell, point) => (ends.cell[path], ends.point[path]) = (cell, point),
+                Arrival::Cell(cell, point) => {
+                    let from = &places[path / count as usize];
+                    (ends.cell[path], ends.point[path]) = (cell, point);
+                    ends.form_factor[path] = hit.map_or(0.0, |hit| self.form_factor(from, ray, hit));
+                }
                 Arrival::Onward(point, surface, small) => {
                     let (place, ray) = (path / count as usize, path % count as usize);
                     let seed = sampling::hash(places[place].seed, streams::PATHS_ONWARD + ray as u64);
@@ -200,6 +214,16 @@ impl<'a> LightPaths<'a> {
         }
     }
 
+    /// The form factor of the cell where a ray from a place arrives, about: by the kernel there.
+    fn form_factor(&self, from: &Place, ray: &Ray, hit: Hit) -> f64 {
+        let surface = SurfaceId(hit.surface);
+        let direction = DVec3::from(ray.direction);
+        let normal = |surface: SurfaceId| self.scene.surface(surface).polygon.facet().normal;
+        let cosines = normal(from.surface).dot(direction).abs() * normal(surface).dot(direction).abs();
+        let area = self.grids.of(surface).map_or(0.0, |grid| grid.size().powi(2));
+        (cosines * area / (PI * hit.distance.powi(2))).min(1.0)
+    }
+
     /// Adds the direct light at the points where paths go on, and multiplies their weights by the reflectances there.
     fn reflect(&self, scratch: &mut PathScratch) {
         let PathScratch { ends, heads, continuation_of, irradiance, emitter_rays, reflector_rays, seen, .. } = scratch;
@@ -208,7 +232,7 @@ impl<'a> LightPaths<'a> {
         // Emitters.
         irradiance.clear();
         irradiance.resize(heads.len() * channels, 0.0);
-        self.emitters.add_sampled_irradiance(heads, 1, 1, emitter_rays, irradiance);
+        self.emitters.add_sampled_irradiance(heads, 1, 1, emitter_rays, &mut BatchSums::whole(channels, irradiance));
         for ((head, &continuation), irradiance) in heads.iter().zip(&*continuation_of).zip(irradiance.chunks(channels)) {
             let material = self.scene.material_of(head.surface);
             let exitance = self.unsampled_exitance(head.surface);

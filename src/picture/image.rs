@@ -11,12 +11,14 @@ pub struct Image {
     pub channels: usize,
     /// Radiance L = B / pi in W/m^2/sr, row after row from the top left; 0 where nothing is hit.
     pub radiance: Vec<f32>,
+    /// The standard error of each, where it is known: noise, and what is known of bias, but not that a pixel shows a few points.
+    pub standard_error: Option<Vec<f32>>,
 }
 
 impl Image {
     /// A picture in which nothing is hit.
     pub fn black(width: u32, height: u32, channels: usize) -> Self {
-        Self { width, height, channels, radiance: vec![0.0; width as usize * height as usize * channels] }
+        Self { width, height, channels, radiance: vec![0.0; width as usize * height as usize * channels], standard_error: None }
     }
 
     /// The pixels, row after row from the top left: `channels` radiances each.
@@ -27,6 +29,8 @@ impl Image {
     /// Whether `radiance` holds as many values as the other fields say.
     pub fn is_well_formed(&self) -> bool {
         let pixels = self.width as usize * self.height as usize;
-        self.channels > 0 && pixels > 0 && pixels.checked_mul(self.channels) == Some(self.radiance.len())
+        let count = pixels.checked_mul(self.channels);
+        let fits = |numbers: &Vec<f32>| count == Some(numbers.len());
+        self.channels > 0 && pixels > 0 && fits(&self.radiance) && self.standard_error.iter().all(fits)
     }
 }

@@ -12,7 +12,7 @@ use crate::paths::Place;
 use crate::progress::{Observer, Progress, Stage};
 use crate::scene::SurfaceId;
 use crate::transmittance::Rays;
-use crate::values::{Gather, RayBudget, Scratch};
+use crate::values::{ErrorBars, Gather, Gathered, RayBudget, Scratch};
 use crate::visibility::{Hit, Ray};
 
 /// Rays through each pixel.
@@ -24,20 +24,29 @@ const RAYS_PER_PIXEL: u32 = 64;
 /// [`RayBudget::least_chance`] of pictures.
 const LEAST_CHANCE: f64 = 0.125;
 
-/// Adds the radiance `L = B / pi` through the pixels of a camera to an `image` that is still black; it stays black where a back or
-/// nothing is met. `None` if the observer cancels.
+/// What pixels are shaded by.
+struct Shader<'a> {
+    gather: &'a Gather<'a>,
+    error_bars: Option<ErrorBars>,
+}
+
+/// The radiance `L = B / pi` through the pixels of a camera, with standard errors where `error_bars` are known; black where a back or nothing
+/// is met. `None` if the observer cancels.
 pub(crate) fn render(
     gather: &Gather<'_>,
+    error_bars: Option<ErrorBars>,
     visibility: &Rays<'_>,
     camera: &CameraRays,
-    mut image: Image,
+    size: [u32; 2],
     observer: &dyn Observer,
 ) -> Option<Image> {
-    let (channels, width, height) = (image.channels, image.width, image.height);
+    let ([width, height], channels) = (size, gather.scene.channels());
+    let shader = Shader { gather, error_bars };
+    let mut pixels = vec![[0.0; 2]; channels * width as usize * height as usize];
     let done = AtomicUsize::new(0);
-    image.radiance.par_chunks_mut(channels * width as usize).enumerate().for_each_init(
+    pixels.par_chunks_mut(channels * width as usize).enumerate().for_each_init(
         || (Scratch::default(), Vec::new()),
-        |(scratch, hits), (row, radiance)| {
+        |(scratch, hits), (row, pixels)| {
             if observer.cancelled() {
                 return;
             }
@@ -54,40 +63,49 @@ pub(crate) fn render(
             let places: Vec<Option<Place>> = rays.iter().zip(hits.iter()).map(place).collect();
 
             // What is seen there.
-            shade_row(gather, &places, scratch, radiance);
+            shader.shade_row(&places, scratch, pixels);
 
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             let fraction = Some(done as f64 / f64::from(height));
             observer.progress(&Progress { stage: Stage::Render, round: 0, fraction, links: 0, elements: 0, error: None });
         },
     );
-    (!observer.cancelled()).then_some(image)
+    if observer.cancelled() {
+        return None;
+    }
+    let (radiance, standard_error) = pixels.into_iter().map(|[radiance, error]| (radiance, error)).unzip();
+    Some(Image { width, height, channels, radiance, standard_error: error_bars.map(|_| standard_error) })
 }
 
-/// Adds the radiances of a row of pixels, each seen at [`SUBSAMPLES`] places.
-fn shade_row(gather: &Gather<'_>, places: &[Option<Place>], scratch: &mut Scratch, radiance: &mut [f32]) {
-    // If all rays of a pixel meet one surface, one of the points with all visibility rays is as good as all points with a share
-    // each.
-    let channels = gather.scene.channels();
-    let is_one = |places: &[Option<Place>]| {
-        let is_first = |other: Option<Place>| other.map(|place| place.surface) == places[0].map(|place| place.surface);
-        places[0].is_some() && places.iter().all(|place| is_first(*place))
-    };
-    for shaded in [1, SUBSAMPLES] {
-        // All points with the same number of rays together.
-        let pixels = places.chunks(SUBSAMPLES as usize).enumerate().filter(|(_, places)| is_one(places) == (shaded == 1));
-        let points =
-            pixels.flat_map(|(column, places)| places[..shaded as usize].iter().flatten().map(move |place| (column, *place)));
-        let (columns, points): (Vec<usize>, Vec<Place>) = points.unzip();
-        let rays_each = gather.budget.rays.min(RAYS_PER_PIXEL).div_ceil(shaded);
-        let budget = RayBudget { rays: rays_each, least_chance: LEAST_CHANCE, ..gather.budget };
-        let mut radiosity = vec![0.0; channels * points.len()];
-        gather.radiosities_at(&points, budget, scratch, &mut radiosity);
+impl Shader<'_> {
+    /// Adds the radiances of a row of pixels, each seen at [`SUBSAMPLES`] places, and their standard errors.
+    fn shade_row(&self, places: &[Option<Place>], scratch: &mut Scratch, pixels: &mut [[f32; 2]]) {
+        // If all rays of a pixel meet one surface, one of the points with all visibility rays is as good as all points with a share
+        // each.
+        let Self { gather, error_bars } = *self;
+        let channels = gather.scene.channels();
+        let is_one = |places: &[Option<Place>]| {
+            let is_first = |other: Option<Place>| other.map(|place| place.surface) == places[0].map(|place| place.surface);
+            places[0].is_some() && places.iter().all(|place| is_first(*place))
+        };
+        let mut gathered = Gathered::default();
+        for shaded in [1, SUBSAMPLES] {
+            // All points with the same number of rays together.
+            let of_pixel = places.chunks(SUBSAMPLES as usize).enumerate().filter(|(_, places)| is_one(places) == (shaded == 1));
+            let points =
+                of_pixel.flat_map(|(column, places)| places[..shaded as usize].iter().flatten().map(move |place| (column, *place)));
+            let (columns, points): (Vec<usize>, Vec<Place>) = points.unzip();
+            let rays_each = gather.budget.rays.min(RAYS_PER_PIXEL).div_ceil(shaded);
+            let budget = RayBudget { rays: rays_each, least_chance: LEAST_CHANCE, ..gather.budget };
+            gather.values_at(&points, budget, scratch, &mut gathered);
 
-        for (column, radiosity) in columns.into_iter().zip(radiosity.chunks(channels)) {
-            let pixel = &mut radiance[column * channels..][..channels];
+            // Of a pixel that several points make up, their errors are taken to be as large as if they were alike.
             let share = 1.0 / (PI * f64::from(shaded));
-            pixel.iter_mut().zip(radiosity).for_each(|(pixel, radiosity)| *pixel += (radiosity * share) as f32);
+            for (value, radiosity) in gathered.radiosity.iter().enumerate() {
+                let [radiance, error] = &mut pixels[columns[value / channels] * channels + value % channels];
+                *radiance += (share * radiosity) as f32;
+                *error += (share * error_bars.map_or(0.0, |error_bars| error_bars.standard_error(&gathered, value))) as f32;
+            }
         }
     }
 }

@@ -112,8 +112,12 @@ impl<'a> Way<'a> for CellsWay<'a> {
     }
 
     fn finish(self: Box<Self>, stopped_by: StoppedBy) -> (Solution, SolveReport) {
-        let Self { linked, plan, cells, judge, .. } = *self;
+        let Self { linked, plan, cells, mut judge, .. } = *self;
+        let error_bars = cells
+            .as_ref()
+            .and_then(|own| judge.error_bars(&user_gather(&linked, own, plan.point_rays()), &|| linked.job.is_cancelled()));
         let outcome = Outcome {
+            error_bars,
             error: judge.error,
             stopped_by,
             point_rays: plan.point_rays(),

@@ -8,6 +8,7 @@ use crate::cells::CellRadiosities;
 use crate::error::{self, CONFIDENCE, ErrorEstimate};
 use crate::links::Pair;
 use crate::paths::Resolution;
+use crate::values::ErrorBars;
 
 /// What a solver found beside links.
 pub(super) struct Outcome {
@@ -17,6 +18,7 @@ pub(super) struct Outcome {
     pub resolution: Resolution,
     /// Where values end in cells.
     pub radiosities: Option<CellRadiosities>,
+    pub error_bars: Option<ErrorBars>,
 }
 
 /// The solution and its report.
@@ -24,7 +26,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     let energy = energy(&linked);
     let skipped = linked.skipped();
     let scene = linked.job.scene.clone();
-    let Outcome { error, stopped_by, point_rays, resolution, radiosities } = outcome;
+    let Outcome { error, stopped_by, point_rays, resolution, radiosities, error_bars } = outcome;
     let mut report = SolveReport { energy, stopped_by, converged: stopped_by == StoppedBy::Error, ..linked.report };
 
     let reflected = energy.sent - energy.emitted;
@@ -66,6 +68,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
         point_rays,
         resolution,
         cell_radiosities: radiosities,
+        error_bars,
     };
     report.memory_bytes = solution.memory_bytes();
     (solution, report)

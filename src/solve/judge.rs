@@ -9,7 +9,7 @@ use crate::cells::SolvedCells;
 use crate::error::{ErrorEstimate, ErrorNorm, ErrorSamples, Pilot, REPLICATES, ReplicateGather, Replication};
 use crate::geometry::{sampling, streams};
 use crate::paths::{LightPaths, Resolution};
-use crate::values::Gather;
+use crate::values::{ErrorBars, Gather};
 
 /// Samples of the error, the cells in which the paths of their replicates end, and what was estimated last.
 pub(super) struct Judge<'a> {
@@ -69,6 +69,12 @@ impl<'a> Judge<'a> {
         if is_spread && samples.take_replicates(plan.replicate_rays(), &with, &cancelled) {
             *error = samples.estimate(&gather(plan.point_rays()), &cancelled);
         }
+    }
+
+    /// What the errors of the values that `gather` gives hang on; `None` where no error was estimated.
+    pub fn error_bars(&mut self, gather: &Gather<'_>, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<ErrorBars> {
+        self.error?;
+        self.samples.error_bars(gather, cancelled)
     }
 
     /// The part of the error estimated last that is noise of the values that `gather` gives.

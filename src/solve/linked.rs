@@ -17,7 +17,7 @@ use crate::paths::Brightness;
 use crate::progress::{Progress, Stage};
 use crate::scene::SurfaceId;
 use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, Reflections, sampled_exposed_point, sweep_in_place};
-use crate::values::{Gather, LinkGather, Over, RayBudget, Scratch};
+use crate::values::{Gather, Gathered, LinkGather, Over, RayBudget, Scratch};
 
 /// No solve sweeps more often in a row: at reflectance 0.999 the change has fallen by e^-20 by then.
 const MAX_SWEEPS: u32 = 20_000;
@@ -212,13 +212,19 @@ impl<'a> Linked<'a> {
         let leaves: Vec<NodeId> = self.leaves().collect();
         let mut values = vec![0.0; leaves.len() * channels];
         let by_plane = ByPlane::new(scene);
-        values.par_chunks_mut(channels).zip(&leaves).for_each_init(Scratch::default, |scratch, (value, &leaf)| {
-            let surface = SurfaceId(self.hierarchy.node(leaf).surface);
-            match sampled_exposed_point(&self.hierarchy, &by_plane, &self.exposure, self.job.rays, leaf, options.seed) {
-                Some(point) => gather.radiosities_at(&[gather.place_at(point, surface)], gather.budget, scratch, value),
-                None => value.copy_from_slice(self.radiosity.of(leaf)),
-            }
-        });
+        values.par_chunks_mut(channels).zip(&leaves).for_each_init(
+            <(Scratch, Gathered)>::default,
+            |(scratch, gathered), (value, &leaf)| {
+                let surface = SurfaceId(self.hierarchy.node(leaf).surface);
+                match sampled_exposed_point(&self.hierarchy, &by_plane, &self.exposure, self.job.rays, leaf, options.seed) {
+                    Some(point) => {
+                        gather.values_at(&[gather.place_at(point, surface)], gather.budget, scratch, gathered);
+                        value.copy_from_slice(&gathered.radiosity);
+                    }
+                    None => value.copy_from_slice(self.radiosity.of(leaf)),
+                }
+            },
+        );
         let mut change = self.radiosity.clone();
         for (value, &leaf) in values.chunks(channels).zip(&leaves) {
             change.of_mut(leaf).iter_mut().zip(value).for_each(|(old, new)| *old = new - *old);

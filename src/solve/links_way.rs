@@ -115,8 +115,10 @@ impl<'a> Way<'a> for LinksWay<'a> {
     }
 
     fn finish(self: Box<Self>, stopped_by: StoppedBy) -> (Solution, SolveReport) {
-        let Self { linked, plan, judge, .. } = *self;
+        let Self { linked, plan, mut judge, .. } = *self;
+        let error_bars = judge.error_bars(&user_gather(&linked, plan.point_rays()), &|| linked.job.is_cancelled());
         let outcome = Outcome {
+            error_bars,
             error: judge.error,
             stopped_by,
             point_rays: plan.point_rays(),

@@ -11,7 +11,7 @@ use crate::paths::{Brightness, LightPaths, Resolution, cell_count};
 use crate::scene::{DistinctChannels, Scene};
 use crate::sweep::{Adjoint, Closure, Exposure, Importance, Radiosity};
 use crate::transmittance::Rays;
-use crate::values::{FinalGather, Gather, LinkGather, Over, RayBudget};
+use crate::values::{ErrorBars, FinalGather, Gather, LinkGather, Over, RayBudget};
 
 /// The answer: scene, hierarchy, links, radiosities and the options they were found with.
 ///
@@ -28,6 +28,8 @@ pub struct Solution {
     /// How finely cell radiosities are found, and these, where values end in cells.
     pub(crate) resolution: Resolution,
     pub(crate) cell_radiosities: Option<CellRadiosities>,
+    /// What is known of the errors of values.
+    pub(crate) error_bars: Option<ErrorBars>,
 }
 
 impl Solution {
@@ -154,6 +156,9 @@ impl Solution {
             if !cells.is_some_and(|cells| radiosities.is_valid(cells, channels)) {
                 return Err("the cell radiosities do not fit the scene".to_owned());
             }
+        }
+        if !self.error_bars.is_none_or(|error_bars| error_bars.is_valid()) {
+            return Err("the error bars are negative or not finite".to_owned());
         }
         Ok(())
     }

@@ -5,7 +5,7 @@
 
 use crate::cells::CellRadiosities;
 use crate::geometry::{sampling, streams};
-use crate::paths::{LightPaths, NO_CELL, PathScratch, Place, SeenCell};
+use crate::paths::{BatchSums, Continuation, LightPaths, NO_CELL, PathScratch, Place, SeenCell};
 
 /// Next-event rays for each path. Empirical.
 const EMITTER_RAYS: f64 = 0.5;
@@ -34,31 +34,32 @@ impl FinalGather<'_> {
     /// others.
     pub fn sampled_irradiance(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
         irradiance.fill(0.0);
-        self.add_sampled_indirect(places, rays, scratch, irradiance);
-        self.add_sampled_direct(places, rays, scratch, irradiance);
+        let mut sums = BatchSums::whole(self.paths.scene.channels(), irradiance);
+        self.add_sampled_indirect(places, rays, scratch, &mut sums);
+        self.add_sampled_direct(places, rays, scratch, &mut sums);
     }
 
     /// Adds the direct irradiance from emitters and bright reflectors at each place, by the next-event rays that go with `rays`
     /// paths.
-    pub fn add_sampled_direct(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+    pub fn add_sampled_direct(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
         let emitter_rays = emitter_rays(rays);
         let together = (BATCH / emitter_rays as usize).max(1);
-        let batches = places.chunks(together).zip(irradiance.chunks_mut(together * self.paths.scene.channels()));
-        batches.for_each(|(places, irradiance)| self.add_next_event(places, emitter_rays, scratch, irradiance));
+        let batches = places.chunks(together).zip(irradiance.chunks(together));
+        batches.for_each(|(places, mut irradiance)| self.add_next_event(places, emitter_rays, scratch, &mut irradiance));
     }
 
     /// The same by `count` next-event rays.
-    fn add_next_event(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+    fn add_next_event(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
         self.paths.add_next_event(places, 1, count, scratch, irradiance);
         self.add_seen(places, scratch, irradiance);
     }
 
     /// Adds the light of reflectors that rays have seen: by the radiosities of their cells, or by gathers at the points that were
     /// seen.
-    fn add_seen(&self, places: &[Place], scratch: &mut PathScratch, irradiance: &mut [f64]) {
+    fn add_seen(&self, places: &[Place], scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
         let channels = self.paths.scene.channels();
         let mut add = |seen: &SeenCell, sent: &mut dyn Iterator<Item = f64>| {
-            let irradiance = &mut irradiance[seen.by * channels..][..channels];
+            let irradiance = irradiance.in_turn(seen.by, seen.ray as usize);
             irradiance.iter_mut().zip(sent).for_each(|(h, sent)| *h += seen.weight * sent);
         };
         if self.bounces == 0 {
@@ -83,8 +84,9 @@ impl FinalGather<'_> {
         };
         let there: Vec<Place> = seen.iter().enumerate().map(there).collect();
         let mut sent = vec![0.0; there.len() * channels];
-        self.add_sampled_indirect(&there, 1, scratch, &mut sent);
-        self.add_next_event(&there, 1, scratch, &mut sent);
+        let mut sums = BatchSums::whole(channels, &mut sent);
+        self.add_sampled_indirect(&there, 1, scratch, &mut sums);
+        self.add_next_event(&there, 1, scratch, &mut sums);
 
         // Reflect it, and add the exitance that next-event estimation leaves to paths.
         for (seen, sent) in seen.iter().zip(sent.chunks_mut(channels)) {
@@ -98,44 +100,55 @@ impl FinalGather<'_> {
     }
 
     /// Adds the indirect irradiance at each place, by `rays` paths.
-    pub fn add_sampled_indirect(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+    pub fn add_sampled_indirect(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
         let count = rays.max(1);
         let together = (BATCH / count as usize).max(1);
-        let batches = places.chunks(together).zip(irradiance.chunks_mut(together * self.paths.scene.channels()));
-        batches.for_each(|(places, irradiance)| self.add_sampled_indirect_of_batch(places, count, scratch, irradiance));
+        let batches = places.chunks(together).zip(irradiance.chunks(together));
+        batches.for_each(|(places, mut irradiance)| self.add_sampled_indirect_of_batch(places, count, scratch, &mut irradiance));
     }
 
-    fn add_sampled_indirect_of_batch(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut [f64]) {
+    fn add_sampled_indirect_of_batch(
+        &self,
+        places: &[Place],
+        count: u32,
+        scratch: &mut PathScratch,
+        irradiance: &mut BatchSums<'_>,
+    ) {
         let channels = self.paths.scene.channels();
-        let share = 1.0 / f64::from(count);
-        self.paths.follow(places, count, self.bounces, scratch);
-        let ends = &scratch.ends;
+        let (count, share) = (count as usize, 1.0 / f64::from(count));
+        self.paths.follow(places, count as u32, self.bounces, scratch);
+        let PathScratch { ends, order, .. } = &*scratch;
+        let mut of_path = |path: usize, add: &dyn Fn(usize) -> f64| {
+            let irradiance = irradiance.in_runs(path / count, order[path % count] as usize, count);
+            irradiance.iter_mut().enumerate().for_each(|(channel, h)| *h += share * add(channel));
+        };
+        let sent = |cell: u32, channel: usize| f64::from(self.radiosities.of(cell)[channel]);
 
         // Paths that end where their first rays arrive.
-        for (cells, irradiance) in ends.cell.chunks(count as usize).zip(irradiance.chunks_mut(channels)) {
-            for &cell in cells.iter().filter(|&&cell| cell != NO_CELL) {
-                irradiance.iter_mut().zip(self.radiosities.of(cell)).for_each(|(h, &sent)| *h += share * f64::from(sent));
-            }
+        for (path, &cell) in ends.cell.iter().enumerate().filter(|(_, cell)| **cell != NO_CELL) {
+            of_path(path, &|channel| sent(cell, channel));
         }
 
         // Paths that went on: the direct light on the way, and the cell at the end.
-        for (number, continuation) in ends.continued.iter().enumerate() {
-            let own = number * channels..(number + 1) * channels;
-            let place = continuation.path / count as usize;
-            let irradiance = &mut irradiance[place * channels..][..channels];
-            irradiance.iter_mut().zip(&ends.constant[own.clone()]).for_each(|(h, constant)| *h += share * constant);
-            if continuation.cell != NO_CELL {
-                let sent = self.radiosities.of(continuation.cell).iter().zip(&ends.weight[own]);
-                irradiance.iter_mut().zip(sent).for_each(|(h, (&sent, weight))| *h += share * weight * f64::from(sent));
+        let continued = ends.continued.iter().zip(ends.constant.chunks(channels)).zip(ends.weight.chunks(channels));
+        for ((&Continuation { path, cell, .. }, constant), weight) in continued {
+            if cell == NO_CELL {
+                of_path(path, &|channel| constant[channel]);
+            } else {
+                of_path(path, &|channel| constant[channel] + weight[channel] * sent(cell, channel));
             }
         }
 
         // Other cells whose light they bring.
         for (&(continuation, cell), weight) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
-            let place = ends.continued[continuation].path / count as usize;
-            let sent = self.radiosities.of(cell).iter().zip(weight);
-            let irradiance = &mut irradiance[place * channels..][..channels];
-            irradiance.iter_mut().zip(sent).for_each(|(h, (&sent, weight))| *h += share * weight * f64::from(sent));
+            of_path(ends.continued[continuation].path, &|channel| weight[channel] * sent(cell, channel));
+        }
+
+        // The squares of what each cell brings, sampled by the paths that end there.
+        for (path, &cell) in ends.cell.iter().enumerate().filter(|(_, cell)| **cell != NO_CELL) {
+            let Some(by_cells_sq) = irradiance.by_cells_sq(path / count) else { break };
+            let of_cell = share * ends.form_factor[path];
+            by_cells_sq.iter_mut().enumerate().for_each(|(channel, sum)| *sum += of_cell * sent(cell, channel).powi(2));
         }
     }
 }

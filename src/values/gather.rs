@@ -1,12 +1,12 @@
-//! Values at points, over links or over cells.
+//! Values at points, over links or over cells, and what tells of their errors.
 
 use glam::DVec3;
 
 use super::budget::RayBudget;
-use super::final_gather::FinalGather;
+use super::final_gather::{FinalGather, emitter_rays};
 use super::over_links::{LinkGather, LinkScratch};
 use crate::hierarchy::Hierarchy;
-use crate::paths::{PathScratch, Place, place_at};
+use crate::paths::{BATCHES, BatchSums, PathScratch, Place, place_at};
 use crate::scene::{Scene, SurfaceId};
 
 /// What values at points are gathered over.
@@ -29,7 +29,29 @@ pub(crate) struct Gather<'a> {
 #[derive(Default)]
 pub(crate) struct Scratch {
     links: LinkScratch,
-    pub paths: PathScratch,
+    paths: PathScratch,
+    sums: Vec<f64>,
+}
+
+/// Values at places, by place and channel.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Gathered {
+    /// In W/m^2.
+    pub radiosity: Vec<f64>,
+    /// What their samples say of their variance, in W^2/m^4: right up to a factor that all values of a solve share.
+    pub variance: Vec<f64>,
+    /// The sum over links or cells of the squares of what each brings, in W^2/m^4: their variance if each is off by itself.
+    pub by_sources_sq: Vec<f64>,
+}
+
+impl Gathered {
+    /// Makes room for so many numbers of each kind, 0 all.
+    fn reset(&mut self, count: usize) {
+        for numbers in [&mut self.radiosity, &mut self.variance, &mut self.by_sources_sq] {
+            numbers.clear();
+            numbers.resize(count, 0.0);
+        }
+    }
 }
 
 impl Gather<'_> {
@@ -38,28 +60,100 @@ impl Gather<'_> {
         place_at(point, surface, self.budget.seed)
     }
 
-    /// The radiosities at places, in W/m^2, by place and channel. A value does not depend on the other places.
-    pub fn radiosities_at(&self, places: &[Place], budget: RayBudget, scratch: &mut Scratch, radiosity: &mut [f64]) {
+    /// Values at places, each with so many rays. A value does not depend on the other places.
+    pub fn values_at(&self, places: &[Place], budget: RayBudget, scratch: &mut Scratch, gathered: &mut Gathered) {
+        let channels = self.scene.channels();
+        gathered.reset(places.len() * channels);
         match &self.over {
             Over::Links(gather) => {
-                for (place, radiosity) in places.iter().zip(radiosity.chunks_mut(self.scene.channels())) {
-                    gather.radiosity_at(place, budget, &mut scratch.links, radiosity);
+                for (number, place) in places.iter().enumerate() {
+                    let own = number * channels..(number + 1) * channels;
+                    gather.radiosity_at(place, budget, &mut scratch.links, &mut gathered.radiosity[own.clone()]);
+                    let reflectance = &self.scene.material_of(place.surface).reflectance;
+                    let reflected = |found: &mut [f64], of_irradiance: &[f64]| {
+                        let found = found.iter_mut().zip(of_irradiance).zip(reflectance);
+                        found.for_each(|((found, of_irradiance), rho)| *found = rho * rho * of_irradiance);
+                    };
+                    reflected(&mut gathered.variance[own.clone()], &scratch.links.variance);
+                    reflected(&mut gathered.by_sources_sq[own], &scratch.links.by_sources_sq);
                 }
             }
             Over::Cells(gather) => {
-                gather.sampled_irradiance(places, budget.rays, &mut scratch.paths, radiosity);
-                self.reflect(places, radiosity);
+                let Scratch { paths, sums, .. } = scratch;
+                self.add_reflected(places, budget.rays.max(1), sums, gathered, |sums| {
+                    gather.add_sampled_indirect(places, budget.rays, paths, sums);
+                });
+                self.add_direct(gather, places, budget, scratch, gathered);
             }
         }
     }
 
-    /// Turns irradiances into radiosities: `B = E + rho H`.
-    pub(crate) fn reflect(&self, places: &[Place], irradiance: &mut [f64]) {
-        for (place, irradiance) in places.iter().zip(irradiance.chunks_mut(self.scene.channels())) {
-            let material = self.scene.material_of(place.surface);
-            for (channel, value) in irradiance.iter_mut().enumerate() {
-                // Noise may take the irradiance below zero where all is dark.
-                *value = material.exitance[channel] + material.reflectance[channel] * value.max(0.0);
+    /// Values at places over cells, indirect irradiance being `known` by place and channel, with what cells bring to it squared: direct light
+    /// is gathered.
+    pub fn values_with_indirect(
+        &self,
+        gather: &FinalGather<'_>,
+        places: &[Place],
+        budget: RayBudget,
+        known: impl Iterator<Item = [f64; 2]>,
+        scratch: &mut Scratch,
+    ) -> Gathered {
+        let channels = self.scene.channels();
+        let mut gathered = Gathered::default();
+        gathered.reset(places.len() * channels);
+        for (index, [irradiance, by_cells_sq]) in known.enumerate() {
+            let rho = self.scene.material_of(places[index / channels].surface).reflectance[index % channels];
+            gathered.radiosity[index] = rho * irradiance;
+            gathered.by_sources_sq[index] = rho * rho * by_cells_sq;
+        }
+        self.add_direct(gather, places, budget, scratch, &mut gathered);
+        gathered
+    }
+
+    /// Adds direct light and exitance over cells.
+    fn add_direct(
+        &self,
+        gather: &FinalGather<'_>,
+        places: &[Place],
+        budget: RayBudget,
+        scratch: &mut Scratch,
+        gathered: &mut Gathered,
+    ) {
+        let Scratch { paths, sums, .. } = scratch;
+        self.add_reflected(places, emitter_rays(budget.rays), sums, gathered, |sums| {
+            gather.add_sampled_direct(places, budget.rays, paths, sums);
+        });
+        for (place, radiosity) in places.iter().zip(gathered.radiosity.chunks_mut(self.scene.channels())) {
+            let exitance = &self.scene.material_of(place.surface).exitance;
+            // Noise may take the light below zero where all is dark.
+            radiosity.iter_mut().zip(exitance).for_each(|(radiosity, e)| *radiosity = e + radiosity.max(0.0));
+        }
+    }
+
+    /// Adds what is reflected of the irradiance that `gather` adds to sums of `rays` samples at each place, and what tells of its error.
+    fn add_reflected(
+        &self,
+        places: &[Place],
+        rays: u32,
+        memory: &mut Vec<f64>,
+        gathered: &mut Gathered,
+        gather: impl FnOnce(&mut BatchSums<'_>),
+    ) {
+        let (channels, batches) = (self.scene.channels(), rays.min(BATCHES));
+        let values = places.len() * channels;
+        memory.clear();
+        memory.resize(values * (batches as usize + 1), 0.0);
+        let (sums, by_cells_sq) = memory.split_at_mut(values * batches as usize);
+        let mut sums = BatchSums::new(channels, batches, sums, by_cells_sq);
+        gather(&mut sums);
+        for (number, place) in places.iter().enumerate() {
+            for (channel, rho) in self.scene.material_of(place.surface).reflectance.iter().enumerate() {
+                let (irradiance, variance) = sums.sum_and_variance(number, channel);
+                let by_cells_sq = sums.by_cells_sq(number).map_or(0.0, |sums| sums[channel]);
+                let index = number * channels + channel;
+                gathered.radiosity[index] += rho * irradiance;
+                gathered.variance[index] += rho * rho * variance;
+                gathered.by_sources_sq[index] += rho * rho * by_cells_sq;
             }
         }
     }

@@ -2,16 +2,19 @@
 //! (`final_gather`, with an `irradiance_cache` where many points lie close).
 
 mod budget;
+mod error_bars;
 mod final_gather;
 mod gather;
 mod irradiance_cache;
 mod over_links;
 mod sample;
+mod source_piece;
 mod variation;
 
 pub(crate) use budget::{NOISE_POWER, RayBudget};
+pub(crate) use error_bars::ErrorBars;
 pub(crate) use final_gather::{BATCH, FinalGather, emitter_rays};
-pub(crate) use gather::{Gather, Over, Scratch};
+pub(crate) use gather::{Gather, Gathered, Over, Scratch};
 pub(crate) use over_links::LinkGather;
-pub use sample::Values;
 pub(crate) use sample::values_at;
+pub use sample::{Values, ValuesError};

@@ -16,6 +16,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::budget::RayBudget;
+use super::source_piece::{Expected, SourcePiece};
 use super::variation::Variation;
 use crate::form_factor::{kernel, point_to_polygon};
 use crate::geometry::{Facet, Part, for_each_piece, sampling, streams};
@@ -41,11 +42,6 @@ const CLOSE: f64 = 0.1;
 
 /// A cluster shows at least this part of its area: what it shows is an estimate.
 const LEAST_SHOWN: f64 = 0.05;
-
-/// The uncertainty left of a link of which all rays arrived, and of one of which none did; 1 is that of a half visible source.
-/// Sources that bring nothing are linked more coarsely, so theirs is larger. Empirical.
-const DOUBT_OF_SEEN: f64 = 0.1;
-const DOUBT_OF_HIDDEN: f64 = 0.4;
 
 /// A leaf's polygon is split so many times at most.
 const MAX_SPLITS: u32 = 8;
@@ -74,44 +70,14 @@ pub(crate) struct LinkScratch {
     occluded: Vec<bool>,
     /// The radiosity where a ray ends.
     there: Vec<f64>,
+    /// What the rays of a piece bring, and the squares of that, by channel.
+    of_piece: Vec<[f64; 2]>,
+    /// Of the irradiance that was found last, by channel, in W^2/m^4: its variance, and the sum over pieces of the squares of the reflected light
+    /// that each brings.
+    pub variance: Vec<f64>,
+    pub by_sources_sq: Vec<f64>,
     /// Memory for the gather there.
     beyond: Option<Box<LinkScratch>>,
-}
-
-/// The transmittance that is expected by the link, 0 to 1.
-#[derive(Clone, Copy)]
-struct Expected {
-    transmittance: f64,
-    /// The same where the link is one between polygons; 0 where a cluster is in it, whose parts may be seen or not.
-    control: f64,
-}
-
-/// A source, or a piece of one, as seen from the point.
-#[derive(Clone, Copy)]
-struct SourcePiece {
-    /// The node whose radiosity it has.
-    node: NodeId,
-    /// The part of the node's polygon, where it was split below the elements.
-    part: Option<Part>,
-    form_factor: f64,
-    /// The form factor of that node.
-    of_whole: f64,
-    /// The reflected radiosity that rays to it decide about, in W/m^2 in the largest channel: of a polygon the standard deviation
-    /// that is expected, of a cluster all that it brings.
-    worth: f64,
-    near: bool,
-    expected: Expected,
-    rays: u32,
-    /// The probability with which the rays are cast.
-    chance: f64,
-}
-
-impl SourcePiece {
-    /// A piece without rays yet; `None` if it brings nothing.
-    fn new(node: NodeId, part: Option<Part>, form_factor: f64, worth: f64, near: bool, expected: Expected) -> Option<Self> {
-        let piece = Self { node, part, form_factor, of_whole: form_factor, worth, near, expected, rays: 0, chance: 1.0 };
-        (worth > 0.0).then_some(piece)
-    }
 }
 
 /// A point on a surface, with what the gather reads often.
@@ -122,13 +88,6 @@ struct Receiver<'a> {
     reflectance: &'a [f64],
     leaf: NodeId,
     seed: u64,
-}
-
-/// The uncertainty of the visibility of a source with this expected transmittance: the standard deviation of a yes or no, in
-/// halves, and a least uncertainty between [`DOUBT_OF_HIDDEN`] and [`DOUBT_OF_SEEN`].
-fn doubt(expected: f64) -> f64 {
-    let least = DOUBT_OF_HIDDEN + (DOUBT_OF_SEEN - DOUBT_OF_HIDDEN) * expected;
-    least + (1.0 - least) * 2.0 * (expected * (1.0 - expected)).sqrt()
 }
 
 impl<'a> LinkGather<'a> {
@@ -144,7 +103,7 @@ impl<'a> LinkGather<'a> {
         Self { scene, hierarchy, links, radiosity, variation: Variation::new(hierarchy, radiosity), exposure, rays }
     }
 
-    /// The radiosity at a place, by channel, in W/m^2.
+    /// The radiosity at a place, by channel, in W/m^2; `scratch` tells then what its error may be.
     pub fn radiosity_at(&self, place: &Place, budget: RayBudget, scratch: &mut LinkScratch, radiosity: &mut [f64]) {
         scratch.beyond.get_or_insert_default();
         self.radiosity_of(self.hierarchy.leaf_at(place.surface, place.point), place, budget, scratch, radiosity);
@@ -171,10 +130,14 @@ impl<'a> LinkGather<'a> {
         }
     }
 
-    /// The irradiance H at a receiver, by channel, in W/m^2.
+    /// The irradiance H at a receiver, by channel, in W/m^2; `scratch` tells then what its error may be.
     fn irradiance(&self, receiver: &Receiver<'_>, budget: RayBudget, scratch: &mut LinkScratch, irradiance: &mut [f64]) {
         // Share the rays out over the sources, and cast them.
         irradiance.fill(0.0);
+        for squares in [&mut scratch.variance, &mut scratch.by_sources_sq] {
+            squares.clear();
+            squares.resize(irradiance.len(), 0.0);
+        }
         self.collect_sources(receiver, scratch);
         let total: f64 = scratch.pieces.iter().map(|piece| piece.worth).sum();
         if total <= 0.0 {
@@ -184,35 +147,59 @@ impl<'a> LinkGather<'a> {
         self.split_strong_sources(receiver, share, scratch);
         self.place_rays(receiver, share, budget, scratch);
         self.rays.occluded(&scratch.segments, &mut scratch.occluded);
+        self.add_brought(budget, scratch, irradiance);
+    }
 
-        // A piece brings what its rays find, and as control variate the part of its form factor that the link expects to see, less what
-        // the rays sampled of that: so what is seen is exact, and what is hidden dark. A piece whose ray was cast by chance brings what is
-        // expected of it, corrected if the ray was cast: no bias in either case. The form factor of a cluster is too rough for a control
-        // variate: a cluster brings what its rays find.
-        let LinkScratch { pieces, segments, weights, met, occluded, there, beyond, .. } = scratch;
+    /// Adds what the pieces bring.
+    ///
+    /// A piece brings what its rays find, and as control variate the part of its form factor that the link expects to see, less what the
+    /// rays sampled of that: so what is seen is exact, and what is hidden dark. A piece whose ray was cast by chance brings what is
+    /// expected of it, corrected if the ray was cast: no bias in either case. The form factor of a cluster is too rough for a control
+    /// variate: a cluster brings what its rays find.
+    fn add_brought(&self, budget: RayBudget, scratch: &mut LinkScratch, irradiance: &mut [f64]) {
+        let LinkScratch { pieces, segments, weights, met, occluded, there, of_piece, variance, by_sources_sq, beyond, .. } =
+            scratch;
         there.resize(irradiance.len(), 0.0);
         let mut rays = segments.iter().zip(weights).zip(met).zip(occluded);
         for piece in pieces {
             let mean = self.radiosity.of(piece.node);
-            let cluster = self.hierarchy.is_cluster(piece.node);
-            let mut brought = if cluster { 0.0 } else { piece.form_factor * piece.expected.control };
+            let control = if self.hierarchy.is_cluster(piece.node) { 0.0 } else { piece.expected.control };
+            of_piece.clear();
+            of_piece.resize(irradiance.len(), [0.0; 2]);
             for (((segment, &mut weight), &mut met), &mut occluded) in rays.by_ref().take(piece.rays as usize) {
-                brought -= if cluster { 0.0 } else { piece.expected.control * weight };
-                if occluded {
-                    continue;
-                }
+                there.fill(0.0);
                 let y = DVec3::from(segment.to);
                 match beyond.as_deref_mut().filter(|_| piece.of_whole > CLOSE && self.exposure.of(met) < 1.0) {
+                    _ if occluded => {}
                     Some(beyond) => {
                         let surface = SurfaceId(self.hierarchy.node(met).surface);
                         self.radiosity_of(met, &place_at(y, surface, budget.seed), budget.beyond(), beyond, there);
                     }
                     None => self.leaf_radiosity_at(met, y, there),
                 }
-                irradiance.iter_mut().zip(&*there).for_each(|(h, there)| *h += weight * there);
+                for ((there, mean), [sum, sum_sq]) in there.iter().zip(mean).zip(&mut *of_piece) {
+                    let brought = weight * (there - control * mean);
+                    *sum += brought;
+                    *sum_sq += brought * brought;
+                }
             }
-            irradiance.iter_mut().zip(mean).for_each(|(h, b)| *h += brought * b);
+            for (channel, &[sum, sum_sq]) in of_piece.iter().enumerate() {
+                let brought = sum + piece.form_factor * control * mean[channel];
+                irradiance[channel] += brought;
+                variance[channel] += piece.sampled_variance(brought, sum, sum_sq, mean[channel]);
+                by_sources_sq[channel] += (brought * self.reflected_part(piece.node, channel)).powi(2);
+            }
         }
+    }
+
+    /// The part of a node's radiosity that it reflects; of a cluster all counts.
+    fn reflected_part(&self, node: NodeId, channel: usize) -> f64 {
+        let radiosity = self.radiosity.of(node)[channel];
+        if self.hierarchy.is_cluster(node) || radiosity <= 0.0 {
+            return 1.0;
+        }
+        let exitance = self.scene.material_of(SurfaceId(self.hierarchy.node(node).surface)).exitance[channel];
+        (1.0 - exitance / radiosity).max(0.0)
     }
 
     /// The radiosity at a point of a leaf by the leaf's own and its slope, by channel.
@@ -279,7 +266,7 @@ impl<'a> LinkGather<'a> {
         let form_factor = point_to_polygon(receiver.point, receiver.normal, facet);
 
         // The noise of a ray: by visibility, and by radiosity that varies over the polygon.
-        let doubt = doubt(expected.transmittance);
+        let doubt = expected.doubt();
         let shrunk = if part.is_some() { facet.radius / self.hierarchy.node(node).radius } else { 1.0 };
         let scatter = |(b, deviation): (&f64, &f64)| ((b * doubt).powi(2) + (2.0 * deviation * shrunk).powi(2)).sqrt();
         let scatters = self.radiosity.of(node).iter().zip(self.variation.deviation(node)).map(scatter);

@@ -14,10 +14,10 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::plane_cells::{CellKey, PlaneCells};
-use super::record::{Record, Recorder, Site};
+use super::record::{Fitted, Record, Recorder, Site};
 use crate::geometry::{sampling, streams};
 use crate::hierarchy::Hierarchy;
-use crate::paths::{PathScratch, Place};
+use crate::paths::{BatchSums, PathScratch, Place};
 use crate::scene::Scene;
 use crate::values::budget::NOISE_POWER;
 use crate::values::final_gather::FinalGather;
@@ -52,8 +52,8 @@ const BATCH: usize = 16;
 /// Indirect irradiance at points, and how many rays the others take.
 pub(crate) struct IrradianceCache {
     channels: usize,
-    /// In W/m^2, by point and channel; NaN where a point gathers itself.
-    irradiance: Vec<f32>,
+    /// By point and channel; NaN where a point gathers itself.
+    irradiance: Vec<Fitted>,
     /// Rays from each point: for gathers, and for direct light.
     pub rays: u32,
 }
@@ -81,13 +81,13 @@ pub(crate) struct CacheBuilder<'a> {
 impl IrradianceCache {
     /// A cache that holds nothing.
     fn none(channels: usize, places: usize, rays: u32) -> Self {
-        Self { channels, irradiance: vec![f32::NAN; channels * places], rays }
+        Self { channels, irradiance: vec![Fitted::NONE; channels * places], rays }
     }
 
-    /// The indirect irradiance at place number `index`, if the cache has it.
-    pub fn of(&self, index: usize) -> Option<&[f32]> {
+    /// The indirect irradiance at place number `index`, by channel, if the cache has it.
+    pub fn of(&self, index: usize) -> Option<&[Fitted]> {
         let irradiance = &self.irradiance[index * self.channels..][..self.channels];
-        (!irradiance[0].is_nan()).then_some(irradiance)
+        (!irradiance[0].irradiance.is_nan()).then_some(irradiance)
     }
 }
 
@@ -124,7 +124,7 @@ impl CacheBuilder<'_> {
             let allowed_sq = mean_noise_sq(&controls);
             let fitted = groups.into_par_iter().flat_map_iter(|group| {
                 let around: Vec<&Record> = group[0].0.around(CELLS_AROUND).filter_map(|cell| records.get(&cell)).collect();
-                let mut irradiance = vec![0.0; channels];
+                let mut irradiance = vec![Fitted::NONE; channels];
                 let fit = |&(_, index): &(CellKey, usize)| {
                     let place = places[index].as_ref()?;
                     let is_good = recorder.fit(place, &around, allowed_sq, &mut irradiance);
@@ -133,8 +133,7 @@ impl CacheBuilder<'_> {
                 group.iter().filter_map(fit).collect::<Vec<_>>()
             });
             for (index, irradiance) in fitted.collect::<Vec<_>>() {
-                let own = &mut cache.irradiance[index * channels..][..channels];
-                own.iter_mut().zip(irradiance).for_each(|(own, fitted)| *own = fitted as f32);
+                cache.irradiance[index * channels..][..channels].copy_from_slice(&irradiance);
             }
             left.retain(|&index| cache.of(index).is_none());
         }
@@ -165,9 +164,10 @@ impl CacheBuilder<'_> {
         let gather = |scratch: &mut PathScratch, index: usize| {
             let place = places[index]?;
             let material = self.gather.paths.scene.material_of(place.surface);
-            let reflected = |half: u64, take: &mut dyn FnMut(Place, &mut [f64])| {
+            let reflected = |half: u64, take: &mut dyn FnMut(Place, &mut BatchSums<'_>)| {
                 let mut irradiance = vec![0.0; material.reflectance.len()];
-                take(Place { seed: sampling::hash(place.seed, streams::CONTROL_GATHERS + half), ..place }, &mut irradiance);
+                let place = Place { seed: sampling::hash(place.seed, streams::CONTROL_GATHERS + half), ..place };
+                take(place, &mut BatchSums::whole(material.reflectance.len(), &mut irradiance));
                 irradiance.iter_mut().zip(&material.reflectance).for_each(|(h, rho)| *h *= rho);
                 irradiance
             };
@@ -194,7 +194,7 @@ impl CacheBuilder<'_> {
             let (Some(irradiance), Some(place)) = (cache.of(control.index), &places[control.index]) else { continue };
             let reflectance = &scene.material_of(place.surface).reflectance;
             let [first, second] = &control.indirect;
-            let off = |channel: usize, own: &[f64]| reflectance[channel] * f64::from(irradiance[channel]) - own[channel];
+            let off = |channel: usize, own: &[f64]| reflectance[channel] * f64::from(irradiance[channel].irradiance) - own[channel];
             let wrong_sq: f64 = (0..scene.channels()).map(|channel| off(channel, first) * off(channel, second)).sum();
             sum += wrong_sq;
             sum_sq += wrong_sq * wrong_sq;

@@ -9,7 +9,7 @@ use glam::{DMat3, DVec2, DVec3};
 use super::plane_cells::{CellKey, PlaneCells};
 use crate::geometry::{sampling, streams};
 use crate::hierarchy::Hierarchy;
-use crate::paths::{PathScratch, Place};
+use crate::paths::{BatchSums, PathScratch, Place};
 use crate::values::final_gather::FinalGather;
 
 /// The indirect irradiance at a point, kept for its neighbours.
@@ -18,8 +18,24 @@ pub(super) struct Record {
     /// By channel, in W/m^2: the mean of two independent gathers, and its variance by their difference.
     mean: Vec<f64>,
     variance: Vec<f64>,
+    /// By channel, the sum over cells of the squares of what each brings, in W^2/m^4.
+    by_cells_sq: Vec<f64>,
     /// The part of cosine-distributed rays that meet something within [`REACH`] cells.
     near: f64,
+}
+
+/// What a fit says of a place in one channel.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::values) struct Fitted {
+    /// The indirect irradiance in W/m^2, and its variance in W^2/m^4.
+    pub irradiance: f32,
+    pub variance: f32,
+    /// The sum over cells of the squares of what each brings, in W^2/m^4.
+    pub by_cells_sq: f32,
+}
+
+impl Fitted {
+    pub const NONE: Self = Self { irradiance: f32::NAN, variance: f32::NAN, by_cells_sq: f32::NAN };
 }
 
 /// Where a record is taken.
@@ -91,22 +107,27 @@ impl Recorder<'_> {
     pub fn record(&self, site: &Site, scratch: &mut PathScratch) -> Record {
         let place = |number: u64| Place { seed: sampling::hash(site.place.seed, streams::RECORD + number), ..site.place };
         // Two independent gathers.
+        let channels = self.gather.paths.scene.channels();
+        let mut by_cells_sq = vec![0.0; channels];
         let halves = [0, 1].map(|half| {
-            let mut irradiance = vec![0.0; self.gather.paths.scene.channels()];
-            self.gather.add_sampled_indirect(&[place(half)], self.paths.div_ceil(2), scratch, &mut irradiance);
+            let mut irradiance = vec![0.0; channels];
+            let mut sums = BatchSums::new(channels, 1, &mut irradiance, &mut by_cells_sq);
+            self.gather.add_sampled_indirect(&[place(half)], self.paths.div_ceil(2), scratch, &mut sums);
             irradiance
         });
+        by_cells_sq.iter_mut().for_each(|sum| *sum *= 0.5);
         Record {
             at: site.at,
             mean: halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (a + b)).collect(),
             variance: halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.25 * (a - b) * (a - b)).collect(),
+            by_cells_sq,
             near: self.gather.paths.sampled_near(&place(2), RECORD_NEAR_RAYS, REACH * self.size),
         }
     }
 
-    /// Fits the indirect irradiance at a place through the records around it, in W/m^2 by channel. `false` if the estimated squared
+    /// Fits the indirect irradiance at a place through the records around it, by channel. `false` if the estimated squared
     /// error of the reflected radiosity, summed over the channels, is above `allowed_sq`, in W^2/m^4.
-    pub fn fit<'r>(&self, place: &Place, around: &[&'r Record], allowed_sq: f64, irradiance: &mut [f64]) -> bool {
+    pub fn fit<'r>(&self, place: &Place, around: &[&'r Record], allowed_sq: f64, irradiance: &mut [Fitted]) -> bool {
         // The records within reach.
         let at = self.cells.to_plane(self.cells.side_of(place.surface), place.point);
         let weigh = |&record: &&'r Record| {
@@ -145,9 +166,15 @@ impl Recorder<'_> {
             }
             apart_sq *= effective / freedom;
             let rho_sq = material.reflectance[channel].powi(2);
+            let noise = amplified * variance.max(apart_sq);
             misfit_sq += rho_sq * (apart_sq - variance);
-            noise_sq += rho_sq * amplified * variance.max(apart_sq);
-            *value = fitted.z.max(0.0);
+            noise_sq += rho_sq * noise;
+            let by_cells_sq: f64 = within.iter().map(|of| of.weight / sum * of.record.by_cells_sq[channel]).sum();
+            *value = Fitted {
+                irradiance: fitted.z.max(0.0) as f32,
+                variance: ((apart_sq - variance).max(0.0) + noise) as f32,
+                by_cells_sq: by_cells_sq as f32,
+            };
         }
         if misfit_sq.max(0.0) + noise_sq > allowed_sq {
             return false;

@@ -1,0 +1,96 @@
+//! Irradiances as sums over batches of their samples: how these scatter tells the variance of the whole (the method of batch means).
+
+/// How many batches tell the variance of a value: its standard error is then known to a fifth. At most as many as a value has rays.
+pub(crate) const BATCHES: u32 = 16;
+
+/// Irradiances at places, as sums over batches of samples.
+pub(crate) struct BatchSums<'m> {
+    channels: usize,
+    batches: usize,
+    /// By place, batch and channel, in W/m^2.
+    sums: &'m mut [f64],
+    /// By place and channel, in W^2/m^4: the sum over cells of the squares of what each brings. Empty where nobody asks.
+    by_cells_sq: &'m mut [f64],
+}
+
+impl<'m> BatchSums<'m> {
+    pub fn new(channels: usize, batches: u32, sums: &'m mut [f64], by_cells_sq: &'m mut [f64]) -> Self {
+        Self { channels, batches: batches as usize, sums, by_cells_sq }
+    }
+
+    /// A single batch: `sums` is by place and channel.
+    pub fn whole(channels: usize, sums: &'m mut [f64]) -> Self {
+        Self::new(channels, 1, sums, &mut [])
+    }
+
+    /// The sum of a batch at a place, by channel.
+    pub fn of(&mut self, place: usize, batch: usize) -> &mut [f64] {
+        &mut self.sums[(place * self.batches + batch) * self.channels..][..self.channels]
+    }
+
+    /// The sum to which sample `number` belongs if batches take samples in turn, by channel.
+    pub fn in_turn(&mut self, place: usize, number: usize) -> &mut [f64] {
+        self.of(place, number % self.batches)
+    }
+
+    /// The same if each batch takes a run of the `count` samples.
+    pub fn in_runs(&mut self, place: usize, number: usize, count: usize) -> &mut [f64] {
+        self.of(place, number * self.batches / count)
+    }
+
+    /// The squares of what cells bring to a place, by channel; `None` where nobody asks.
+    pub fn by_cells_sq(&mut self, place: usize) -> Option<&mut [f64]> {
+        self.by_cells_sq.get_mut(place * self.channels..(place + 1) * self.channels)
+    }
+
+    /// The sums of so many places after the others.
+    pub fn chunks(&mut self, places: usize) -> impl Iterator<Item = BatchSums<'_>> {
+        let Self { channels, batches, .. } = *self;
+        let mut by_cells_sq = self.by_cells_sq.chunks_mut(places * channels);
+        let sums = self.sums.chunks_mut(places * batches * channels);
+        sums.map(move |sums| BatchSums { channels, batches, sums, by_cells_sq: by_cells_sq.next().unwrap_or_default() })
+    }
+
+    /// The sum over all batches at a place in a channel, and its variance: exact for independent samples, too large where they are spread
+    /// evenly. Infinite from a single batch.
+    pub fn sum_and_variance(&self, place: usize, channel: usize) -> (f64, f64) {
+        let own = &self.sums[place * self.batches * self.channels..][..self.batches * self.channels];
+        let batches = || own.iter().skip(channel).step_by(self.channels);
+        let (sum, count) = (batches().sum::<f64>(), self.batches as f64);
+        let scatter: f64 = batches().map(|batch| (batch - sum / count).powi(2)).sum();
+        (sum, if self.batches > 1 { scatter * count / (count - 1.0) } else { f64::INFINITY })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::sampling;
+
+    /// Sums of independent samples scatter as batches say, in turn or in runs.
+    #[test]
+    fn batches_tell_the_variance_of_their_sum() {
+        let (trials, count) = (20_000_u64, 64);
+        let mut told = [0.0; 2];
+        let (mut total, mut total_sq) = (0.0, 0.0);
+        for trial in 0..trials {
+            let mut memory = [[0.0; 2 * 8]; 2];
+            let [first, second] = &mut memory;
+            let (mut turns, mut runs) = (BatchSums::new(2, 8, first, &mut []), BatchSums::new(2, 8, second, &mut []));
+            for number in 0..count {
+                let sample = sampling::unit(sampling::hash(trial, number as u64));
+                turns.in_turn(0, number)[1] += sample;
+                runs.in_runs(0, number, count)[1] += sample;
+            }
+            let (sum, variance) = turns.sum_and_variance(0, 1);
+            told = [told[0] + variance, told[1] + runs.sum_and_variance(0, 1).1];
+            (total, total_sq) = (total + sum, total_sq + sum * sum);
+            assert_eq!(turns.sum_and_variance(0, 0), (0.0, 0.0));
+        }
+        let n = trials as f64;
+        let variance = total_sq / n - (total / n).powi(2);
+        // 64 uniform samples have a variance of 64 / 12; 20,000 trials tell it to 1%.
+        assert!((variance / (64.0 / 12.0) - 1.0).abs() < 0.04, "{variance}");
+        assert!(told.iter().all(|told| (told / n / variance - 1.0).abs() < 0.05), "{told:?} for {variance}");
+    }
+}

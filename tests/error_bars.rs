@@ -1,0 +1,97 @@
+//! Standard errors of values: over many points and seeds, values lie within one and within two of them as often as normal errors would.
+
+#[path = "support/rooms.rs"]
+mod rooms;
+#[path = "support/triangles.rs"]
+mod triangles;
+
+use patchlight::picture::Camera;
+use patchlight::pipeline::Evaluator;
+use patchlight::progress::Silent;
+use patchlight::scene::{Scene, SurfacePoint};
+use patchlight::solve::{SolveOptions, Solver};
+use patchlight::values::Values;
+use rooms::{crowded, solve, two_squares};
+use triangles::Random;
+
+/// Points of all polygons of four corners that reflect, in proportion to their areas.
+fn points(scene: &Scene, count: usize) -> Vec<SurfacePoint> {
+    let mut random = Random(5);
+    let reflects = |material: u32| scene.materials()[material as usize].reflectance.iter().any(|&rho| rho > 0.0);
+    let surfaces: Vec<_> = scene.surfaces().iter().filter(|surface| reflects(surface.material)).collect();
+    let total: f64 = surfaces.iter().map(|surface| surface.polygon.area()).sum();
+    let mut below = 0.0;
+    let mut points = Vec::new();
+    for surface in surfaces {
+        below += surface.polygon.area() / total;
+        let corners: Vec<[f64; 3]> = surface.polygon.vertices().collect();
+        while (points.len() as f64) < below * count as f64 {
+            let (u, v) = (random.between(0.0, 1.0), random.between(0.0, 1.0));
+            let along = |k: usize| corners[0][k] + u * (corners[1][k] - corners[0][k]) + v * (corners[3][k] - corners[0][k]);
+            points.push(SurfacePoint { position: std::array::from_fn(along), normal: surface.polygon.normal() });
+        }
+    }
+    points
+}
+
+fn solved(scene: Scene, solver: Solver, error: f64, seed: u64) -> Evaluator {
+    solve(scene, &SolveOptions { error, solver, seed, ..SolveOptions::default() }).0
+}
+
+fn values(evaluator: &Evaluator, points: &[SurfacePoint]) -> Values {
+    evaluator.values_at(points, &Silent).unwrap()
+}
+
+/// The parts of all errors that are within one and within 1.96 standard errors: 68 and 95% where errors are normal and known. They have
+/// tails, and their deviation is known to a fifth at a single point, so a little less often within two.
+#[test]
+fn errors_lie_within_their_bars_as_often_as_these_say() {
+    for (solver, boxes) in [(Solver::Links, 3), (Solver::Cells, 3), (Solver::Cells, 30)] {
+        let scene = || crowded(boxes, 4);
+        let points = points(&scene(), 400);
+        let truth = values(&solved(scene(), Solver::Cells, 0.005, 99), &points);
+        let (mut within, mut count) = ([0.0; 2], 0.0);
+        for seed in 0..6 {
+            let found = values(&solved(scene(), solver, 0.04, seed), &points);
+            for index in 0..found.radiosity.len() {
+                let off = f64::from((found.radiosity[index] - truth.radiosity[index]).abs());
+                let bar = f64::from(found.standard_error[index]).hypot(f64::from(truth.standard_error[index]));
+                assert!(bar.is_finite(), "{solver:?}: {bar} at {index}");
+                // Points under boxes are dark.
+                if bar > 0.0 {
+                    count += 1.0;
+                    within = [within[0] + f64::from(u8::from(off <= bar)), within[1] + f64::from(u8::from(off <= 1.96 * bar))];
+                } else {
+                    assert!(off < 1e-6, "{solver:?}: {off} at {index}");
+                }
+            }
+        }
+        let [one, two] = within.map(|within| within / count);
+        assert!((0.6..0.8).contains(&one), "{solver:?}, {boxes} boxes: {one} within one");
+        assert!((0.9..0.99).contains(&two), "{solver:?}, {boxes} boxes: {two} within two");
+    }
+}
+
+#[test]
+fn what_is_exact_has_no_error_to_speak_of() {
+    let evaluator = solved(two_squares(false), Solver::Links, 0.01, 0);
+    let above = |x: f64| SurfacePoint { position: [x, 0.4, 1.0], normal: [0.0, 0.0, -1.0] };
+    let found = values(&evaluator, &[above(0.1), above(0.5)]);
+    let part = |index: usize| found.standard_error[index] / found.radiosity[index];
+    assert!(part(0) < 0.01 && part(1) < 0.01, "{found:?}");
+    let error = found.error.unwrap();
+    assert!(error.energy < 0.01 && error.local < 0.01, "{error:?}");
+}
+
+#[test]
+fn pictures_have_bars_as_values_do() {
+    let evaluator = solved(crowded(3, 4), Solver::Cells, 0.1, 0);
+    let camera = Camera { width: 16, height: 12, ..evaluator.default_camera(16, 12) };
+    let image = evaluator.render(&camera, &Silent).unwrap().unwrap();
+    let errors = image.standard_error.as_ref().unwrap();
+    assert_eq!(errors.len(), image.radiance.len());
+    let parts: Vec<f32> = errors.iter().zip(&image.radiance).filter(|(_, l)| **l > 0.0).map(|(error, l)| error / l).collect();
+    let mean = parts.iter().sum::<f32>() / parts.len() as f32;
+    // Asked for 10% with all rays; pictures take fewer.
+    assert!((0.01..0.3).contains(&mean), "{mean}");
+}
