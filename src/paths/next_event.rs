@@ -29,8 +29,8 @@ use crate::visibility::Segment;
 /// A piece is small if its radius is at most this part of its distance.
 const SMALL: f64 = 0.5;
 
-/// An emitter is cut so many times at most.
-const MAX_SPLITS: u8 = 6;
+/// An emitter is cut so many times at most: pieces around a point a hundred-thousandth of the emitter away are small then.
+const MAX_SPLITS: u8 = 17;
 
 /// A piece of an emitter as seen from a place.
 struct EmitterPiece {
