@@ -1,0 +1,157 @@
+//! Next-event estimation against what all emitters bring, and how much a single ray may weigh.
+
+use super::*;
+use crate::geometry::Polygon;
+use crate::scene::{Material, Scene, Sides};
+use crate::transmittance::Rays;
+use crate::visibility::{Backend, OccluderMesh, build};
+
+/// A floor and `count` small emitters above it, turned every way, some behind others.
+fn emitters_over_a_floor(count: u64) -> Scene {
+    let material = |reflectance: f64, exitance: f64| Material {
+        name: format!("{exitance}"),
+        reflectance: vec![reflectance],
+        exitance: vec![exitance],
+    };
+    let quad =
+        |corner: DVec3, u: DVec3, v: DVec3| Polygon::from_vertices(vec![corner, corner + u, corner + u + v, corner + v]).unwrap();
+    let mut faces = vec![(quad(DVec3::ZERO, 10.0 * DVec3::X, 10.0 * DVec3::Y), 0, 0)];
+    for emitter in 0..count {
+        let random = |draw| sampling::unit(sampling::hash(emitter, draw));
+        let direction = |draw| (DVec3::new(random(draw), random(draw + 1), random(draw + 2)) - 0.5).normalize();
+        let normal = (direction(10) - 0.6 * DVec3::Z).normalize();
+        let u = normal.cross(direction(20)).normalize();
+        let corner = DVec3::new(10.0 * random(1), 10.0 * random(2), 0.5 + 3.0 * random(3));
+        faces.push((quad(corner, 0.1 * u, 0.1 * normal.cross(u)), 1 + (emitter % 3) as u32, 1 + emitter as u32));
+    }
+    let materials = vec![material(0.5, 0.0), material(0.0, 1.0), material(0.0, 5.0), material(0.0, 20.0)];
+    Scene::new(1, materials, faces, Sides::Front).unwrap()
+}
+
+fn places(seed: u64) -> Vec<Place> {
+    let place = |k: u64| {
+        let coordinate = |draw| 10.0 * sampling::unit(sampling::hash(k, draw));
+        let point = DVec3::new(coordinate(40), coordinate(41), 0.0);
+        Place { point, surface: SurfaceId(0), seed: sampling::hash(seed, k) }
+    };
+    (0..20).map(place).collect()
+}
+
+#[test]
+fn emitters_from_the_tree_bring_what_all_bring() {
+    let scene = emitters_over_a_floor(1000);
+    let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+    let rays = Rays::new(&*visibility, &scene);
+    let emitters = Emitters::new(&scene, &rays);
+
+    // With more rays than emitters every emitter gets its share of rays. 16 rays draw emitters, a thousand times: for each
+    // place alone, or for four places together, which lie metres apart.
+    let mut expected = vec![0.0; 20];
+    let mut memory = EmitterRays::default();
+    emitters.add_sampled_irradiance(&places(1), 1, 50_000, &mut memory, &mut BatchSums::whole(1, &mut expected));
+    for together in [1, 4] {
+        let (mut sum, mut sum_sq) = (vec![0.0; 20], vec![0.0; 20]);
+        let rounds = 1000;
+        for round in 0..rounds {
+            let mut found = vec![0.0; 20];
+            emitters.add_sampled_irradiance(&places(100 + round), together, 16, &mut memory, &mut BatchSums::whole(1, &mut found));
+            found.iter().zip(sum.iter_mut().zip(sum_sq.iter_mut())).for_each(|(h, (sum, sum_sq))| {
+                *sum += h;
+                *sum_sq += h * h;
+            });
+        }
+        for (place, expected) in expected.iter().enumerate() {
+            let n = rounds as f64;
+            let mean = sum[place] / n;
+            let sigma = ((sum_sq[place] / n - mean * mean) / n).sqrt();
+            // What is expected has noise of its own, less than 0.3% with 50 rays to an emitter on average.
+            let off = (mean - expected).abs();
+            assert!(off <= 4.5 * sigma + 0.003 * expected, "{together}, place {place}: {mean} +- {sigma}, not {expected}");
+            let scatter = sigma * n.sqrt() / mean;
+            assert!(scatter < 1.0 || together > 1, "place {place}: a single sample scatters by {scatter}");
+        }
+    }
+}
+
+#[test]
+fn an_emitter_beside_a_place_is_drawn_by_what_it_sends_however_large_its_group() {
+    // Emitters far apart, and places a hand's breadth from each of them.
+    let scene = emitters_over_a_floor(200);
+    let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+    let rays = Rays::new(&*visibility, &scene);
+    let emitters = Emitters::new(&scene, &rays);
+    for &beside in &emitters.surfaces {
+        let facet = scene.surface(beside).polygon.facet();
+        let (point, normal) = (facet.centroid + 0.1 * facet.normal, -facet.normal);
+        let sends = |number: u32| {
+            let emitter = SurfaceId(number);
+            point_to_polygon(point, normal, &scene.surface(emitter).polygon.facet()) * brightest(&scene, emitter)
+        };
+        let mut draws = Draws::default();
+        let numbers = (0..64).map(|k| (f64::from(k) + 0.5) / 64.0);
+        emitters.tree.as_ref().unwrap().draw(std::iter::once(point), normal, sends, numbers, &mut draws);
+
+        // Every ray stands for at most a few times all that arrives.
+        let all: f64 = emitters.surfaces.iter().map(|emitter| sends(emitter.0)).sum();
+        for emitter in draws.drawn {
+            assert!(
+                sends(emitter.number) / emitter.probability <= 4.0 * all,
+                "{:?} of {all} by {}",
+                sends(emitter.number),
+                emitter.probability
+            );
+        }
+    }
+}
+
+#[test]
+fn no_ray_weighs_much_however_near_an_emitter_is() {
+    let scene = emitters_over_a_floor(1);
+    let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+    let rays = Rays::new(&*visibility, &scene);
+    let (emitters, memory) = (Emitters::new(&scene, &rays), &mut EmitterRays::default());
+    let (surface, facet) = (emitters.surfaces[0], scene.surface(emitters.surfaces[0]).polygon.facet());
+    for distance in [1e-2, 1e-3, 1e-4, 1e-5] {
+        let point = facet.centroid + distance * facet.radius * facet.normal;
+        memory.drawn.clear();
+        memory.pieces.clear();
+        emitters.cut(point, -facet.normal, surface, None, &mut memory.pieces);
+        assert!(memory.pieces.len() < 500, "{} pieces at {distance}", memory.pieces.len());
+        let place = Place { point, surface: SurfaceId(0), seed: 1 };
+        emitters.cast_to_pieces(&place, 0, 1.0, (0..256).map(|ray| (ray, f64::from(ray) / 256.0)), memory);
+        let most = memory.drawn.iter().map(|drawn| drawn.sampled / drawn.form_factor).fold(0.0, f64::max);
+        assert!(most < 4.0, "a sample of {most} times the form factor at {distance}");
+    }
+}
+
+#[test]
+fn rays_do_not_grow_with_the_number_of_emitters() {
+    for count in [1, 16, 17, 1000] {
+        let scene = emitters_over_a_floor(count);
+        let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+        let rays = Rays::new(&*visibility, &scene);
+        let (emitters, memory) = (Emitters::new(&scene, &rays), &mut EmitterRays::default());
+        emitters.add_sampled_irradiance(&places(1), 1, 24, memory, &mut BatchSums::whole(1, &mut [0.0; 20]));
+        let cast = rays.segments().count();
+        assert!(cast + rays.spared() <= 20 * 24, "{count} emitters: {cast} rays");
+    }
+}
+
+#[test]
+fn places_together_draw_the_emitters_of_one_place_with_all_of_their_rays() {
+    let scene = emitters_over_a_floor(1000);
+    let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+    let rays = Rays::new(&*visibility, &scene);
+    let emitters = Emitters::new(&scene, &rays);
+    let drawn = |places: &[Place], together: usize, count: u32| {
+        let mut memory = EmitterRays::default();
+        let mut irradiance = vec![0.0; places.len()];
+        emitters.add_sampled_irradiance(places, together, count, &mut memory, &mut BatchSums::whole(1, &mut irradiance));
+        let mut drawn: Vec<u32> = memory.drawn.iter().map(|drawn| drawn.emitter.0).collect();
+        drawn.sort_unstable();
+        drawn
+    };
+    for place in places(3) {
+        assert_eq!(drawn(&[place; 4], 4, 4), drawn(&[place], 1, 16));
+    }
+}
