@@ -18,11 +18,19 @@ mod figures;
 mod peers;
 #[path = "../support/plot.rs"]
 mod plot;
+#[path = "../support/points.rs"]
+mod points;
 mod problem;
+#[path = "../support/process.rs"]
+mod process;
 mod run;
 mod scenes;
 mod scored;
+#[path = "../support/section.rs"]
 mod section;
+mod tables;
+#[path = "../../tests/support/triangles.rs"]
+mod triangles;
 #[path = "../../tests/support/two_squares.rs"]
 mod two_squares;
 
@@ -78,10 +86,10 @@ fn main() {
         by_run::write_csv(&folder.join("runs.csv"), &scored).expect("runs are written");
     }
 
-    let text = section::text(&scored);
+    let text = tables::text(&scored);
     if wanted.is_empty() {
         write_docs(root, &scored);
-        section::write(&root.join("BENCHMARKS.md"), &text).expect("BENCHMARKS.md has the marks of this benchmark");
+        section::write(&root.join("BENCHMARKS.md"), "error_vs_time", &text).expect("BENCHMARKS.md has the marks of this benchmark");
     } else {
         println!("{text}");
     }

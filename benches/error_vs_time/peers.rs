@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use super::points::read_values;
 use super::problem::{BAKE_POINTS, Problem};
-use super::run::{Measured, read_values, timed};
+use super::run::{Measured, timed_well};
 
 /// Samples a point that a path tracer takes.
 const SAMPLES: [u32; 4] = [16, 64, 256, 1024];
@@ -82,7 +83,7 @@ impl Peers {
             let values =
                 folder.join(format!("{}_{}_points_{samples}_samples_{seed}.csv", problem.file_name(), problem.points.len()));
             if !values.is_file() {
-                timed(&mut self.mitsuba(problem, &points, &values, samples, seed));
+                timed_well(&mut self.mitsuba(problem, &points, &values, samples, seed));
             }
             read_values(&values)
         });
@@ -106,7 +107,7 @@ impl Peers {
 
 /// Runs a peer and scores the values that it writes.
 fn measure(problem: &Problem, who: &str, asked: &str, command: &mut Command, values: &Path, bake: bool) -> Measured {
-    let timed = timed(command);
+    let timed = timed_well(command);
     let (error, reference_noise) = problem.error_of(&read_values(values)[..problem.points.len()]);
     let (who, asked) = (who.to_owned(), asked.to_owned());
     let (cpu_s, wall_s) = (timed.cpu_s, timed.wall_s);

@@ -2,17 +2,17 @@
 
 use std::fs::File;
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::Instant;
+use std::process::Command;
+use std::time::Duration;
 
+use super::points::read_values;
 use super::problem::{BAKE_POINTS, Problem};
-
-/// Short runs are repeated until they have taken so many CPU seconds, at most so often: the system counts in hundredths.
-const ENOUGH_CPU_S: f64 = 0.5;
-const MOST_REPEATS: u32 = 5;
+use super::process::{Timed, timed};
 
 /// No run may take longer.
 const MOST_SECONDS: &str = "90";
+/// Nothing that is run takes longer, references by others included.
+const LONGEST: Duration = Duration::from_secs(3600);
 
 /// What the program is asked for.
 pub struct Job {
@@ -81,7 +81,7 @@ pub fn patchlight(problem: &Problem, job: &Job, folder: &Path) -> Measured {
     command.args(["--seed", &job.seed.to_string(), "--time", MOST_SECONDS, "--progress", "none"]);
     command.args(["--set", &format!("solver={}", job.solver)]);
     command.arg("--points").arg(points).arg("--values").arg(&values).arg("--report").arg(&report);
-    let timed = timed(&mut command);
+    let timed = timed_well(&mut command);
 
     let report: serde_json::Value =
         serde_json::from_reader(File::open(&report).expect("the program wrote a report")).expect("a report is JSON");
@@ -98,45 +98,14 @@ pub fn patchlight(problem: &Problem, job: &Job, folder: &Path) -> Measured {
         error,
         reference_noise,
         claimed: Some(report["error"]["estimate"].as_f64().unwrap_or(f64::INFINITY)),
-        reached: timed.code == 0,
+        reached: timed.code == Some(0),
         bake: job.bake,
     }
 }
 
-/// Radiosities by point from a CSV file whose last three columns they are.
-pub fn read_values(file: &Path) -> Vec<[f64; 3]> {
-    let mut reader = csv::Reader::from_path(file).expect("values were written");
-    let rows = reader.records().map(|row| row.expect("a row of values"));
-    rows.map(|row| std::array::from_fn(|channel| row[row.len() - 3 + channel].parse().expect("a value at every point"))).collect()
-}
-
-/// Means over the repeats of a run.
-pub struct Timed {
-    pub cpu_s: f64,
-    pub wall_s: f64,
-    pub code: i32,
-}
-
 /// Runs a command some times; it must end well, or by a limit that it was given.
-pub fn timed(command: &mut Command) -> Timed {
-    command.stdout(Stdio::null()).stderr(Stdio::null());
-    let (start, cpu_before) = (Instant::now(), children_cpu_s());
-    let (mut repeats, mut code) = (0, 0);
-    while repeats == 0 || (repeats < MOST_REPEATS && children_cpu_s() - cpu_before < ENOUGH_CPU_S) {
-        let status = command.status().expect("the program starts");
-        code = status.code().unwrap_or(-1);
-        assert!(code == 0 || code == 4, "{command:?} ended with {status}");
-        repeats += 1;
-    }
-    let count = f64::from(repeats);
-    Timed { cpu_s: (children_cpu_s() - cpu_before) / count, wall_s: start.elapsed().as_secs_f64() / count, code }
-}
-
-/// CPU seconds of all processes that were started and have ended, user and system, by Linux: `/proc/self/stat` in clock ticks of 10 ms.
-fn children_cpu_s() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").expect("this benchmark needs Linux");
-    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
-    let ticks = |index: usize| fields[index].parse::<f64>().expect("a count of ticks");
-    // After the name in brackets the state is field 3; cutime and cstime are 16 and 17.
-    0.01 * (ticks(16 - 3) + ticks(17 - 3))
+pub fn timed_well(command: &mut Command) -> Timed {
+    let timed = timed(command, LONGEST);
+    assert!(matches!(timed.code, Some(0 | 4)), "{command:?} ended with {:?}", timed.code);
+    timed
 }

@@ -4,9 +4,13 @@
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
+use patchlight::scene::SurfacePoint;
+
 use super::peers::Peers;
-use super::problem::{Problem, Random, read, spread};
+use super::points::read_values;
+use super::problem::{Problem, spread_over};
 use super::run;
+use super::triangles::Random;
 use super::two_squares::TwoSquares;
 
 /// Points of scenes that have none of their own.
@@ -48,7 +52,7 @@ fn two_squares(folder: &Path) -> Problem {
     let (mut points, mut reference, mut exitance) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..POINTS {
         let (square, [x, y]) = (k % 2, [random.unit(), random.unit()]);
-        points.push([x, y, square as f64, 0.0, 0.0, 1.0 - 2.0 * square as f64]);
+        points.push(SurfacePoint { position: [x, y, square as f64], normal: [0.0, 0.0, 1.0 - 2.0 * square as f64] });
         reference.push([exact.at(square, [x, y]); 3]);
         exitance.push([1.0 - square as f64; 3]);
     }
@@ -69,7 +73,10 @@ fn of_peers(folder: &Path, name: &str) -> Option<Problem> {
     Some(Problem {
         name: format!("{name} of the peers"),
         scene: folder.join(format!("scenes/{name}.obj")),
-        points: points.iter().map(|row| std::array::from_fn(|k| row[k])).collect(),
+        points: points
+            .iter()
+            .map(|row| SurfacePoint { position: [row[0], row[1], row[2]], normal: [row[3], row[4], row[5]] })
+            .collect(),
         reference: rows.iter().map(|row| [row[0], row[1], row[2]]).collect(),
         exitance: vec![[0.0; 3]; rows.len()],
         noise: (sum_sq(3..6) / sum_sq(0..3)).sqrt(),
@@ -81,7 +88,7 @@ fn of_peers(folder: &Path, name: &str) -> Option<Problem> {
 
 /// A scene with a reference by a path tracer where one is installed.
 fn with_reference(name: String, scene: PathBuf, folder: &Path, peers: Option<&Peers>) -> Problem {
-    let points = spread(&read(&scene), POINTS, 5);
+    let points = spread_over(&scene, POINTS, 5);
     let exitance = vec![[0.0; 3]; points.len()];
     let (reference, reference_is) = (Vec::new(), String::new());
     let both_solvers = name == "full office";
@@ -99,10 +106,10 @@ fn own_reference(problem: &Problem, folder: &Path) -> (Vec<[f64; 3]>, f64, Strin
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_patchlight"));
     command.arg("solve").arg(&problem.scene).args(["--error", "0.0025", "--seed", "977", "--set", "solver=cells", "--time", "60"]);
     command.arg("--points").arg(problem.points_file(folder)).arg("--values").arg(&values).arg("--report").arg(&report);
-    run::timed(&mut command);
+    run::timed_well(&mut command);
     let text = std::fs::read_to_string(report).expect("the program wrote a report");
     let report: serde_json::Value = serde_json::from_str(&text).expect("a report is JSON");
     let claimed = report["error"]["estimate"].as_f64().expect("a claim");
     let reference_is = format!("light paths of our own, claimed {:.2}%", 100.0 * claimed);
-    (run::read_values(&values), claimed, reference_is)
+    (read_values(&values), claimed, reference_is)
 }

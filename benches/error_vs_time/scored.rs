@@ -2,6 +2,7 @@
 
 use super::problem::Problem;
 use super::run::{Job, Measured};
+use super::section::median;
 
 /// A scene and its runs: one for each job in their order, then those of peers.
 pub struct Scored {
@@ -105,11 +106,4 @@ fn cpu_s_at(curve: &[(f64, f64)], error: f64) -> Option<f64> {
     let pair = curve.windows(2).find(|pair| pair[1].0 <= error)?;
     let along = (pair[0].0 / error).ln() / (pair[0].0 / pair[1].0).ln();
     Some(pair[0].1 * (pair[1].1 / pair[0].1).powf(along))
-}
-
-/// The middle one, of an even number the larger of the two in the middle; not a number if there are none.
-pub fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }

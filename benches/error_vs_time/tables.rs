@@ -1,26 +1,13 @@
 //! The section of BENCHMARKS.md that this benchmark writes: medians over seeds, and whether claims are true.
 
 use std::fmt::Write as _;
-use std::io;
-use std::path::Path;
 
 use super::run::Measured;
-use super::scored::{Row, Scored, median};
-
-const BEGIN: &str = "<!-- error_vs_time: from here on written by `make bench-error` -->\n";
-const END: &str = "<!-- error_vs_time: up to here -->\n";
+use super::scored::{Row, Scored};
+use super::section::{median, percent};
 
 /// The peer that is meant where none is named.
 const USUAL_PEER: &str = "Mitsuba 3";
-
-/// Puts the text between the marks.
-pub fn write(file: &Path, text: &str) -> io::Result<()> {
-    let old = std::fs::read_to_string(file)?;
-    let missing = || io::Error::new(io::ErrorKind::InvalidData, "the marks are missing");
-    let (before, rest) = old.split_once(BEGIN).ok_or_else(missing)?;
-    let (_, after) = rest.split_once(END).ok_or_else(missing)?;
-    std::fs::write(file, format!("{before}{BEGIN}\n{text}\n{END}{after}"))
-}
 
 /// All tables.
 pub fn text(scenes: &[Scored]) -> String {
@@ -30,11 +17,6 @@ pub fn text(scenes: &[Scored]) -> String {
     }
     claims(&mut text, scenes);
     text
-}
-
-/// `0.0123` as `1.23%`.
-pub fn percent(part: f64) -> String {
-    format!("{:.2}%", 100.0 * part)
 }
 
 /// One scene: a row for each way and requested error, and where peers are faster.
