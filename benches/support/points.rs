@@ -16,7 +16,7 @@ const RAYS: usize = 32;
 /// Points that are left out, by how many of the rays from them meet backs of faces.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum LeftOut {
-    /// Any: also points that lie near the edge of what covers them.
+    /// Any, the second side of a sheet being one too: also points that lie near the edge of what covers them.
     AnyBack,
     /// All: points inside of solids alone.
     AllBacks,
@@ -55,7 +55,7 @@ pub fn spread(
         visibility.first_hits(&rays, &mut hits);
         let meets_back = |ray: &Ray, surface: u32| {
             let met = scene.surface(SurfaceId(surface));
-            dot(met.polygon.normal(), ray.direction) > 0.0 && met.twin().is_none()
+            dot(met.polygon.normal(), ray.direction) > 0.0 && (left_out == LeftOut::AnyBack || met.twin().is_none())
         };
         let mut backs = rays.iter().zip(&hits).map(|(ray, hit)| hit.is_some_and(|hit| meets_back(ray, hit.surface)));
         let is_left_out = if left_out == LeftOut::AnyBack { backs.any(|back| back) } else { backs.all(|back| back) };
