@@ -1,0 +1,103 @@
+//! Scenes that are made to be hard: what the program takes for them, and whether what it claims is true.
+//!
+//! `cargo bench --bench hard_scenes`, a part of `make bench-error`. Scenes are made on the spot, as OBJ files in `target/hard_scenes`. Every run is
+//! the program `patchlight`, from reading the scene to writing values at the points of the reference. All runs go to
+//! `target/hard_scenes/runs.csv`; the section of BENCHMARKS.md is written anew when all scenes are run as by default, and docs/hard_scenes.md with it.
+//!
+//! `-- comb gap --seeds 3 --errors 0.05,0.02 --norm energy` runs a part, and prints what came of it.
+//!
+//! `-- --references` makes references by path tracing, `-- --references comb` those of some scenes: half an hour for all on two cores. They
+//! belong to a scene's very surfaces, so a generator that changes needs them made anew.
+#![allow(clippy::print_stderr, clippy::print_stdout, reason = "a benchmark tells how far it is, and prints its tables")]
+
+mod making;
+mod norms;
+mod obj;
+mod options;
+#[path = "../support/path_tracer.rs"]
+mod path_tracer;
+#[path = "../support/points.rs"]
+mod points;
+#[path = "../support/process.rs"]
+mod process;
+mod reference;
+#[path = "../../tests/support/rooms.rs"]
+mod rooms;
+mod run;
+mod scenes;
+#[path = "../support/section.rs"]
+mod section;
+mod tables;
+#[path = "../../tests/support/triangles.rs"]
+mod triangles;
+
+use std::path::{Path, PathBuf};
+
+use norms::Norm;
+use options::Options;
+use patchlight::scene::Scene;
+use reference::Reference;
+use run::{Asked, Problem, Run};
+use scenes::HardScene;
+use tables::Scored;
+
+fn main() {
+    let options = Options::read(std::env::args().skip(1)).unwrap_or_else(|error| panic!("{error}"));
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = root.join("target/hard_scenes");
+    std::fs::create_dir_all(&folder).expect("a folder for what is made");
+    let (mut scored, mut known) = (Vec::new(), Vec::new());
+    for hard in scenes::all().into_iter().filter(|hard| options.wants(hard.name)) {
+        let made = hard.make();
+        let (file, scene) = obj::through_obj(&made.scene, &folder, hard.name);
+        let of_scene = root.join(format!("benches/hard_scenes/references/{}.csv", hard.name));
+        if options.references {
+            eprintln!("{}: {} surfaces", hard.name, scene.surfaces().len());
+            making::make(&scene, made.portal, made.backend).write(&of_scene).expect("a reference is written");
+        }
+        let reference = read(&of_scene, &scene);
+        tell(&hard, &reference);
+        if !options.references {
+            scored.push(runs(&hard, &file, &reference, &options, &folder));
+            tables::write_csv(&folder.join("runs.csv"), &scored).expect("runs are written");
+        }
+        known.push((hard, reference));
+    }
+
+    if known.len() == scenes::all().len() {
+        std::fs::write(root.join("docs/hard_scenes.md"), tables::document(&known)).expect("the scenes are told");
+    }
+    if !options.references {
+        let text = tables::text(&scored);
+        println!("{text}");
+        if options.is_whole() {
+            let said = format!("Norm: {}; {} seeds.\n\n{text}", options.norm.name(), options.seeds);
+            section::write(&root.join("BENCHMARKS.md"), "hard_scenes", &said).expect("BENCHMARKS.md has the marks");
+        }
+    }
+}
+
+fn read(file: &Path, scene: &Scene) -> Reference {
+    Reference::read(file, scene).unwrap_or_else(|error| panic!("{}: {error}; --references makes it", file.display()))
+}
+
+fn tell(hard: &HardScene, reference: &Reference) {
+    let [local, energy] = Norm::ALL.map(|norm| section::percent(norm.noise(reference)));
+    eprintln!("{}: noise of the reference {local} (local), {energy} (energy)", hard.name);
+}
+
+/// All runs on a scene.
+fn runs(hard: &HardScene, scene: &Path, reference: &Reference, options: &Options, folder: &Path) -> Scored {
+    let points: PathBuf = folder.join(format!("{}_points.csv", hard.name));
+    points::write_points(&points, reference.points.iter());
+    let problem = Problem { scene, points: &points, reference };
+    let mut runs: Vec<Run> = Vec::new();
+    for &error in &options.errors {
+        for seed in 0..options.seeds {
+            let run = run::patchlight(&problem, Asked { norm: options.norm, error, seed }, folder);
+            eprintln!("  {}", run.line());
+            runs.push(run);
+        }
+    }
+    Scored { name: hard.name, runs }
+}

@@ -1,0 +1,74 @@
+//! The two norms of errors, at points that are uniform by area.
+//!
+//! ```text
+//! energy:  ||B - R|| / ||R - E||
+//! local:   root mean square over lit points of |B - R| / max(|R - E|, m), m the median of |R - E| over lit points
+//! ```
+//!
+//! channels pooled, R the reference. The square of its own noise is taken off that of what is measured.
+
+use std::str::FromStr;
+
+use super::reference::Reference;
+
+/// In which norm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Norm {
+    Local,
+    Energy,
+}
+
+impl Norm {
+    pub const ALL: [Self; 2] = [Self::Local, Self::Energy];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Local => "local",
+            Self::Energy => "energy",
+        }
+    }
+
+    /// By what squares at points of this light count.
+    pub fn weights(self, light: &[f64]) -> Vec<f64> {
+        let mut lit: Vec<f64> = light.iter().copied().filter(|&light| light > 0.0).collect();
+        lit.sort_by(f64::total_cmp);
+        let count = lit.len();
+        let of_all = 1.0 / light.iter().map(|light| light * light).sum::<f64>();
+        let weight = |light: f64| match self {
+            Self::Energy => of_all,
+            Self::Local if light <= 0.0 => 0.0,
+            Self::Local => 1.0 / (count as f64 * light.max(0.5 * (lit[(count - 1) / 2] + lit[count / 2])).powi(2)),
+        };
+        light.iter().map(|&light| weight(light)).collect()
+    }
+
+    /// The noise of a reference, one standard deviation.
+    pub fn noise(self, reference: &Reference) -> f64 {
+        let weights = self.weights(&reference.light());
+        weights.iter().zip(&reference.noise).map(|(weight, &noise)| weight * square(noise)).sum::<f64>().sqrt()
+    }
+
+    /// How wrong values are. Points without a value count as right.
+    pub fn error(self, values: &[[f64; 3]], reference: &Reference) -> f64 {
+        let weights = self.weights(&reference.light());
+        let each = values.iter().zip(&reference.radiosity).zip(&reference.noise).zip(weights);
+        let square = |((value, expected), noise): ((&[f64; 3], &[f64; 3]), &[f64; 3])| {
+            square([0, 1, 2].map(|k| value[k] - expected[k])) - square(*noise)
+        };
+        let known = each.filter(|(((value, _), _), _)| value.iter().all(|x| x.is_finite()));
+        known.map(|(at_point, weight)| weight * square(at_point)).sum::<f64>().max(0.0).sqrt()
+    }
+}
+
+impl FromStr for Norm {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        Self::ALL.into_iter().find(|norm| norm.name() == name).ok_or_else(|| format!("no norm is named '{name}'"))
+    }
+}
+
+/// The square of a vector of channels.
+pub fn square(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|x| x * x).sum()
+}

@@ -1,0 +1,52 @@
+//! The command line of the benchmark.
+
+use super::norms::Norm;
+
+/// Errors asked for where none are named.
+const ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
+const SEEDS: u64 = 10;
+
+/// What to do.
+pub struct Options {
+    /// Words of which one must be in a scene's name; none for all scenes.
+    names: Vec<String>,
+    pub norm: Norm,
+    pub errors: Vec<f64>,
+    pub seeds: u64,
+    /// Make references instead of running the program.
+    pub references: bool,
+}
+
+impl Options {
+    /// `[NAME...] [--norm local|energy] [--errors E,E...] [--seeds N] [--references]`
+    pub fn read(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
+        let mut options = Self { names: vec![], norm: Norm::Local, errors: ERRORS.to_vec(), seeds: SEEDS, references: false };
+        while let Some(argument) = arguments.next() {
+            let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
+            match argument.as_str() {
+                "--norm" => options.norm = value()?.parse()?,
+                "--seeds" => options.seeds = number(&value()?)?,
+                "--errors" => options.errors = value()?.split(',').map(number).collect::<Result<_, _>>()?,
+                "--references" => options.references = true,
+                // Cargo says this to every benchmark.
+                "--bench" => {}
+                name if name.starts_with("--") => return Err(format!("no option is named {name}")),
+                name => options.names.push(name.to_owned()),
+            }
+        }
+        Ok(options)
+    }
+
+    pub fn wants(&self, name: &str) -> bool {
+        self.names.is_empty() || self.names.iter().any(|word| name.contains(word.as_str()))
+    }
+
+    /// Whether the documents tell what comes of it.
+    pub fn is_whole(&self) -> bool {
+        self.names.is_empty() && self.norm == Norm::Local && self.errors == ERRORS && !self.references
+    }
+}
+
+fn number<T: std::str::FromStr>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|_| format!("'{text}' is no number"))
+}
