@@ -9,7 +9,7 @@ help:
 	@echo 'make test           set up, run all tests'
 	@echo 'make lint           formatting and clippy, warnings are errors'
 	@echo 'make bench          run the benchmarks (minutes)'
-	@echo 'make bench-error    error against time over scenes, ways and backends, and whether the claims are true (ten minutes)'
+	@echo 'make bench-error    error against time, whether claims are true, and scenes made to be hard (an hour)'
 	@echo 'make counters       write anew what solves cost in rays, links and elements, after a change that is meant to move it'
 	@echo 'make test-debian13  run the tests in a Debian 13 root, which has Embree 4 (needs root and debootstrap)'
 
@@ -37,6 +37,7 @@ bench: setup
 
 bench-error: setup
 	cargo bench --locked --bench error_vs_time
+	cargo bench --locked --bench hard_scenes
 
 counters: setup
 	PATCHLIGHT_WRITE_COUNTERS=1 cargo test --locked --test counters

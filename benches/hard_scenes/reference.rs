@@ -6,7 +6,6 @@ use std::path::Path;
 
 use patchlight::scene::{Scene, SurfaceId, SurfacePoint};
 
-use super::norms::square;
 use super::triangles::{dot, sub};
 
 /// How far off its surface a point may lie, in metres: positions are rounded to nanometres.
@@ -27,7 +26,7 @@ impl Reference {
     /// |R - E| at the points.
     pub fn light(&self) -> Vec<f64> {
         let both = self.radiosity.iter().zip(&self.exitance);
-        both.map(|(radiosity, exitance)| square(sub(*radiosity, *exitance)).sqrt()).collect()
+        both.map(|(radiosity, exitance)| length(sub(*radiosity, *exitance))).collect()
     }
 
     /// One row a point.
@@ -63,6 +62,10 @@ impl Reference {
         }
         Ok(reference)
     }
+}
+
+fn length(vector: [f64; 3]) -> f64 {
+    dot(vector, vector).sqrt()
 }
 
 fn lies_on(scene: &Scene, id: SurfaceId, point: &SurfacePoint) -> bool {

@@ -4,8 +4,8 @@
 //! B(x) = E(x) + rho(x) H(x),   H(x) = Int k(x, y) V(x, y) B(y) dy,   k = cos_x cos_y / (pi |x - y|^2)
 //! ```
 //!
-//! From each vertex of a path one ray goes to an emitter, drawn by power, and one on its way, drawn by the cosine or, half of the time where there is
-//! one, through a portal. What an emitter sends is weighted by the balance heuristic (Veach, Guibas 1995, "Optimally Combining Sampling Techniques
+//! From each vertex of a path one ray goes to an emitter, drawn by power, and one on its way, drawn by the cosine or, half of the time where there are
+//! any, through a portal. What an emitter sends is weighted by the balance heuristic (Veach, Guibas 1995, "Optimally Combining Sampling Techniques
 //! for Monte Carlo Rendering", section 3). A face that is met at its back is black. Paths end by roulette, and not before a tenth of what they bring
 //! is left: in a white room that spares more noise than it costs rays.
 //!
@@ -26,13 +26,13 @@ const SOBOL_VERTICES: u32 = 8;
 /// Roulette keeps this part of what a path brings.
 const KEPT: f64 = 0.1;
 
-/// How often a direction goes through the portal.
+/// How often a direction goes through a portal, where one can be seen.
 const THROUGH_PORTAL: f64 = 0.5;
 
 /// The most paths of a batch: the length of a Sobol sequence.
 pub const MOST_OF_A_BATCH: u32 = 1 << 16;
 
-/// A rectangle through which light comes to the points in front of it, that is where `u x v` points to. It only says where to aim.
+/// A rectangle through which much light comes to the points in front of it, that is where `u x v` points to. It only says where to aim.
 #[derive(Clone, Copy, Debug)]
 pub struct Portal {
     /// One corner, in metres.
@@ -113,16 +113,16 @@ pub struct PathTracer<'a> {
     scene: &'a Scene,
     visibility: Box<dyn Visibility>,
     emitters: Emitters,
-    portal: Option<Portal>,
+    portals: Vec<Portal>,
 }
 
 impl<'a> PathTracer<'a> {
     /// Planes are not those of the scene, which joins what lies within a millionth of its size: each sheet has its own.
-    pub fn new(scene: &'a Scene, portal: Option<Portal>, backend: Backend) -> Self {
+    pub fn new(scene: &'a Scene, portals: Vec<Portal>, backend: Backend) -> Self {
         let mut mesh = OccluderMesh::of_scene(scene);
         mesh.planes.clone_from(&mesh.surfaces);
         let visibility = build(backend, &mesh).expect("a backend of this build");
-        Self { scene, visibility, emitters: Emitters::of(scene), portal }
+        Self { scene, visibility, emitters: Emitters::of(scene), portals }
     }
 
     /// The radiosity at a point of a surface, as `count` paths find it, at most [`MOST_OF_A_BATCH`].
@@ -230,7 +230,8 @@ impl<'a> PathTracer<'a> {
     /// A unit direction.
     fn direction(&self, path: &mut Path, at: (u32, u64)) -> [f64; 3] {
         let [s, t, through, _] = numbers(path, at, Use::Direction);
-        if let Some(portal) = self.portal.filter(|portal| through < THROUGH_PORTAL && portal.faces(&path.at)) {
+        let count = self.faced(&path.at).count();
+        if let Some(portal) = self.faced(&path.at).nth((through / THROUGH_PORTAL * count as f64) as usize) {
             return unit(sub(portal.at([s, t]), path.at.position));
         }
         let [x, y] = [(TAU * t).cos(), (TAU * t).sin()].map(|side| s.sqrt() * side);
@@ -243,10 +244,14 @@ impl<'a> PathTracer<'a> {
     /// The density, by solid angle, with which [`Self::direction`] takes a unit direction.
     fn density(&self, from: &Vertex, direction: [f64; 3]) -> f64 {
         let by_cosine = dot(from.normal, direction).max(0.0) / PI;
-        match self.portal.filter(|portal| portal.faces(from)) {
-            None => by_cosine,
-            Some(portal) => (1.0 - THROUGH_PORTAL) * by_cosine + THROUGH_PORTAL * portal.density(from.position, direction),
-        }
+        let through = self.faced(from).map(|portal| portal.density(from.position, direction));
+        let (count, sum) = through.fold((0.0, 0.0), |(count, sum), density| (count + 1.0, sum + density));
+        if count > 0.0 { (1.0 - THROUGH_PORTAL) * by_cosine + THROUGH_PORTAL * sum / count } else { by_cosine }
+    }
+
+    /// The portals that can be seen from a vertex.
+    fn faced(&self, from: &Vertex) -> impl Iterator<Item = &Portal> {
+        self.portals.iter().filter(|portal| portal.faces(from))
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use patchlight::scene::import::{ImportOptions, read_scene};
 
+use super::super::path_tracer::Portal;
 use super::super::rooms::Room;
 use super::made::Made;
 use super::parts::{matt, sides};
@@ -16,6 +17,12 @@ const THICK: f64 = 0.01;
 const FAR: f64 = 1e4;
 const BELOW: f64 = 1.0;
 
+/// The wall beside the lamp of two_rooms, which is bright; and its doorway, seen from the other room.
+const BRIGHT: [Portal; 2] = [
+    Portal { corner: [3.99, 2.0, 0.1], u: [0.0, 0.0, 0.7], v: [0.0, 0.5, 0.0] },
+    Portal { corner: [4.2, 0.0, 2.6], u: [0.0, 2.05, 0.0], v: [0.0, 0.0, 0.9] },
+];
+
 /// scenes/two_rooms.obj in a closed black box.
 pub fn black_shell() -> Made {
     let (mut room, low, high) = copy_of("two_rooms");
@@ -25,7 +32,7 @@ pub fn black_shell() -> Made {
             side.add_to(&mut room, is_far == along_far, black);
         }
     }
-    Made::of(room)
+    Made::of(room).through(&BRIGHT)
 }
 
 /// scenes/room.obj above a black ground; y is up.

@@ -30,5 +30,5 @@ pub fn snoot() -> Made {
     solid(&mut room, [2.2, 1.2, 0.0], [2.8, 1.8, 0.6], object);
 
     let (corner, side) = ([MIDDLE - HALF, MIDDLE - HALF, MOUTH], 2.0 * HALF);
-    Made::of(room).through(Portal { corner, u: [0.0, side, 0.0], v: [side, 0.0, 0.0] })
+    Made::of(room).through(&[Portal { corner, u: [0.0, side, 0.0], v: [side, 0.0, 0.0] }])
 }
