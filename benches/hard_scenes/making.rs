@@ -17,7 +17,7 @@ const SEED: u64 = 2;
 const NOISE: f64 = 0.002;
 
 /// All rays of a scene, about: what it may cost.
-const MOST_RAYS: f64 = 1e9;
+const MOST_RAYS: f64 = 4e8;
 
 /// Batches of the pilot, and their paths.
 const PILOT: (u64, u32) = (8, 128);

@@ -4,8 +4,8 @@
 //! B(x) = E(x) + rho(x) H(x),   H(x) = Int k(x, y) V(x, y) B(y) dy,   k = cos_x cos_y / (pi |x - y|^2)
 //! ```
 //!
-//! From each vertex of a path one ray goes to an emitter, drawn by power, and one on its way, drawn by the cosine or, half of the time where there are
-//! any, through a portal. What an emitter sends is weighted by the balance heuristic (Veach, Guibas 1995, "Optimally Combining Sampling Techniques
+//! From each vertex of a path one ray goes to an emitter, drawn by power, and one on its way, drawn by the cosine or, where there is one,
+//! through a portal. What an emitter sends is weighted by the balance heuristic (Veach, Guibas 1995, "Optimally Combining Sampling Techniques
 //! for Monte Carlo Rendering", section 3). A face that is met at its back is black. Paths end by roulette, and not before a tenth of what they bring
 //! is left: in a white room that spares more noise than it costs rays.
 //!
@@ -26,13 +26,16 @@ const SOBOL_VERTICES: u32 = 8;
 /// Roulette keeps this part of what a path brings.
 const KEPT: f64 = 0.1;
 
-/// How often a direction goes through a portal, where one can be seen.
-const THROUGH_PORTAL: f64 = 0.5;
+/// How often a direction goes through a portal at the vertex of this depth, where one can be seen. What goes elsewhere counts the more, so the product
+/// of the rest must not vanish over a long path.
+fn through_portal(depth: u32) -> f64 {
+    0.5_f64.powi(depth as i32 + 1)
+}
 
 /// The most paths of a batch: the length of a Sobol sequence.
 pub const MOST_OF_A_BATCH: u32 = 1 << 16;
 
-/// A rectangle through which much light comes to the points in front of it, that is where `u x v` points to. It only says where to aim.
+/// A rectangle through which, or from which, much light comes to the points in front of it, that is where `u x v` points to. It only says where to aim.
 #[derive(Clone, Copy, Debug)]
 pub struct Portal {
     /// One corner, in metres.
@@ -173,7 +176,7 @@ impl<'a> PathTracer<'a> {
             let direction = times(way, 1.0 / distance_sq.sqrt());
             let (cos_here, cos_there) = (dot(path.at.normal, direction), -dot(emitter.normal, direction));
             if cos_here > 0.0 && cos_there > 0.0 {
-                let by_direction = self.density(&path.at, direction) * cos_there / distance_sq;
+                let by_direction = self.density(&path.at, direction, at.0) * cos_there / distance_sq;
                 let kernel = cos_here * cos_there / (PI * distance_sq);
                 let exitance = self.material(surface).0;
                 brought.push([0, 1, 2].map(|k| path.weight[k] * exitance[k] * kernel / (by_area + by_direction)));
@@ -194,7 +197,7 @@ impl<'a> PathTracer<'a> {
         let rays: Vec<Ray> = (paths.iter_mut())
             .map(|path| {
                 let direction = self.direction(path, at);
-                densities.push(self.density(&path.at, direction));
+                densities.push(self.density(&path.at, direction, at.0));
                 Ray { origin: path.at.position, direction, origin_plane: path.at.plane }
             })
             .collect();
@@ -231,7 +234,7 @@ impl<'a> PathTracer<'a> {
     fn direction(&self, path: &mut Path, at: (u32, u64)) -> [f64; 3] {
         let [s, t, through, _] = numbers(path, at, Use::Direction);
         let count = self.faced(&path.at).count();
-        if let Some(portal) = self.faced(&path.at).nth((through / THROUGH_PORTAL * count as f64) as usize) {
+        if let Some(portal) = self.faced(&path.at).nth((through / through_portal(at.0) * count as f64) as usize) {
             return unit(sub(portal.at([s, t]), path.at.position));
         }
         let [x, y] = [(TAU * t).cos(), (TAU * t).sin()].map(|side| s.sqrt() * side);
@@ -242,11 +245,12 @@ impl<'a> PathTracer<'a> {
     }
 
     /// The density, by solid angle, with which [`Self::direction`] takes a unit direction.
-    fn density(&self, from: &Vertex, direction: [f64; 3]) -> f64 {
+    fn density(&self, from: &Vertex, direction: [f64; 3], depth: u32) -> f64 {
         let by_cosine = dot(from.normal, direction).max(0.0) / PI;
         let through = self.faced(from).map(|portal| portal.density(from.position, direction));
         let (count, sum) = through.fold((0.0, 0.0), |(count, sum), density| (count + 1.0, sum + density));
-        if count > 0.0 { (1.0 - THROUGH_PORTAL) * by_cosine + THROUGH_PORTAL * sum / count } else { by_cosine }
+        let part = if count > 0.0 { through_portal(depth) } else { 0.0 };
+        (1.0 - part) * by_cosine + part * sum / f64::max(count, 1.0)
     }
 
     /// The portals that can be seen from a vertex.

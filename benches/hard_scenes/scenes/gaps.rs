@@ -7,7 +7,7 @@ use super::made::Made;
 use super::parts::{closed_room, matt, panel, solid};
 
 /// Backends in f32 tell what is farther apart in the hall.
-const RESOLVED: f64 = 1e-4;
+const RESOLVED: f64 = 1e-5;
 
 /// A hall of 10 x 10 x 4 m: a box floats a gap above its floor, a lamp hangs a gap under its ceiling.
 pub fn gaps(gap: f64) -> Made {

@@ -71,7 +71,7 @@ pub fn all() -> Vec<HardScene> {
             "a hundred-thousandth of the light, on half of the area",
         ),
         new("tiny_lamps", lamps::many, "10,000 lamps of 5 mm behind grids", "from every point most lamps are hidden"),
-        new("tiny_lamp", lamps::one, "one lamp of a millionth of the area, and boxes", "shadows without penumbra, a huge exitance"),
+        new("one_lamp", lamps::one, "one lamp of a millionth of the area, and boxes", "shadows without penumbra, a huge exitance"),
         new(
             "leaves",
             leaves::leaves,
