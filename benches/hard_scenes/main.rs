@@ -53,7 +53,7 @@ fn main() {
         let of_scene = root.join(format!("benches/hard_scenes/references/{}.csv", hard.name));
         if options.references {
             eprintln!("{}: {} surfaces", hard.name, scene.surfaces().len());
-            making::make(&scene, made.portals, made.backend).write(&of_scene).expect("a reference is written");
+            making::make(&scene, made.portal, made.backend).write(&of_scene).expect("a reference is written");
         }
         let reference = read(&of_scene, &scene);
         tell(&hard, &reference);

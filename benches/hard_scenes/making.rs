@@ -37,8 +37,8 @@ struct Found {
 }
 
 /// The reference of a scene.
-pub fn make(scene: &Scene, portals: Vec<Portal>, backend: Backend) -> Reference {
-    let tracer = PathTracer::new(scene, portals, backend);
+pub fn make(scene: &Scene, portal: Option<Portal>, backend: Backend) -> Reference {
+    let tracer = PathTracer::new(scene, portal, backend);
     let reflects = |material: &Material| material.reflectance.iter().any(|&rho| rho > 0.0);
     let places: Vec<(SurfaceId, SurfacePoint)> = (spread(scene, reflects, LeftOut::AllBacks, POINTS, SEED).into_iter())
         .map(|(surface, point)| (surface, SurfacePoint { position: point.position.map(nanometres), ..point }))

@@ -49,14 +49,20 @@ impl Norm {
     }
 
     /// How wrong values are. Points without a value count as right.
-    pub fn error(self, values: &[[f64; 3]], reference: &Reference) -> f64 {
-        let weights = self.weights(&reference.light());
-        let each = values.iter().zip(&reference.radiosity).zip(&reference.noise).zip(weights);
-        let square = |((value, expected), noise): ((&[f64; 3], &[f64; 3]), &[f64; 3])| {
-            square([0, 1, 2].map(|k| value[k] - expected[k])) - square(*noise)
-        };
-        let known = each.filter(|(((value, _), _), _)| value.iter().all(|x| x.is_finite()));
-        known.map(|(at_point, weight)| weight * square(at_point)).sum::<f64>().max(0.0).sqrt()
+    pub fn error(self, values: &[[f64; 3]], reference: &Reference) -> Measured {
+        let (mut error_sq, mut variance) = (0.0, 0.0);
+        for (k, weight) in self.weights(&reference.light()).into_iter().enumerate() {
+            if values[k].iter().all(|x| x.is_finite()) {
+                let off = [0, 1, 2].map(|channel| values[k][channel] - reference.radiosity[k][channel]);
+                for (off, noise) in off.iter().zip(reference.noise[k]) {
+                    let true_sq = off * off - noise * noise;
+                    error_sq += weight * true_sq;
+                    variance += (weight * noise).powi(2) * (4.0 * true_sq.max(0.0) + 2.0 * noise * noise);
+                }
+            }
+        }
+        let least_sq = error_sq - SURE * variance.sqrt();
+        Measured { error: error_sq.max(0.0).sqrt(), least: least_sq.max(0.0).sqrt() }
     }
 }
 
@@ -66,6 +72,17 @@ impl FromStr for Norm {
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         Self::ALL.into_iter().find(|norm| norm.name() == name).ok_or_else(|| format!("no norm is named '{name}'"))
     }
+}
+
+/// Standard deviations of the square of an error, by the noise of the reference, within which it is not known.
+const SURE: f64 = 2.0;
+
+/// An error as a reference shows it.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured {
+    pub error: f64,
+    /// It is hardly less than this, whatever the noise of the reference is.
+    pub least: f64,
 }
 
 /// The square of a vector of channels.

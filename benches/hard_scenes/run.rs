@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use super::norms::Norm;
+use super::norms::{Measured, Norm};
 use super::points::read_values;
 use super::process::timed;
 use super::reference::Reference;
@@ -38,7 +38,7 @@ pub struct Run {
     pub code: Option<i32>,
     pub claimed: f64,
     /// In each of [`Norm::ALL`].
-    pub measured: [f64; 2],
+    pub measured: [Measured; 2],
     /// Points that got no value.
     pub missed: usize,
     pub values: Vec<[f64; 3]>,
@@ -46,7 +46,7 @@ pub struct Run {
 
 impl Run {
     /// Measured in the norm that was asked for.
-    pub fn error(&self) -> f64 {
+    pub fn error(&self) -> Measured {
         self.measured[self.asked.norm as usize]
     }
 
@@ -57,7 +57,7 @@ impl Run {
 
     pub fn line(&self) -> String {
         let Asked { norm, error, seed } = self.asked;
-        let [local, energy] = self.measured.map(|error| 100.0 * error);
+        let [local, energy] = self.measured.map(|measured| 100.0 * measured.error);
         let code = self.code.map_or("killed".to_owned(), |code| code.to_string());
         format!(
             "{} {}%, seed {seed}: {:.2} CPU-s, {:.2} s, local {local:.2}%, energy {energy:.2}%, claimed {:.2}%, exit {code}, {} missed",

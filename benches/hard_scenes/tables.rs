@@ -49,14 +49,16 @@ fn row(text: &mut String, scored: &Scored, error: f64) {
     let count = runs.len();
     let cpu_s = median(runs.iter().map(|run| run.cpu_s));
     let most = runs.iter().map(|run| run.cpu_s).fold(0.0, f64::max);
-    let by_measured = |value: fn(&Run) -> f64| median(runs.iter().map(|run| value(run) / run.error()));
+    let by_measured = |value: fn(&Run) -> f64| median(runs.iter().map(|run| value(run) / run.error().error));
     let (asked, claimed) = (by_measured(|run| run.asked.error), by_measured(|run| run.claimed));
     let number_of = |is: fn(&Run) -> bool| runs.iter().filter(|run| is(run)).count();
-    let wrong = number_of(|run| run.error() > run.claimed);
-    let (reached, said) = (number_of(|run| run.error() <= run.asked.error), number_of(|run| run.code == Some(4)));
+    let wrong = number_of(|run| run.error().least > run.claimed);
+    let in_doubt = number_of(|run| run.error().error > run.claimed) - wrong;
+    let doubt = if in_doubt > 0 { format!(", {in_doubt} in doubt") } else { String::new() };
+    let (reached, said) = (number_of(|run| run.error().error <= run.asked.error), number_of(|run| run.code == Some(4)));
     let _ = writeln!(
         text,
-        "| {} | {}% | {cpu_s:.2}, {most:.2} | {:.1} | {asked:.2} | {claimed:.2} | {wrong} of {count} | {reached} of {count} | {said} |",
+        "| {} | {}% | {cpu_s:.2}, {most:.2} | {:.1} | {asked:.2} | {claimed:.2} | {wrong} of {count}{doubt} | {reached} of {count} | {said} |",
         scored.name,
         100.0 * error,
         most / cpu_s,
@@ -87,7 +89,7 @@ pub fn write_csv(file: &Path, scenes: &[Scored]) -> io::Result<()> {
     ])?;
     for (name, run) in scenes.iter().flat_map(|scored| scored.runs.iter().map(|run| (scored.name, run))) {
         let six = |value: f64| format!("{value:.6}");
-        let [local, energy] = run.measured.map(six);
+        let [local, energy] = run.measured.map(|measured| six(measured.error));
         let code = run.code.map_or(String::new(), |code| code.to_string());
         let (error, seed, missed) = (run.asked.error.to_string(), run.asked.seed.to_string(), run.missed.to_string());
         let (cpu_s, wall_s) = (format!("{:.3}", run.cpu_s), format!("{:.3}", run.wall_s));

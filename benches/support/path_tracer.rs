@@ -4,8 +4,8 @@
 //! B(x) = E(x) + rho(x) H(x),   H(x) = Int k(x, y) V(x, y) B(y) dy,   k = cos_x cos_y / (pi |x - y|^2)
 //! ```
 //!
-//! From each vertex of a path one ray goes to an emitter, drawn by power, and one on its way, drawn by the cosine or, where there is one,
-//! through a portal. What an emitter sends is weighted by the balance heuristic (Veach, Guibas 1995, "Optimally Combining Sampling Techniques
+//! From each vertex of a path one ray goes to an emitter, drawn by power, and one on its way, drawn by the cosine, and where there
+//! is a portal one through it. All these are weighted by the balance heuristic (Veach, Guibas 1995, "Optimally Combining Sampling Techniques
 //! for Monte Carlo Rendering", section 3). A face that is met at its back is black. Paths end by roulette, and not before a tenth of what they bring
 //! is left: in a white room that spares more noise than it costs rays.
 //!
@@ -26,11 +26,8 @@ const SOBOL_VERTICES: u32 = 8;
 /// Roulette keeps this part of what a path brings.
 const KEPT: f64 = 0.1;
 
-/// How often a direction goes through a portal at the vertex of this depth, where one can be seen. What goes elsewhere counts the more, so the product
-/// of the rest must not vanish over a long path.
-fn through_portal(depth: u32) -> f64 {
-    0.5_f64.powi(depth as i32 + 1)
-}
+/// What goes through the portal ends by roulette as if it brought this part of what goes on by the cosine: it is one ray more at every vertex.
+const THROUGH_PORTAL: f64 = 0.1;
 
 /// The most paths of a batch: the length of a Sobol sequence.
 pub const MOST_OF_A_BATCH: u32 = 1 << 16;
@@ -78,6 +75,7 @@ impl Portal {
 }
 
 /// A place that light arrives at.
+#[derive(Clone, Copy)]
 struct Vertex {
     position: [f64; 3],
     normal: [f64; 3],
@@ -92,7 +90,8 @@ struct Path {
     weight: [f64; 3],
     /// The product of reflectances since the last roulette, each of the channel in which it is largest.
     left: f64,
-    random: Random,
+    /// What its random numbers follow from.
+    seed: u64,
 }
 
 /// What the random numbers of a vertex are for.
@@ -116,16 +115,16 @@ pub struct PathTracer<'a> {
     scene: &'a Scene,
     visibility: Box<dyn Visibility>,
     emitters: Emitters,
-    portals: Vec<Portal>,
+    portal: Option<Portal>,
 }
 
 impl<'a> PathTracer<'a> {
     /// Planes are not those of the scene, which joins what lies within a millionth of its size: each sheet has its own.
-    pub fn new(scene: &'a Scene, portals: Vec<Portal>, backend: Backend) -> Self {
+    pub fn new(scene: &'a Scene, portal: Option<Portal>, backend: Backend) -> Self {
         let mut mesh = OccluderMesh::of_scene(scene);
         mesh.planes.clone_from(&mesh.surfaces);
         let visibility = build(backend, &mesh).expect("a backend of this build");
-        Self { scene, visibility, emitters: Emitters::of(scene), portals }
+        Self { scene, visibility, emitters: Emitters::of(scene), portal }
     }
 
     /// The radiosity at a point of a surface, as `count` paths find it, at most [`MOST_OF_A_BATCH`].
@@ -136,14 +135,14 @@ impl<'a> PathTracer<'a> {
             at: self.vertex(surface, position),
             weight: [1.0; 3],
             left: 1.0,
-            random: Random(seed ^ Random(u64::from(sample)).bits()),
+            seed: Random(seed ^ Random(u64::from(sample)).bits()).bits(),
         };
         let mut paths: Vec<Path> = (0..count).map(start).collect();
         let (mut irradiance, mut rays, mut depth) = ([0.0; 3], 0, 0);
         while !paths.is_empty() {
-            rays += 2 * paths.len() as u64;
-            self.next_event(&mut paths, &mut irradiance, (depth, seed));
-            self.go_on(&mut paths, &mut irradiance, (depth, seed));
+            rays += paths.len() as u64;
+            self.next_event(&paths, &mut irradiance, (depth, seed));
+            rays += self.go_on(&mut paths, &mut irradiance, (depth, seed));
             depth += 1;
         }
         let (exitance, reflectance) = self.material(surface);
@@ -165,10 +164,10 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Next-event estimation: adds what a ray from each vertex to an emitter brings.
-    fn next_event(&self, paths: &mut [Path], irradiance: &mut [f64; 3], at: (u32, u64)) {
+    fn next_event(&self, paths: &[Path], irradiance: &mut [f64; 3], at: (u32, u64)) {
         let (mut segments, mut brought) = (Vec::with_capacity(paths.len()), Vec::with_capacity(paths.len()));
         for path in paths {
-            let numbers = numbers(path, at, Use::Emitter);
+            let numbers = path.numbers(at, Use::Emitter);
             let Some((surface, position, by_area)) = self.emitters.draw(numbers) else { return };
             let emitter = self.vertex(surface, position);
             let way = sub(position, path.at.position);
@@ -176,7 +175,7 @@ impl<'a> PathTracer<'a> {
             let direction = times(way, 1.0 / distance_sq.sqrt());
             let (cos_here, cos_there) = (dot(path.at.normal, direction), -dot(emitter.normal, direction));
             if cos_here > 0.0 && cos_there > 0.0 {
-                let by_direction = self.density(&path.at, direction, at.0) * cos_there / distance_sq;
+                let by_direction = self.density(&path.at, direction) * cos_there / distance_sq;
                 let kernel = cos_here * cos_there / (PI * distance_sq);
                 let exitance = self.material(surface).0;
                 brought.push([0, 1, 2].map(|k| path.weight[k] * exitance[k] * kernel / (by_area + by_direction)));
@@ -191,26 +190,23 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// Takes all paths to their next vertices, and adds what these emit. Those that end are removed.
-    fn go_on(&self, paths: &mut Vec<Path>, irradiance: &mut [f64; 3], at: (u32, u64)) {
-        let mut densities = Vec::with_capacity(paths.len());
-        let rays: Vec<Ray> = (paths.iter_mut())
-            .map(|path| {
-                let direction = self.direction(path, at);
-                densities.push(self.density(&path.at, direction, at.0));
-                Ray { origin: path.at.position, direction, origin_plane: path.at.plane }
-            })
-            .collect();
+    /// Takes all paths to their next vertices, by the cosine and through the portal, and adds what these emit.
+    fn go_on(&self, paths: &mut Vec<Path>, irradiance: &mut [f64; 3], at: (u32, u64)) -> u64 {
+        let (mut rays, mut from) = (Vec::with_capacity(paths.len()), Vec::with_capacity(paths.len()));
+        for path in std::mem::take(paths) {
+            for (direction, left) in self.directions(&path, at) {
+                rays.push(Ray { origin: path.at.position, direction, origin_plane: path.at.plane });
+                from.push(path.branch(left, rays.len() as u64));
+            }
+        }
         let mut hits = vec![None; rays.len()];
         self.visibility.first_hits(&rays, &mut hits);
 
-        let mut each = rays.iter().zip(&hits).zip(&densities);
-        paths.retain_mut(|path| {
-            let Some(((ray, hit), &density)) = each.next() else { return false };
-            let cos_here = dot(path.at.normal, ray.direction);
-            let Some((hit, front)) = hit.and_then(|hit| Some((hit, self.front(hit.surface, ray.direction)?))) else { return false };
+        for ((mut path, ray), hit) in from.into_iter().zip(&rays).zip(hits) {
+            let (cos_here, density) = (dot(path.at.normal, ray.direction), self.density(&path.at, ray.direction));
+            let Some((hit, front)) = hit.and_then(|hit| Some((hit, self.front(hit.surface, ray.direction)?))) else { continue };
             if cos_here <= 0.0 || density <= 0.0 {
-                return false;
+                continue;
             }
             let next = self.vertex(front, add(ray.origin, times(ray.direction, hit.distance)));
             let (exitance, reflectance) = self.material(front);
@@ -220,8 +216,11 @@ impl<'a> PathTracer<'a> {
             *irradiance = [0, 1, 2].map(|k| irradiance[k] + path.weight[k] * exitance[k] * share);
             path.reflect(reflectance);
             path.at = next;
-            path.left > 0.0
-        });
+            if path.left > 0.0 {
+                paths.push(path);
+            }
+        }
+        rays.len() as u64
     }
 
     /// The side of a sheet that a ray meets.
@@ -230,55 +229,57 @@ impl<'a> PathTracer<'a> {
         if dot(met.polygon.normal(), direction) < 0.0 { Some(SurfaceId(surface)) } else { met.twin() }
     }
 
-    /// A unit direction.
-    fn direction(&self, path: &mut Path, at: (u32, u64)) -> [f64; 3] {
-        let [s, t, through, _] = numbers(path, at, Use::Direction);
-        let count = self.faced(&path.at).count();
-        if let Some(portal) = self.faced(&path.at).nth((through / through_portal(at.0) * count as f64) as usize) {
-            return unit(sub(portal.at([s, t]), path.at.position));
-        }
+    /// Unit directions on which a path goes on, each with what is left there.
+    fn directions(&self, path: &Path, at: (u32, u64)) -> Vec<([f64; 3], f64)> {
+        let [s, t, u, v] = path.numbers(at, Use::Direction);
         let [x, y] = [(TAU * t).cos(), (TAU * t).sin()].map(|side| s.sqrt() * side);
         let normal = path.at.normal;
         let axis = if normal[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
         let tangent = unit(cross(normal, axis));
-        unit(add(add(times(tangent, x), times(cross(normal, tangent), y)), times(normal, (1.0 - s).max(0.0).sqrt())))
+        let by_cosine = add(add(times(tangent, x), times(cross(normal, tangent), y)), times(normal, (1.0 - s).max(0.0).sqrt()));
+        let through =
+            self.faced(&path.at).map(|portal| (unit(sub(portal.at([u, v]), path.at.position)), THROUGH_PORTAL * path.left));
+        std::iter::once((unit(by_cosine), path.left)).chain(through).collect()
     }
 
-    /// The density, by solid angle, with which [`Self::direction`] takes a unit direction.
-    fn density(&self, from: &Vertex, direction: [f64; 3], depth: u32) -> f64 {
-        let by_cosine = dot(from.normal, direction).max(0.0) / PI;
-        let through = self.faced(from).map(|portal| portal.density(from.position, direction));
-        let (count, sum) = through.fold((0.0, 0.0), |(count, sum), density| (count + 1.0, sum + density));
-        let part = if count > 0.0 { through_portal(depth) } else { 0.0 };
-        (1.0 - part) * by_cosine + part * sum / f64::max(count, 1.0)
+    /// The densities, by solid angle, with which each of [`Self::directions`] may be a unit direction, added.
+    fn density(&self, from: &Vertex, direction: [f64; 3]) -> f64 {
+        let through = self.faced(from).map_or(0.0, |portal| portal.density(from.position, direction));
+        dot(from.normal, direction).max(0.0) / PI + through
     }
 
-    /// The portals that can be seen from a vertex.
-    fn faced(&self, from: &Vertex) -> impl Iterator<Item = &Portal> {
-        self.portals.iter().filter(|portal| portal.faces(from))
+    /// The portal, if it can be seen from a vertex.
+    fn faced(&self, from: &Vertex) -> Option<&Portal> {
+        self.portal.as_ref().filter(|portal| portal.faces(from))
     }
 }
 
 impl Path {
+    /// The same path with random numbers of its own.
+    fn branch(&self, left: f64, number: u64) -> Self {
+        Self { left, seed: Random(self.seed ^ number).bits(), ..*self }
+    }
+
     /// Reflects what is to come off a surface, or ends the path by roulette.
     fn reflect(&mut self, reflectance: [f64; 3]) {
         self.weight = [0, 1, 2].map(|k| self.weight[k] * reflectance[k]);
         self.left *= reflectance.into_iter().fold(0.0, f64::max);
         if self.left < KEPT {
-            let stays = self.random.unit() * KEPT < self.left;
+            let stays = Random(!self.seed).unit() * KEPT < self.left;
             self.weight = times(self.weight, KEPT / self.left);
             self.left = if stays { KEPT } else { 0.0 };
         }
     }
-}
 
-/// Four numbers in [0, 1) for the vertex at this depth of a batch with this seed. The sequence has 24 bits; what is below is random.
-fn numbers(path: &mut Path, (depth, seed): (u32, u64), to: Use) -> [f64; 4] {
-    if depth >= SOBOL_VERTICES {
-        return [(); 4].map(|()| path.random.unit());
+    /// Four numbers in [0, 1) for the vertex at this depth of a batch with this seed. The sequence has 24 bits; what is below is random.
+    fn numbers(&self, (depth, seed): (u32, u64), to: Use) -> [f64; 4] {
+        let mut random = Random(self.seed.rotate_left(to as u32 + 1));
+        if depth >= SOBOL_VERTICES {
+            return [(); 4].map(|()| random.unit());
+        }
+        let sobol = sobol_burley::sample_4d(self.sample, 2 * depth + to as u32, (seed ^ (seed >> 32)) as u32);
+        sobol.map(|number| f64::from(number) + random.unit() / f64::from(1 << 24))
     }
-    let sobol = sobol_burley::sample_4d(path.sample, 2 * depth + to as u32, (seed ^ (seed >> 32)) as u32);
-    sobol.map(|number| f64::from(number) + path.random.unit() / f64::from(1 << 24))
 }
 
 /// All that emits, cut into triangles.

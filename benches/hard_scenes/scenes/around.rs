@@ -4,7 +4,6 @@ use std::path::Path;
 
 use patchlight::scene::import::{ImportOptions, read_scene};
 
-use super::super::path_tracer::Portal;
 use super::super::rooms::Room;
 use super::made::Made;
 use super::parts::{matt, sides};
@@ -17,9 +16,6 @@ const THICK: f64 = 0.01;
 const FAR: f64 = 1e4;
 const BELOW: f64 = 1.0;
 
-/// The doorway of two_rooms, seen from the room without a lamp.
-const DOORWAY: Portal = Portal { corner: [4.2, 0.0, 2.6], u: [0.0, 2.05, 0.0], v: [0.0, 0.0, 0.9] };
-
 /// scenes/two_rooms.obj in a closed black box.
 pub fn black_shell() -> Made {
     let (mut room, low, high) = copy_of("two_rooms");
@@ -29,7 +25,7 @@ pub fn black_shell() -> Made {
             side.add_to(&mut room, is_far == along_far, black);
         }
     }
-    Made::of(room).through(&[DOORWAY])
+    Made::of(room)
 }
 
 /// scenes/room.obj above a black ground; y is up.

@@ -10,18 +10,18 @@ use super::super::rooms::Room;
 pub struct Made {
     pub scene: Scene,
     /// Where paths of the reference are aimed at.
-    pub portals: Vec<Portal>,
+    pub portal: Option<Portal>,
     /// Who answers rays of the reference.
     pub backend: Backend,
 }
 
 impl Made {
     pub fn of(room: Room) -> Self {
-        Self { scene: room.scene(), portals: Vec::new(), backend: Backend::Auto }
+        Self { scene: room.scene(), portal: None, backend: Backend::Auto }
     }
 
-    /// The same with portals.
-    pub fn through(self, portals: &[Portal]) -> Self {
-        Self { portals: portals.to_vec(), ..self }
+    /// The same with a portal.
+    pub fn through(self, portal: Portal) -> Self {
+        Self { portal: Some(portal), ..self }
     }
 }

@@ -27,7 +27,7 @@ pub fn pinhole() -> Made {
     solid(&mut room, [1.5, 1.0, 0.0], [2.1, 1.6, 0.8], object);
 
     let [side_y, side_z] = [0, 1].map(|k| HOLE.high[k] - HOLE.low[k]);
-    Made::of(room).through(&[Portal { corner: [0.0, HOLE.low[0], HOLE.low[1]], u: [0.0, side_y, 0.0], v: [0.0, 0.0, side_z] }])
+    Made::of(room).through(Portal { corner: [0.0, HOLE.low[0], HOLE.low[1]], u: [0.0, side_y, 0.0], v: [0.0, 0.0, side_z] })
 }
 
 /// A side of a room, seen from within.

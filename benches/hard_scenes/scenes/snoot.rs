@@ -11,8 +11,6 @@ const HALF: f64 = 0.05;
 const WALL: f64 = 0.002;
 const MOUTH: f64 = 2.5;
 const LAMP: f64 = 2.9;
-/// Half the side of the bright spot on the floor.
-const SPOT: f64 = 0.5;
 
 /// A tube hangs in a room of 4 x 4 x 3 m, white inside, with a lamp at its upper end.
 pub fn snoot() -> Made {
@@ -32,6 +30,5 @@ pub fn snoot() -> Made {
     solid(&mut room, [2.2, 1.2, 0.0], [2.8, 1.8, 0.6], object);
 
     let mouth = Portal { corner: [MIDDLE - HALF, MIDDLE - HALF, MOUTH], u: [0.0, 2.0 * HALF, 0.0], v: [2.0 * HALF, 0.0, 0.0] };
-    let spot = Portal { corner: [MIDDLE - SPOT, MIDDLE - SPOT, 0.0], u: [2.0 * SPOT, 0.0, 0.0], v: [0.0, 2.0 * SPOT, 0.0] };
-    Made::of(room).through(&[mouth, spot])
+    Made::of(room).through(mouth)
 }
