@@ -68,7 +68,7 @@ pub fn all() -> Vec<HardScene> {
             "pinhole",
             pinhole::pinhole,
             "a dark room that a white, lit chamber lights through a hole of 5 cm",
-            "a hundred-thousandth of the light, on half of the area",
+            "a ten-thousandth of the light, on more than half of the area",
         ),
         new("tiny_lamps", lamps::many, "10,000 lamps of 5 mm behind grids", "from every point most lamps are hidden"),
         new("one_lamp", lamps::one, "one lamp of a millionth of the area, and boxes", "shadows without penumbra, a huge exitance"),
