@@ -6,7 +6,7 @@
 //!
 //! `-- comb gap --seeds 3 --errors 0.05,0.02 --norm energy` runs a part, and prints what came of it.
 //!
-//! `-- --references` makes references by path tracing, `-- --references comb` those of some scenes: half an hour for all on two cores. They
+//! `-- --references` makes references by path tracing, `-- --references comb --rays 1e9` those of some scenes, less noisy. They
 //! belong to a scene's very surfaces, so a generator that changes needs them made anew.
 #![allow(clippy::print_stderr, clippy::print_stdout, reason = "a benchmark tells how far it is, and prints its tables")]
 
@@ -53,7 +53,7 @@ fn main() {
         let of_scene = root.join(format!("benches/hard_scenes/references/{}.csv", hard.name));
         if options.references {
             eprintln!("{}: {} surfaces", hard.name, scene.surfaces().len());
-            making::make(&scene, made.portal, made.backend).write(&of_scene).expect("a reference is written");
+            making::make(&scene, made.portal, made.backend, options.most_rays).write(&of_scene).expect("a reference is written");
         }
         let reference = read(&of_scene, &scene);
         tell(&hard, &reference);

@@ -16,9 +16,6 @@ const SEED: u64 = 2;
 /// Noise that is aimed at, in either norm.
 const NOISE: f64 = 0.002;
 
-/// All rays of a scene, about: what it may cost.
-const MOST_RAYS: f64 = 4e8;
-
 /// Batches of the pilot, and their paths.
 const PILOT: (u64, u32) = (8, 128);
 /// Batches of a point; more where a batch would be too long.
@@ -36,8 +33,8 @@ struct Found {
     rays: u64,
 }
 
-/// The reference of a scene.
-pub fn make(scene: &Scene, portal: Option<Portal>, backend: Backend) -> Reference {
+/// The reference of a scene, for about so many rays at most.
+pub fn make(scene: &Scene, portal: Option<Portal>, backend: Backend, most_rays: f64) -> Reference {
     let tracer = PathTracer::new(scene, portal, backend);
     let reflects = |material: &Material| material.reflectance.iter().any(|&rho| rho > 0.0);
     let places: Vec<(SurfaceId, SurfacePoint)> = (spread(scene, reflects, LeftOut::AllBacks, POINTS, SEED).into_iter())
@@ -46,7 +43,7 @@ pub fn make(scene: &Scene, portal: Option<Portal>, backend: Backend) -> Referenc
     let pilot = traced(&tracer, &places, &vec![PILOT; POINTS], 1);
     let exitance: Vec<[f64; 3]> =
         places.iter().map(|(surface, _)| std::array::from_fn(|k| scene.material_of(*surface).exitance[k])).collect();
-    let found = traced(&tracer, &places, &batches(&pilot, &exitance), 2);
+    let found = traced(&tracer, &places, &batches(&pilot, &exitance, most_rays), 2);
     Reference {
         surfaces: places.iter().map(|(surface, _)| *surface).collect(),
         points: places.iter().map(|(_, point)| *point).collect(),
@@ -63,7 +60,7 @@ fn nanometres(metres: f64) -> f64 {
 /// Batches and their paths for each point, by what the pilot found.
 ///
 /// With n paths a point of variance v adds w v / n to the square of the noise: the fewest paths for a noise are in proportion to sqrt(w v).
-fn batches(pilot: &[Found], exitance: &[[f64; 3]]) -> Vec<(u64, u32)> {
+fn batches(pilot: &[Found], exitance: &[[f64; 3]], most_rays: f64) -> Vec<(u64, u32)> {
     let light: Vec<f64> =
         pilot.iter().zip(exitance).map(|(found, exitance)| square(sub(found.radiosity, *exitance)).sqrt()).collect();
     let of_pilot = PILOT.0 as f64 * f64::from(PILOT.1);
@@ -80,7 +77,7 @@ fn batches(pilot: &[Found], exitance: &[[f64; 3]]) -> Vec<(u64, u32)> {
     paths.iter_mut().for_each(|paths| *paths = paths.max(least));
 
     let rays: f64 = paths.iter().zip(pilot).map(|(paths, found)| paths * found.rays as f64 / of_pilot).sum();
-    let part = (MOST_RAYS / rays).min(1.0);
+    let part = (most_rays / rays).min(1.0);
     eprintln!("  {rays:.1e} rays would do, {:.0}% of them are taken", 100.0 * part);
     let of_point = |paths: f64| {
         let longest = (part * paths / f64::from(BATCHES)).clamp(f64::from(SHORTEST), f64::from(MOST_OF_A_BATCH));

@@ -5,6 +5,8 @@ use super::norms::Norm;
 /// Errors asked for where none are named.
 const ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
 const SEEDS: u64 = 10;
+/// Rays of a reference, about: a minute or two on one core.
+const MOST_RAYS: f64 = 4e8;
 
 /// What to do.
 pub struct Options {
@@ -15,18 +17,28 @@ pub struct Options {
     pub seeds: u64,
     /// Make references instead of running the program.
     pub references: bool,
+    /// The most rays that one of them may take, about.
+    pub most_rays: f64,
 }
 
 impl Options {
-    /// `[NAME...] [--norm local|energy] [--errors E,E...] [--seeds N] [--references]`
+    /// `[NAME...] [--norm local|energy] [--errors E,E...] [--seeds N] [--references [--rays N]]`
     pub fn read(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
-        let mut options = Self { names: vec![], norm: Norm::Local, errors: ERRORS.to_vec(), seeds: SEEDS, references: false };
+        let mut options = Self {
+            names: vec![],
+            norm: Norm::Local,
+            errors: ERRORS.to_vec(),
+            seeds: SEEDS,
+            references: false,
+            most_rays: MOST_RAYS,
+        };
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
             match argument.as_str() {
                 "--norm" => options.norm = value()?.parse()?,
                 "--seeds" => options.seeds = number(&value()?)?,
                 "--errors" => options.errors = value()?.split(',').map(number).collect::<Result<_, _>>()?,
+                "--rays" => options.most_rays = number(&value()?)?,
                 "--references" => options.references = true,
                 // Cargo says this to every benchmark.
                 "--bench" => {}
