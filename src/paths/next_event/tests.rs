@@ -106,21 +106,25 @@ fn an_emitter_beside_a_place_is_drawn_by_what_it_sends_however_large_its_group()
 
 #[test]
 fn no_ray_weighs_much_however_near_an_emitter_is() {
-    let scene = emitters_over_a_floor(1);
-    let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
-    let rays = Rays::new(&*visibility, &scene);
-    let (emitters, memory) = (Emitters::new(&scene, &rays), &mut EmitterRays::default());
-    let (surface, facet) = (emitters.surfaces[0], scene.surface(emitters.surfaces[0]).polygon.facet());
-    for distance in [1e-2, 1e-3, 1e-4, 1e-5] {
-        let point = facet.centroid + distance * facet.radius * facet.normal;
-        memory.drawn.clear();
-        memory.pieces.clear();
-        emitters.cut(point, -facet.normal, surface, None, &mut memory.pieces);
-        assert!(memory.pieces.len() < 500, "{} pieces at {distance}", memory.pieces.len());
-        let place = Place { point, surface: SurfaceId(0), seed: 1 };
-        emitters.cast_to_pieces(&place, 0, 1.0, (0..256).map(|ray| (ray, f64::from(ray) / 256.0)), memory);
-        let most = memory.drawn.iter().map(|drawn| drawn.sampled / drawn.form_factor).fold(0.0, f64::max);
-        assert!(most < 4.0, "a sample of {most} times the form factor at {distance}");
+    // A lamp of a square metre faces the floor from so high.
+    for height in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5] {
+        let material = |exitance: f64| Material { name: format!("{exitance}"), reflectance: vec![0.5], exitance: vec![exitance] };
+        let square = |corner: DVec3, u: DVec3, v: DVec3| {
+            Polygon::from_vertices(vec![corner, corner + u, corner + u + v, corner + v]).unwrap()
+        };
+        let lamp = square(DVec3::new(1.0, 1.0, height), DVec3::Y, DVec3::X);
+        let faces = vec![(square(DVec3::ZERO, 3.0 * DVec3::X, 3.0 * DVec3::Y), 0, 0), (lamp, 1, 1)];
+        let scene = Scene::new(1, vec![material(0.0), material(1.0)], faces, Sides::Front).unwrap();
+        let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+        let rays = Rays::new(&*visibility, &scene);
+        let (emitters, memory) = (Emitters::new(&scene, &rays), &mut EmitterRays::default());
+        for at in [[1.43, 1.71], [1.001, 1.5], [0.9995, 1.2]] {
+            let place = Place { point: DVec3::new(at[0], at[1], 0.0), surface: SurfaceId(0), seed: 1 };
+            emitters.add_sampled_irradiance(&[place], 1, 256, memory, &mut BatchSums::whole(1, &mut [0.0]));
+            let most = memory.drawn.iter().map(|drawn| drawn.sampled / drawn.form_factor).fold(0.0, f64::max);
+            assert!(most < 4.0, "a sample of {most} times the form factor from {height} at {at:?}");
+            assert!(memory.pieces.len() < 500, "{} pieces from {height} at {at:?}", memory.pieces.len());
+        }
     }
 }
 

@@ -121,9 +121,9 @@ choice! {
     Norm for "norm" {
         /// Relative to the light at each place, or to typical light where it is darker: the root mean square, over the lit area, of
         /// `|B - B_true| / max(|B_true - E|, m)`, m the median of `|B_true - E|` over the lit area.
+        #[default]
         Local = "local",
         /// Relative to all light: `||B - B_true|| / ||B_true - E||`, so that bright places count most.
-        #[default]
         Energy = "energy",
     }
 }

@@ -24,7 +24,7 @@ options! {
         error: f64 = 0.02, above(0.0).below(1.0);
 
         /// Relative to what errors are: local, to the light at each place, or to typical light where it is darker; or energy, to all light.
-        norm: Norm = Norm::Energy, OneName;
+        norm: Norm = Norm::Local, OneName;
 
         /// How pairs of nodes are refined.
         strategy: Strategy = Strategy::Default, OneName;

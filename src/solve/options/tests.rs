@@ -30,7 +30,7 @@ fn what_is_shown_is_what_is_read() {
     let mut values = vec![
         ("strategy", "lazy94+reduction"),
         ("solver", "cells"),
-        ("norm", "local"),
+        ("norm", "energy"),
         ("bounds", "guaranteed"),
         ("sweep", "in-place"),
         ("importance", "material floor"),
@@ -73,7 +73,7 @@ fn each_option_is_stored_in_its_own_field() {
             let other = match entry.key {
                 "strategy" => "uniform",
                 "solver" => "links",
-                "norm" => "local",
+                "norm" => "energy",
                 "bounds" => "guaranteed",
                 "importance" => "material floor",
                 "sweep" => "in-place",
