@@ -9,7 +9,7 @@ help:
 	@echo 'make test           set up, run all tests'
 	@echo 'make lint           formatting and clippy, warnings are errors'
 	@echo 'make bench          run the benchmarks (minutes)'
-	@echo 'make bench-error    error against time, whether claims are true, and scenes made to be hard (an hour)'
+	@echo 'make bench-error    error against time, whether claims are true, and scenes made to be hard (some hours)'
 	@echo 'make counters       write anew what solves cost in rays, links and elements, after a change that is meant to move it'
 	@echo 'make test-debian13  run the tests in a Debian 13 root, which has Embree 4 (needs root and debootstrap)'
 

@@ -48,8 +48,11 @@ impl Norm {
         weights.iter().zip(&reference.noise).map(|(weight, &noise)| weight * square(noise)).sum::<f64>().sqrt()
     }
 
-    /// How wrong values are. Points without a value count as right.
+    /// How wrong values are. Points without a value count as right, unless there is none at all.
     pub fn error(self, values: &[[f64; 3]], reference: &Reference) -> Measured {
+        if values.iter().all(|value| value.iter().all(|x| x.is_nan())) {
+            return Measured { error: f64::INFINITY, least: f64::INFINITY };
+        }
         let (mut error_sq, mut variance) = (0.0, 0.0);
         for (k, weight) in self.weights(&reference.light()).into_iter().enumerate() {
             if values[k].iter().all(|x| x.is_finite()) {

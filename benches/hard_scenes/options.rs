@@ -55,7 +55,7 @@ impl Options {
 
     /// Whether the documents tell what comes of it.
     pub fn is_whole(&self) -> bool {
-        self.names.is_empty() && self.norm == Norm::Local && self.errors == ERRORS && !self.references
+        self.names.is_empty() && self.norm == Norm::Local && self.errors == ERRORS && self.seeds == SEEDS && !self.references
     }
 }
 

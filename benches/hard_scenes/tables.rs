@@ -38,10 +38,10 @@ pub fn text(scenes: &[Scored]) -> String {
     text
 }
 
-/// Runs that were asked for the same; seeds that give the same values count once.
+/// Runs that were asked for the same; seeds that give the same values count once. What was killed took at least what it took.
 fn row(text: &mut String, scored: &Scored, error: f64) {
     let mut runs: Vec<&Run> = Vec::new();
-    for run in scored.runs.iter().filter(|run| run.asked.error == error && run.ended_well()) {
+    for run in scored.runs.iter().filter(|run| run.asked.error == error) {
         if runs.iter().all(|other| other.values != run.values) {
             runs.push(run);
         }
@@ -49,7 +49,8 @@ fn row(text: &mut String, scored: &Scored, error: f64) {
     let count = runs.len();
     let cpu_s = median(runs.iter().map(|run| run.cpu_s));
     let most = runs.iter().map(|run| run.cpu_s).fold(0.0, f64::max);
-    let by_measured = |value: fn(&Run) -> f64| median(runs.iter().map(|run| value(run) / run.error().error));
+    let by_measured =
+        |value: fn(&Run) -> f64| median(runs.iter().map(|run| value(run) / run.error().error).filter(|ratio| !ratio.is_nan()));
     let (asked, claimed) = (by_measured(|run| run.asked.error), by_measured(|run| run.claimed));
     let number_of = |is: fn(&Run) -> bool| runs.iter().filter(|run| is(run)).count();
     let wrong = number_of(|run| run.error().least > run.claimed);

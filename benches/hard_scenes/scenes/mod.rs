@@ -41,7 +41,7 @@ pub fn all() -> Vec<HardScene> {
     vec![
         new("comb_5mm", || comb::comb(0.005), "100 plates 5 mm apart below a lamp", "nearly all light is at the upper edges"),
         new("comb_20mm", || comb::comb(0.02), "the same, 20 mm apart", "light falls off steeply along every plate"),
-        new("louvres", louvres::louvres, "a window behind 41 slats 5 cm apart", "a room full of stripes of light"),
+        new("louvres", louvres::louvres, "a room behind a window with 41 slats 5 cm apart", "a room full of stripes of light"),
         new("bookcase", bookcase::bookcase, "250 books 1 to 30 mm apart", "much area lies in narrow gaps"),
         new("black_shell", around::black_shell, "two rooms in a closed black box", "half of the area is black"),
         new(

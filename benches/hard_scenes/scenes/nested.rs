@@ -10,7 +10,7 @@ const WALL: f64 = 0.01;
 const SIDE: f64 = 2.0;
 const SHRINKS: f64 = 0.74;
 /// Side of an opening, as a part of the box's side.
-const OPENING: f64 = 0.5;
+const OPENING: f64 = 0.8;
 
 /// Six boxes one in another in a room of 4 x 4 x 3 m, each with an opening in another side than the one around it.
 pub fn nested_boxes() -> Made {
@@ -20,7 +20,7 @@ pub fn nested_boxes() -> Made {
     let card = matt(&mut room, "card", [0.75, 0.7, 0.62]);
     for k in 0..BOXES {
         let half = 0.5 * SIDE * SHRINKS.powi(k as i32);
-        open_box(&mut room, [2.0, 2.0, 1.3], half, [4, 3, 1, 5, 2, 0][k as usize], card);
+        open_box(&mut room, [2.0, 2.0, 1.3], half, [5, 3, 1, 2, 0, 4][k as usize], card);
     }
     Made::of(room)
 }
