@@ -78,6 +78,11 @@ impl Grid {
         self.origin + x * self.across + y * self.along
     }
 
+    /// The area of a cell, in m^2.
+    pub fn cell_area(&self) -> f64 {
+        self.cell[0] * self.cell[1]
+    }
+
     /// The longer side of a cell, in metres.
     pub fn size(&self) -> f64 {
         self.cell[0].max(self.cell[1])
@@ -92,6 +97,11 @@ impl Grid {
     /// The sides of a square, in metres.
     pub fn square(&self, squares: u32) -> DVec2 {
         DVec2::from(self.cell) / f64::from(squares)
+    }
+
+    /// The edges of a cell from the corner where it begins, in metres.
+    pub fn edges(&self) -> [DVec3; 2] {
+        [self.cell[0] * self.across, self.cell[1] * self.along]
     }
 
     /// The part of the grid's surface that lies in cell number `index`; `None` if nothing does.
@@ -199,7 +209,7 @@ impl Grids {
 
     /// The mean area in m^2 of a surface's cells. `None` if it has none.
     pub fn cell_area(&self, surface: SurfaceId) -> Option<f64> {
-        self.grids[surface.index()].as_ref().map(|grid| grid.cell[0] * grid.cell[1])
+        self.grids[surface.index()].as_ref().map(Grid::cell_area)
     }
 
     /// The coordinates of a point within its cell, each in [0, 1]. `None` if the surface has no cells.
@@ -210,12 +220,9 @@ impl Grids {
         Some([along(grid.across, grid.cell[0]), along(grid.along, grid.cell[1])])
     }
 
-    /// The cells of a surface: of each its number, a corner, and the two edges from there, in metres.
-    pub fn cells_of(&self, surface: SurfaceId) -> impl Iterator<Item = (u32, DVec3, [DVec3; 2])> {
-        self.grids[surface.index()].iter().flat_map(|grid| {
-            let edges = [grid.cell[0] * grid.across, grid.cell[1] * grid.along];
-            (0..grid.len()).map(move |index| (grid.first + index as u32, grid.point_in(index, 0.0, 0.0), edges))
-        })
+    /// How many cells all grids have.
+    pub fn cells(&self) -> usize {
+        self.cells
     }
 
     /// The surfaces that have cells, with their grids.

@@ -15,12 +15,13 @@ mod particles;
 mod place;
 mod reflector_rays;
 mod reflectors;
+mod spots;
 mod trace;
 
 pub(crate) use batch_sums::{BATCHES, BatchSums};
 pub(crate) use ends::{Continuation, Ends};
 pub(crate) use grid::{Grid, NO_CELL, Resolution, cell_count};
-pub(crate) use particles::Illumination;
+pub(crate) use particles::{Illumination, Landing};
 pub(crate) use place::{Directions, Place, place_at};
 pub(crate) use reflector_rays::SeenCell;
 pub(crate) use reflectors::Brightness;

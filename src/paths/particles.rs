@@ -3,6 +3,8 @@
 //! What follows from it is what light meets, and nothing else: black things, and things that light hardly reaches, count by the little
 //! that they reflect. Cost: [`PARTICLES`] paths.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::emission::Emission;
@@ -29,7 +31,21 @@ pub(crate) struct Illumination {
     /// `(integral of b)^2 / integral of b^2` with the reflected radiosity b, in m^2: the area of the surfaces if all were equally bright, and
     /// of the bright ones if others are dark.
     pub lit_area: f64,
+    /// Where particles landed.
+    pub landings: Arc<[Landing]>,
 }
+
+/// Where a particle landed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Landing {
+    pub surface: SurfaceId,
+    pub point: DVec3,
+    /// What is reflected of it, in W.
+    pub power: f64,
+}
+
+/// So many landings are kept, the first ones: enough to know where light is bright.
+const MOST_LANDINGS: usize = 1 << 15;
 
 /// A particle on its way.
 struct Particle {
@@ -52,7 +68,7 @@ impl Illumination {
         let emission = Emission::new(scene);
         let emitted = emission.power();
         if emitted <= 0.0 {
-            return Self { emitted: 0.0, reflected: 0.0, reflected_brightest: 0.0, lit_area: area };
+            return Self { emitted: 0.0, reflected: 0.0, reflected_brightest: 0.0, lit_area: area, landings: Arc::default() };
         }
 
         // Half of the particles and the other half, so that their product has no noise in its mean.
@@ -66,7 +82,7 @@ impl Illumination {
         let channels = scene.channels();
         let mut by_channel = vec![0.0; channels];
         let mut power: Vec<f64> = on_way.iter().flat_map(|particle| emission.spectrum(particle.surface, PARTICLES)).collect();
-        let (mut directions, mut hits) = (Vec::new(), Vec::new());
+        let (mut directions, mut hits, mut landings) = (Vec::new(), Vec::new(), Vec::new());
         for bounce in 0..MAX_BOUNCES {
             if on_way.is_empty() {
                 break;
@@ -91,11 +107,14 @@ impl Illumination {
                 let chance = reflected / before;
                 own.iter_mut().for_each(|power| *power /= chance);
                 (particle.place, particle.surface) = (DVec3::from(ray.origin) + hit.distance * direction, surface);
+                if landings.len() < MOST_LANDINGS {
+                    landings.push(Landing { surface, point: particle.place, power: reflected });
+                }
                 sampling::unit(sampling::hash(seed, streams::PARTICLE_SURVIVAL + u64::from(particle.number))) < chance
             });
         }
         let reflected_brightest = by_channel.into_iter().fold(0.0, f64::max);
-        Self { emitted, reflected_brightest, ..Self::of_power(scene, area, &halves) }
+        Self { emitted, reflected_brightest, landings: landings.into(), ..Self::of_power(scene, area, &halves) }
     }
 
     /// By the power in W that each surface reflects, as each half of the particles tells.
@@ -105,7 +124,7 @@ impl Illumination {
         let products = first.iter().zip(second).zip(scene.surfaces());
         let square: f64 = products.map(|((first, second), surface)| 4.0 * first * second / surface.polygon.area()).sum();
         let lit_area = if square > 0.0 { (reflected * reflected / square).min(area) } else { area };
-        Self { emitted: 0.0, reflected, reflected_brightest: 0.0, lit_area }
+        Self { emitted: 0.0, reflected, reflected_brightest: 0.0, lit_area, landings: Arc::default() }
     }
 }
 

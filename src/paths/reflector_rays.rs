@@ -1,4 +1,4 @@
-//! Next-event estimation from bright reflectors: rays to their cells.
+//! Next-event estimation from bright reflectors and bright spots: rays to their cells.
 //!
 //! Cells are drawn from a light tree. Only cells that are small as seen from the place count; light from others is left to paths.
 //! While radiosities are solved for they are not known yet, so the result is a list of cells with weights.
@@ -7,10 +7,12 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::grid::Grids;
+use super::grid::{Grid, Grids};
 use super::light_tree::{Draws, LightTree, Source};
+use super::particles::Landing;
 use super::place::Place;
 use super::reflectors::Reflector;
+use super::spots::spot_cells;
 use crate::form_factor::kernel;
 use crate::geometry::{Aabb, sampling, streams};
 use crate::scene::{Scene, SurfaceId};
@@ -39,12 +41,12 @@ struct Target {
     brightness: f64,
 }
 
-/// The cells of all bright reflectors, and the tree from which they are drawn.
+/// The cells of all bright reflectors and spots, and the tree from which they are drawn.
 pub(super) struct Reflectors<'a> {
     scene: &'a Scene,
     targets: Vec<Target>,
-    /// By surface.
-    is_reflector: Vec<bool>,
+    /// By cell.
+    is_target: Vec<bool>,
     /// A cell is small from so many times its size.
     small_from: f64,
     /// Over the targets; `None` if there are none.
@@ -60,41 +62,60 @@ pub(super) struct ReflectorRays {
 }
 
 impl<'a> Reflectors<'a> {
-    pub fn new(scene: &'a Scene, reflectors: &[Reflector], grids: &Grids, small_from: f64) -> Self {
-        let mut is_reflector = vec![false; scene.surfaces().len()];
-        let (mut targets, mut sources) = (Vec::new(), Vec::new());
+    /// Of bright surfaces, and of the spots where particles landed.
+    pub fn new(scene: &'a Scene, reflectors: &[Reflector], landings: &[Landing], grids: &Grids, small_from: f64) -> Self {
+        let mut all = Self { scene, targets: Vec::new(), is_target: vec![false; grids.cells()], small_from, tree: None };
         for &Reflector { surface, brightness } in reflectors {
-            is_reflector[surface.index()] = true;
-            let normal = scene.surface(surface).polygon.facet().normal;
-            for (cell, corner, edges) in grids.cells_of(surface) {
-                let target = Target { cell, surface, corner, edges, brightness };
-                let power = target.area() * brightness;
-                if power <= 0.0 {
-                    continue;
-                }
-                sources.push(Source { number: targets.len() as u32, bounds: Aabb::around(target.corners()), normal, power });
-                targets.push(target);
-            }
+            let grid = grids.of(surface).into_iter();
+            grid.for_each(|grid| (0..grid.len()).for_each(|index| all.add(surface, grid, index, brightness)));
         }
-        let tree = (!sources.is_empty()).then(|| LightTree::new(sources));
-        Self { scene, targets, is_reflector, small_from, tree }
+        let mut is_reflector = vec![false; scene.surfaces().len()];
+        reflectors.iter().for_each(|of| is_reflector[of.surface.index()] = true);
+        for spot in spot_cells(scene, grids, landings, |surface| is_reflector[surface.index()]) {
+            let grid = grids.of(spot.surface).into_iter();
+            grid.for_each(|grid| all.add(spot.surface, grid, spot.index as usize, spot.brightness));
+        }
+        let source = |(number, target): (u32, &Target)| {
+            let normal = scene.surface(target.surface).polygon.facet().normal;
+            Source { number, bounds: Aabb::around(target.corners()), normal, power: target.area() * target.brightness }
+        };
+        let sources: Vec<Source> = (0..).zip(&all.targets).map(source).collect();
+        all.tree = (!sources.is_empty()).then(|| LightTree::new(sources));
+        all
     }
 
-    /// Whether next-event rays from one surface bring what another reflects. Reflectors send none to one another: they are too
-    /// close.
-    pub fn is_sampled(&self, from: SurfaceId, surface: SurfaceId) -> bool {
-        self.is_reflector[surface.index()] && !self.is_reflector[from.index()]
+    /// Adds cell number `index` of a surface's grid to the targets.
+    fn add(&mut self, surface: SurfaceId, grid: &Grid, index: usize, brightness: f64) {
+        let (corner, edges) = (grid.point_in(index, 0.0, 0.0), grid.edges());
+        let target = Target { cell: grid.first + index as u32, surface, corner, edges, brightness };
+        if target.area() * brightness > 0.0 {
+            self.is_target[target.cell as usize] = true;
+            self.targets.push(target);
+        }
     }
 
-    /// Samples the reflectors by `count` rays from each place that is not on one. The sum of weight times radiosity over what a
+    /// Whether next-event rays go to this cell.
+    pub fn is_target(&self, cell: u32) -> bool {
+        self.is_target[cell as usize]
+    }
+
+    /// Samples the reflectors by `count` rays from each place for which `is_on` does not say that it is on one. The sum of weight times radiosity over what a
     /// place has seen estimates the irradiance from all cells that are small as seen from there, without bias.
-    pub fn see(&self, places: &[Place], rays: &Rays<'_>, count: u32, memory: &mut ReflectorRays, seen: &mut Vec<SeenCell>) {
+    pub fn see(
+        &self,
+        places: &[Place],
+        is_on: impl Fn(&Place) -> bool,
+        rays: &Rays<'_>,
+        count: u32,
+        memory: &mut ReflectorRays,
+        seen: &mut Vec<SeenCell>,
+    ) {
         seen.clear();
         if self.tree.is_none() {
             return;
         }
         memory.segments.clear();
-        for (by, place) in places.iter().enumerate().filter(|(_, place)| !self.is_reflector[place.surface.index()]) {
+        for (by, place) in places.iter().enumerate().filter(|(_, place)| !is_on(place)) {
             self.cast(place, by, count, memory, seen);
         }
         rays.occluded(&memory.segments, &mut memory.occluded);
@@ -208,6 +229,7 @@ mod tests {
             let reflectors = Reflectors::new(
                 &scene,
                 &[plate],
+                &[],
                 &Grids::new(&scene, &Brightness { reflectors: vec![plate], ..Brightness::even(&scene) }, 0.1),
                 1.5,
             );
@@ -217,7 +239,7 @@ mod tests {
             let places: Vec<Place> =
                 (0..4000).map(|k| Place { point, surface: SurfaceId(0), seed: sampling::hash(9, k) }).collect();
             for count in [1, 16] {
-                reflectors.see(&places, &rays, count, &mut memory, &mut seen);
+                reflectors.see(&places, |_| false, &rays, count, &mut memory, &mut seen);
                 let found = seen.iter().map(|seen| seen.weight).sum::<f64>() / places.len() as f64;
                 assert!((found / expected - 1.0).abs() < 0.05, "{found} for {expected} by {count}, occluded: {occluded}");
             }

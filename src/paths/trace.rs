@@ -18,6 +18,7 @@ use super::ends::{Continuation, Ends};
 use super::grid::{Grid, Grids, NO_CELL};
 use super::next_event::EmitterRays;
 use super::open_parts::OpenParts;
+use super::particles::Landing;
 use super::place::{Directions, Place};
 use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
 use super::reflectors::Brightness;
@@ -78,10 +79,10 @@ pub(crate) struct LightPaths<'a> {
 }
 
 impl<'a> LightPaths<'a> {
-    /// Paths that end in cells of about `side` metres.
-    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, brightness: &Brightness, side: f64) -> Self {
+    /// Paths that end in cells of about `side` metres; particles' `landings` tell where there are bright spots.
+    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, brightness: &Brightness, landings: &[Landing], side: f64) -> Self {
         let grids = Grids::new(scene, brightness, side);
-        let reflectors = Reflectors::new(scene, &brightness.reflectors, &grids, SMALL_FROM);
+        let reflectors = Reflectors::new(scene, &brightness.reflectors, landings, &grids, SMALL_FROM);
         let emitters = Emitters::new(scene, rays);
         let is_black = |surface: SurfaceId| {
             let material = scene.material_of(surface);
@@ -113,8 +114,13 @@ impl<'a> LightPaths<'a> {
 
     /// Casts rays to reflectors; points where cells have no value are left to paths.
     fn see(&self, places: &[Place], count: u32, memory: &mut ReflectorRays, seen: &mut Vec<SeenCell>) {
-        self.reflectors.see(places, self.rays, count, memory, seen);
+        self.reflectors.see(places, |place| self.is_on_target(place), self.rays, count, memory, seen);
         seen.retain(|seen| self.cell_at(seen.surface, seen.point).is_some());
+    }
+
+    /// Whether a place lies in a cell to which next-event rays go. From there none goes to others: they are too close.
+    fn is_on_target(&self, place: &Place) -> bool {
+        self.grids.of(place.surface).is_some_and(|grid| self.reflectors.is_target(grid.cell_at(place.point)))
     }
 
     /// The cell that has a value at a point.
@@ -196,7 +202,7 @@ impl<'a> LightPaths<'a> {
 
         // Paths end where they arrive, or go on from there.
         for (path, (ray, hit)) in rays.iter().zip(&scratch.hits).enumerate() {
-            match self.arrival(places[path / count as usize].surface, ray, *hit, beyond) {
+            match self.arrival(&places[path / count as usize], ray, *hit, beyond) {
                 Arrival::Nothing => {}
                 Arrival::Cell(cell, point) => {
                     let from = &places[path / count as usize];
@@ -267,7 +273,7 @@ impl<'a> LightPaths<'a> {
         let mut left = 0;
         for (index, (ray, hit)) in rays.iter().zip(&*hits).enumerate() {
             let continuation = continuation_of[index];
-            match self.arrival(heads[index].surface, ray, *hit, beyond) {
+            match self.arrival(&heads[index], ray, *hit, beyond) {
                 Arrival::Nothing => {}
                 Arrival::Cell(cell, _) => ends.continued[continuation].cell = cell,
                 Arrival::Onward(point, surface, _) => {
@@ -285,8 +291,8 @@ impl<'a> LightPaths<'a> {
         continuation_of.truncate(left);
     }
 
-    /// What a ray from a surface finds. With `beyond` no path may end yet.
-    fn arrival(&self, from: SurfaceId, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
+    /// What a ray from a place finds. With `beyond` no path may end yet.
+    fn arrival(&self, from: &Place, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
         let Some(hit) = hit else { return Arrival::Nothing };
         let direction = DVec3::from(ray.direction);
         let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { return Arrival::Nothing };
@@ -295,7 +301,7 @@ impl<'a> LightPaths<'a> {
         }
         let point = DVec3::from(ray.origin) + hit.distance * direction;
         match self.small_cell(surface, point, hit.distance) {
-            Some(_) if self.reflectors.is_sampled(from, surface) => Arrival::Nothing,
+            Some(cell) if self.reflectors.is_target(cell) && !self.is_on_target(from) => Arrival::Nothing,
             Some(cell) if !beyond => Arrival::Cell(cell, point),
             small => Arrival::Onward(point, surface, small),
         }

@@ -57,7 +57,7 @@ impl<'a> Way<'a> for CellsWay<'a> {
         let start = Instant::now();
         let resolution = plan.resolution();
         if cells.as_ref().is_none_or(|own| own.resolution != resolution) {
-            let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), resolution.side));
+            let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.side));
             *cells = Some(SolvedCells::solve(paths, resolution, [cell_seed(job.options.seed, 0)]));
         }
         // Replicates have cells of the same size.

@@ -11,7 +11,7 @@ use super::cells_way::CellsWay;
 use super::effort::{AIM, Law};
 use super::interest::InitialImportance;
 use super::job::Job;
-use super::judge::cell_seed;
+use super::judge::{cell_seed, particle_seed};
 use super::linked::Linked;
 use super::links_way::LinksWay;
 use super::options::{Solver, Strategy};
@@ -37,12 +37,11 @@ const POSITION_RAYS: u32 = 1;
 
 /// The solver for a job, with its plan.
 pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dyn Way<'a> + 'a> {
-    let seed = sampling::hash(job.options.seed, streams::PARTICLES);
-    let illumination = Illumination::sampled(job.scene, job.rays, seed);
+    let illumination = Illumination::sampled(job.scene, job.rays, particle_seed(job.options.seed));
     let plan = |over_cells| Plan::new(job.scene, job.options, illumination.clone(), over_cells);
     let search = ErrorSearch::new(importance);
     let (mut links, mut cells) = (plan(false), plan(true));
-    let linked = || Linked::new(*job, links.links_clusters(pairs(job), cells.work()));
+    let linked = || Linked::new(*job, illumination.landings.clone(), links.links_clusters(pairs(job), cells.work()));
     let options = job.options;
     match options.solver {
         Solver::Cells => return Box::new(CellsWay::new(linked(), cells, search)),
@@ -102,7 +101,7 @@ struct Tried {
 fn try_both(linked: &Linked<'_>, lit_area: f64) -> Option<Tried> {
     let job = linked.job;
     let resolution = Resolution { side: (lit_area / POSITIONS).sqrt(), rays: POSITION_RAYS };
-    let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), resolution.side));
+    let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.side));
     let seeds = std::array::from_fn(|number| cell_seed(job.options.seed, (1 + REPLICATES + number) as u64));
     let cells = SolvedCells::solve(paths, resolution, seeds);
     let gathers = cells

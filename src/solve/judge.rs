@@ -88,6 +88,11 @@ pub(super) fn cell_seed(seed: u64, number: u64) -> u64 {
     sampling::hash(seed, streams::CELL_RADIOSITIES + number)
 }
 
+/// The seed of the particles that tell where light goes.
+pub(super) fn particle_seed(seed: u64) -> u64 {
+    sampling::hash(seed, streams::PARTICLES)
+}
+
 /// Adds the seconds since `start` to a time of the report.
 pub(super) fn add_time(total: &mut f64, start: Instant) {
     *total += start.elapsed().as_secs_f64();

@@ -1,6 +1,7 @@
 //! The state over links: hierarchy, links, and the radiosities that sweeps find over them.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 use std::time::Instant;
 
@@ -13,7 +14,7 @@ use super::report::{SkippedWork, SolveReport};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
 use crate::links::{Dropped, LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
-use crate::paths::Brightness;
+use crate::paths::{Brightness, Landing};
 use crate::progress::{Progress, Stage};
 use crate::scene::SurfaceId;
 use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, Reflections, sampled_exposed_point, sweep_in_place};
@@ -25,6 +26,8 @@ const MAX_SWEEPS: u32 = 20_000;
 /// Hierarchy, links and radiosities, and what was told of them so far.
 pub(super) struct Linked<'a> {
     pub job: Job<'a>,
+    /// Where particles from the emitters landed.
+    pub landings: Arc<[Landing]>,
     pub hierarchy: Hierarchy,
     pub links: LinkSet,
     dropped: Dropped,
@@ -44,7 +47,7 @@ pub(super) struct Linked<'a> {
 }
 
 impl<'a> Linked<'a> {
-    pub fn new(job: Job<'a>, clusters: bool) -> Self {
+    pub fn new(job: Job<'a>, landings: Arc<[Landing]>, clusters: bool) -> Self {
         let start = Instant::now();
         let Job { scene, rays, options, .. } = job;
         let hierarchy = Hierarchy::new(scene);
@@ -57,6 +60,7 @@ impl<'a> Linked<'a> {
         Self {
             links: LinkSet::unrefined(hierarchy.len()),
             job,
+            landings,
             hierarchy,
             dropped: Dropped::default(),
             exposure,

@@ -3,11 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::interest::InitialImportance;
+use super::judge::particle_seed;
 use super::options::{SolveOptions, Solver};
 use crate::cells::CellRadiosities;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
-use crate::paths::{Brightness, LightPaths, Resolution, cell_count};
+use crate::paths::{Brightness, Illumination, LightPaths, Resolution, cell_count};
 use crate::scene::{DistinctChannels, Scene};
 use crate::sweep::{Adjoint, Closure, Exposure, Importance, Radiosity};
 use crate::transmittance::Rays;
@@ -86,7 +87,8 @@ impl Solution {
     /// The light paths that values at points take, where these end in cells.
     pub(crate) fn light_paths<'a>(&'a self, rays: &'a Rays<'a>) -> Option<LightPaths<'a>> {
         self.cell_radiosities.as_ref()?;
-        Some(LightPaths::new(&self.scene, rays, &self.brightness(), self.resolution.side))
+        let Illumination { landings, .. } = Illumination::sampled(&self.scene, rays, particle_seed(self.options.seed));
+        Some(LightPaths::new(&self.scene, rays, &self.brightness(), &landings, self.resolution.side))
     }
 
     /// Gathers values at points; `paths` are [`Solution::light_paths`].

@@ -1,0 +1,101 @@
+//! Bright spots: cells of large surfaces that reflect so much light that next-event estimation samples them as it does bright reflectors.
+//!
+//! Such are the pool of light below a spotlight and the wall behind a lamp: paths seldom meet them, and bring much when they do. Where light
+//! lands, particles tell; they are few, so they are counted over blocks of cells.
+
+use std::collections::BTreeMap;
+
+use super::grid::Grids;
+use super::particles::Landing;
+use crate::scene::{Scene, SurfaceId};
+
+/// A block is bright if it reflects more than so many times the mean over the surfaces that light meets. Empirical, as for reflectors.
+const BRIGHT: f64 = 8.0;
+
+/// Spots are sampled if without them the variance of what paths find falls by more than this, in squares of the mean. Empirical, as for
+/// reflectors.
+const WORTH: f64 = 1.0;
+
+/// A block holds so many landings if it is just bright; fewer would be chance.
+const LEAST_LANDINGS: f64 = 8.0;
+
+/// A cell of a bright spot.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpotCell {
+    pub surface: SurfaceId,
+    /// The number of the cell in the surface's grid.
+    pub index: u32,
+    /// The reflected radiosity, up to a factor that is common to all spots.
+    pub brightness: f64,
+}
+
+/// What landed on a block.
+#[derive(Clone, Copy, Default)]
+struct Landed {
+    count: f64,
+    power: f64,
+    /// Of the powers of all particles.
+    sum_sq: f64,
+}
+
+/// The cells of bright spots; none if sampling them is not worth it. Surfaces of which `is_reflector` says so have none.
+pub(super) fn spot_cells(
+    scene: &Scene,
+    grids: &Grids,
+    landings: &[Landing],
+    is_reflector: impl Fn(SurfaceId) -> bool,
+) -> Vec<SpotCell> {
+    let landings = || landings.iter().filter(|landing| !is_reflector(landing.surface));
+    let area = area_of(scene, landings().map(|landing| landing.surface));
+    let power: f64 = landings().map(|landing| landing.power).sum();
+    if power <= 0.0 {
+        return Vec::new();
+    }
+
+    // What lands on each block: a square of cells in which a bright spot leaves enough landings to be told from chance.
+    let side = (LEAST_LANDINGS * area / (BRIGHT * landings().count() as f64)).sqrt();
+    let mut blocks: BTreeMap<(SurfaceId, [u32; 2]), Landed> = BTreeMap::new();
+    for landing in landings() {
+        let Some(grid) = grids.of(landing.surface) else { continue };
+        let index = grid.cell_at(landing.point) - grid.first;
+        let cells = (side / grid.size()).ceil().max(1.0) as u32;
+        let block = [index % grid.columns / cells, index / grid.columns / cells];
+        let landed = blocks.entry((landing.surface, block)).or_default();
+        landed.count += 1.0;
+        landed.power += landing.power;
+        landed.sum_sq += landing.power * landing.power;
+    }
+
+    // Those far above the mean, and by how much the variance falls without them; squares are of pairs of particles, free of chance.
+    let mean = power / area;
+    let (mut spots, mut spot_power, mut gained) = (Vec::new(), 0.0, 0.0);
+    for (&(surface, block), landed) in &blocks {
+        let Some(grid) = grids.of(surface) else { continue };
+        let cells = (side / grid.size()).ceil().max(1.0) as u32;
+        let [columns, rows] = [(0, grid.columns), (1, grid.rows)].map(|(axis, count): (usize, u32)| {
+            let first = block[axis] * cells;
+            first..(first + cells).min(count)
+        });
+        let own_area = f64::from(columns.len() as u32 * rows.len() as u32) * grid.cell_area();
+        let brightness = landed.power / own_area;
+        if brightness <= BRIGHT * mean || landed.count < LEAST_LANDINGS {
+            continue;
+        }
+        gained += (landed.power * landed.power - landed.sum_sq) / own_area;
+        spot_power += landed.power;
+        for row in rows {
+            spots.extend(columns.clone().map(|column| SpotCell { surface, index: row * grid.columns + column, brightness }));
+        }
+    }
+    let mean_sq = |power: f64| (power / area).powi(2);
+    let falls_by = gained / area - (mean_sq(power) - mean_sq(power - spot_power));
+    if falls_by > WORTH * mean_sq(power) { spots } else { Vec::new() }
+}
+
+/// The area of some surfaces, each counted once, in m^2.
+fn area_of(scene: &Scene, surfaces: impl Iterator<Item = SurfaceId>) -> f64 {
+    let mut all: Vec<SurfaceId> = surfaces.collect();
+    all.sort_unstable();
+    all.dedup();
+    all.into_iter().map(|surface| scene.surface(surface).polygon.area()).sum()
+}
