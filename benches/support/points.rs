@@ -102,9 +102,12 @@ pub fn write_points<'a>(file: &Path, points: impl Iterator<Item = &'a SurfacePoi
     std::fs::write(file, text).expect("points are written");
 }
 
-/// Radiosities by point from a CSV file whose last three columns they are; not numbers where there are none.
+/// Radiosities by point from a CSV file with a header; not numbers where there are none.
 pub fn read_values(file: &Path) -> Vec<[f64; 3]> {
     let mut reader = csv::Reader::from_path(file).expect("values were written");
+    let names = reader.headers().expect("a header").clone();
+    let column = |name: &str| names.iter().position(|other| other == name).expect("a column for each channel");
+    let columns = ["B_r", "B_g", "B_b"].map(column);
     let rows = reader.records().map(|row| row.expect("a row of values"));
-    rows.map(|row| std::array::from_fn(|channel| row[row.len() - 3 + channel].parse().unwrap_or(f64::NAN))).collect()
+    rows.map(|row| columns.map(|column| row[column].parse().unwrap_or(f64::NAN))).collect()
 }
