@@ -1,27 +1,34 @@
 //! The reader of stored solutions, and what may be asked of whatever it lets pass.
+#![allow(dead_code, reason = "each target uses a part")]
 
 use std::io::Cursor;
 use std::path::Path;
 use std::sync::OnceLock;
 
 use patchlight::geometry::Polygon;
-use patchlight::output::{Provenance, SOLUTION_FORMAT_VERSION, read_solution_from, write_solution};
+use patchlight::output::{Provenance, SOLUTION_FORMAT_VERSION, read_solution_from, write_ply, write_solution};
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
-use patchlight::scene::SurfacePoint;
-use patchlight::scene::{Material, Scene, Sides};
+use patchlight::scene::import::Diagnostics;
+use patchlight::scene::{Material, Scene, SceneSummary, Sides, SurfacePoint};
 use patchlight::solve::{RunOptions, SolveOptions, Solver};
 
 /// Bytes of the header: magic, version, length and checksum of the body.
-const HEADER: usize = 24;
+pub const HEADER: usize = 24;
 
 /// Larger solutions take too long to look at.
 const MOST_RAYS: u32 = 4096;
+const MOST_BOUNDS_WORK: u64 = 1 << 14;
 
 /// Reads the bytes as a solution, and once more as the body of one whose header is right: a checksum is no defence against anyone who means it.
 pub fn read_solution(bytes: &[u8]) {
     look_at(bytes);
-    look_at(&with_header(bytes));
+    read_body(bytes);
+}
+
+/// Reads the bytes as the body of a solution; whether it was taken.
+pub fn read_body(body: &[u8]) -> bool {
+    look_at(&with_header(body))
 }
 
 fn with_header(body: &[u8]) -> Vec<u8> {
@@ -33,23 +40,30 @@ fn with_header(body: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// What is read must be good for values and pictures.
-fn look_at(bytes: &[u8]) {
-    let Ok(solution) = read_solution_from(bytes, Path::new("in memory")) else { return };
+/// What is read must be good for values, bounds, pictures and exports; whether it is read.
+fn look_at(bytes: &[u8]) -> bool {
+    let Ok(solution) = read_solution_from(bytes, Path::new("in memory")) else { return false };
     assert_eq!(solution.validate(), Ok(()));
-    if solution.point_rays() > MOST_RAYS || solution.scene().channels() > 16 {
-        return;
+    let options = solution.options();
+    let much_to_bound = options.bounds_work.map_or(options.error < 1e-3, |work| work > MOST_BOUNDS_WORK);
+    if solution.point_rays() > MOST_RAYS || solution.scene().channels() > 16 || much_to_bound {
+        return true;
     }
     let points: Vec<SurfacePoint> = (solution.scene().surfaces().iter())
         .map(|surface| SurfacePoint { position: surface.polygon.centroid(), normal: surface.polygon.normal() })
         .take(8)
         .collect();
-    let Ok(evaluator) = Evaluator::new(solution, &RunOptions { threads: 1, ..RunOptions::default() }) else { return };
+    let summary = SceneSummary::new(solution.scene(), &Diagnostics::default());
+    assert!(!summary.to_string().is_empty());
+    write_ply(&mut Vec::new(), &solution, &Provenance::new(solution.options())).expect("memory suffices");
+    let Ok(evaluator) = Evaluator::new(solution, &RunOptions { threads: 1, ..RunOptions::default() }) else { return true };
     let values = evaluator.values_at(&points, &Silent).expect("nobody cancels");
     assert_eq!(values.channels * points.len(), values.radiosity.len());
+    assert!(evaluator.bounds_at(&points).is_none_or(|bounds| bounds.lower.len() == values.radiosity.len()));
     if let Ok(image) = evaluator.render(&evaluator.default_camera(4, 3), &Silent) {
         assert!(image.is_some());
     }
+    true
 }
 
 /// The body of a small stored solution, over links or over cells: fuzzers change it.

@@ -38,11 +38,6 @@ impl Lobes {
     pub fn weight(&self) -> f64 {
         self.weight
     }
-
-    /// Whether all sums are finite.
-    pub fn is_finite(&self) -> bool {
-        self.weight.is_finite() && self.first.is_finite() && self.second.iter().all(|sum| sum.is_finite())
-    }
 }
 
 impl AddAssign for Lobes {

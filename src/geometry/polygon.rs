@@ -44,13 +44,44 @@ pub(crate) fn twice_vector_area(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
 }
 
 /// A planar convex polygon, one-sided: its front is where the vertices run counter-clockwise. Lengths in metres.
+///
+/// Stored are the vertices as they were measured, and whether it is seen from behind: all else is measured anew, to the same bits. A polygon
+/// that is not quite flat, or very thin, has other measures from every corner, so its vertices alone would not do.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Stored", into = "Stored")]
 pub struct Polygon {
     vertices: Vec<DVec3>,
+    /// Whether it was measured with the vertices in the opposite order.
+    is_reversed: bool,
     normal: DVec3,
     area: f64,
     centroid: DVec3,
     radius: f64,
+}
+
+/// A polygon as it is stored: vertices in the order in which it was measured, counter-clockwise from there.
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    vertices: Vec<DVec3>,
+    is_reversed: bool,
+}
+
+impl From<Polygon> for Stored {
+    fn from(mut polygon: Polygon) -> Self {
+        if polygon.is_reversed {
+            polygon.vertices.reverse();
+        }
+        Self { vertices: polygon.vertices, is_reversed: polygon.is_reversed }
+    }
+}
+
+impl TryFrom<Stored> for Polygon {
+    type Error = PolygonError;
+
+    fn try_from(stored: Stored) -> Result<Self, PolygonError> {
+        let measured = Self::from_vertices(stored.vertices)?;
+        Ok(if stored.is_reversed { measured.reversed() } else { measured })
+    }
 }
 
 impl Polygon {
@@ -114,7 +145,7 @@ impl Polygon {
         if (0..count).any(has_vertex_to_the_right) {
             return Err(PolygonError::NotConvex);
         }
-        Ok(Self { vertices, normal, area, centroid, radius })
+        Ok(Self { vertices, is_reversed: false, normal, area, centroid, radius })
     }
 
     /// The vertices, counter-clockwise seen from the front.
@@ -143,20 +174,8 @@ impl Polygon {
         let mut reversed = self.clone();
         reversed.vertices.reverse();
         reversed.normal = -reversed.normal;
+        reversed.is_reversed = !reversed.is_reversed;
         reversed
-    }
-
-    /// Whether the two are the same but for the corner from which they were measured: one that is not quite flat, or very thin, has other
-    /// measures from each.
-    pub(crate) fn is_close_to(&self, other: &Self) -> bool {
-        let rounding = 64.0 * f64::EPSILON * self.radius * self.radius / self.area;
-        let close = Self::PLANARITY_TOLERANCE.max(rounding);
-        let size = close * self.radius;
-        self.vertices == other.vertices
-            && self.normal.abs_diff_eq(other.normal, close)
-            && (self.area - other.area).abs() <= size * self.radius
-            && self.centroid.abs_diff_eq(other.centroid, size)
-            && (self.radius - other.radius).abs() <= size
     }
 
     pub(crate) fn facet(&self) -> Facet<'_> {
@@ -199,22 +218,38 @@ mod tests {
         assert_eq!(Polygon::new(&[[0.1, 0.2, 0.3]; 3]), Err(PolygonError::NoArea));
     }
 
-    /// The back of a polygon keeps the measures of its front.
+    /// The back of a polygon keeps the measures of its front, and what is stored gives both again, to the bit.
     #[test]
-    fn a_polygon_that_is_not_quite_flat_is_close_to_itself_measured_from_another_corner() {
-        let corners = [
+    fn what_is_stored_is_measured_to_the_same_bits() {
+        // Not quite flat, and very thin.
+        let bent = [
             [2.410219, 0.8480368, 3.025302],
             [2.404174, 0.8480368, 3.008694],
             [2.404174, 0.2177581, 3.008694],
             [2.409257, 0.2177581, 3.022659],
             [2.409326, 0.2177581, 3.022848],
         ];
-        let reversed: Vec<[f64; 3]> = corners.iter().rev().copied().collect();
-        assert!(Polygon::new(&reversed).unwrap().is_close_to(&Polygon::new(&corners).unwrap().reversed()));
-        let square = Polygon::new(&SQUARE).unwrap();
-        assert!(!Polygon { normal: DVec3::X, ..square.clone() }.is_close_to(&square));
-        assert!(!Polygon { area: 1.0 + 1e-5, ..square.clone() }.is_close_to(&square));
-        assert!(!Polygon { centroid: DVec3::ZERO, ..square.clone() }.is_close_to(&square));
+        let sliver = [[0.1, 0.7, 0.3], [1.0, 0.2, 0.9], [0.55000001, 0.45, 0.6]];
+        for polygon in [Polygon::new(&bent).unwrap(), Polygon::new(&sliver).unwrap(), Polygon::new(&SQUARE).unwrap()] {
+            for polygon in [polygon.reversed(), polygon.reversed().reversed(), polygon] {
+                let stored = postcard::to_stdvec(&polygon).unwrap();
+                assert_eq!(postcard::from_bytes::<Polygon>(&stored).unwrap(), polygon);
+            }
+        }
+        let turned: Vec<[f64; 3]> = bent.iter().rev().copied().collect();
+        let turned = Polygon::new(&turned).unwrap();
+        assert!(turned.area() != Polygon::new(&bent).unwrap().area(), "measured from another corner it is another");
+    }
+
+    #[test]
+    fn what_is_stored_is_no_polygon_unless_it_is_one() {
+        let stored = |vertices: &[[f64; 3]]| {
+            let vertices = vertices.iter().map(|&vertex| DVec3::from(vertex)).collect();
+            let bytes = postcard::to_stdvec(&Stored { vertices, is_reversed: true }).unwrap();
+            postcard::from_bytes::<Polygon>(&bytes)
+        };
+        assert!(stored(&SQUARE).is_ok() && stored(&SQUARE[..2]).is_err());
+        assert!(stored(&[[0.0; 3], [1.0, 0.0, 0.0], [f64::NAN, 1.0, 0.0]]).is_err());
     }
 
     #[test]

@@ -10,9 +10,6 @@ use crate::scene::{Scene, SurfaceId};
 
 use super::{Hierarchy, Node, NodeId};
 
-/// A cluster of so many surfaces or fewer is not cut any further.
-const LEAF_SURFACES: usize = 4;
-
 /// A surface is large if its box is longer than this part of the box around the centres of its cluster's surfaces.
 const LARGE: f64 = 0.5;
 
@@ -88,40 +85,48 @@ fn build(scene: &Scene) -> Hierarchy {
 }
 
 impl Hierarchy {
+    /// A cluster of so many surfaces or fewer is not cut any further.
+    pub(super) const LEAF_SURFACES: usize = 4;
+
     /// Clusters over the surfaces of a scene; nothing is subdivided yet. O(n log n).
     pub fn new(scene: &Scene) -> Self {
         build(scene)
     }
 
-    /// Boxes, areas and faces of the clusters, from the children up. A cluster's centre is the centroid of its area.
+    /// Boxes, areas and faces of the clusters, from the children up.
     fn measure_clusters(&mut self, bounds: &[Aabb]) {
         for index in (0..self.cluster_count()).rev() {
-            let (mut around, mut faces) = (Aabb::EMPTY, Lobes::default());
-            let (mut area, mut moment) = (0.0, glam::DVec3::ZERO);
-            for child in self.children(NodeId(index as u32)) {
-                let node = self.node(child);
-                area += node.area;
-                moment += node.area * node.centroid;
-                if self.is_cluster(child) {
-                    around = around.union(self.cluster_bounds[child.index()]);
-                    faces += self.cluster_faces[child.index()];
-                } else {
-                    around = around.union(bounds[node.surface as usize]);
-                    faces.add(node.area, self.normals[node.surface as usize]);
-                }
-            }
-            let centroid = moment / area;
-            let radius = (around.max - centroid).max(centroid - around.min).length();
-            let node = &mut self.nodes[index];
-            (node.area, node.centroid, node.radius) = (area, centroid, radius);
-            (self.cluster_bounds[index], self.cluster_faces[index]) = (around, faces);
+            (self.nodes[index], self.cluster_bounds[index], self.cluster_faces[index]) =
+                self.measured_cluster(NodeId(index as u32), bounds);
         }
+    }
+
+    /// A cluster with its area, centre and radius, its box and its faces, by its children; `bounds` are those of the surfaces. Its centre is
+    /// the centroid of its area.
+    pub(super) fn measured_cluster(&self, cluster: NodeId, bounds: &[Aabb]) -> (Node, Aabb, Lobes) {
+        let (mut around, mut faces) = (Aabb::EMPTY, Lobes::default());
+        let (mut area, mut moment) = (0.0, glam::DVec3::ZERO);
+        for child in self.children(cluster) {
+            let node = self.node(child);
+            area += node.area;
+            moment += node.area * node.centroid;
+            if self.is_cluster(child) {
+                around = around.union(self.cluster_bounds[child.index()]);
+                faces += self.cluster_faces[child.index()];
+            } else {
+                around = around.union(bounds[node.surface as usize]);
+                faces.add(node.area, self.normals[node.surface as usize]);
+            }
+        }
+        let centroid = moment / area;
+        let radius = (around.max - centroid).max(centroid - around.min).length();
+        (Node { area, centroid, radius, ..*self.node(cluster) }, around, faces)
     }
 }
 
 /// Cuts a group of surfaces in two, again and again.
 fn cut(mut surfaces: Vec<u32>, bounds: &[Aabb], depth: u32) -> Tree {
-    if surfaces.len() <= LEAF_SURFACES {
+    if surfaces.len() <= Hierarchy::LEAF_SURFACES {
         return Tree::Leaf(surfaces);
     }
     let second = cut_off_large(&mut surfaces, bounds).unwrap_or_else(|| cut_in_space(&mut surfaces, bounds, depth));

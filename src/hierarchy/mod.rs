@@ -6,6 +6,7 @@
 mod clusters;
 mod locate;
 mod subdivide;
+mod validate;
 
 use std::ops::Range;
 
@@ -13,7 +14,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Aabb, Facet, Lobes};
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::SurfaceId;
 
 /// The number of a node in its hierarchy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -211,61 +212,5 @@ impl Hierarchy {
     pub fn memory_bytes(&self) -> u64 {
         let clusters = size_of_val(&self.cluster_bounds[..]) + size_of_val(&self.cluster_faces[..]);
         (clusters + size_of_val(&self.nodes[..]) + size_of_val(&self.vertices[..]) + size_of_val(&self.normals[..])) as u64
-    }
-
-    /// Checks what later stages rely on: ids in range, parents before children, children consecutive, areas that add up.
-    ///
-    /// # Errors
-    /// Says what is wrong, for a hierarchy that was read from a file.
-    pub fn validate(&self, scene: &Scene) -> Result<(), String> {
-        let count = self.nodes.len();
-        let surfaces = scene.surfaces().len();
-        if count == 0 || self.normals.len() != surfaces || self.surface_nodes.len() != surfaces || self.cluster_bounds.len() > count
-        {
-            return Err("the hierarchy does not fit the scene".to_owned());
-        }
-        for (index, node) in self.nodes.iter().enumerate() {
-            let fault = |what: &str| Err(format!("node {index}: {what}"));
-            let is_cluster = index < self.cluster_bounds.len();
-            if is_cluster != (node.surface == Node::NO_SURFACE) || (!is_cluster && node.surface as usize >= surfaces) {
-                return fault("its surface does not exist");
-            }
-            if index > 0 && node.parent.index() >= index {
-                return fault("its parent comes after it");
-            }
-            if node.child_count > 0 {
-                let first = node.first_child.index();
-                let Some(end) = first.checked_add(node.child_count as usize).filter(|&end| first > index && end <= count) else {
-                    return fault("its children are out of range");
-                };
-                if self.nodes[first..end].iter().any(|child| child.parent.index() != index) {
-                    return fault("its children have another parent");
-                }
-            } else if is_cluster {
-                return fault("a cluster has no children");
-            }
-            let end = (node.first_vertex as usize).checked_add(node.vertex_count as usize);
-            if !is_cluster && (node.vertex_count < 3 || end.is_none_or(|end| end > self.vertices.len())) {
-                return fault("its vertices are out of range");
-            }
-            let numbers = [node.area, node.radius, node.centroid.x, node.centroid.y, node.centroid.z];
-            if numbers.iter().any(|number| !number.is_finite()) || node.area <= 0.0 {
-                return fault("its size is not a positive number");
-            }
-        }
-        let measured = |(bounds, faces): (&Aabb, &Lobes)| bounds.min.is_finite() && bounds.max.is_finite() && faces.is_finite();
-        let fits = self.cluster_faces.len() == self.cluster_bounds.len();
-        if !fits || !self.cluster_bounds.iter().zip(&self.cluster_faces).all(measured) {
-            return Err("the boxes of the clusters do not fit".to_owned());
-        }
-        let misplaced =
-            |(surface, node): (usize, &NodeId)| node.index() >= count || self.nodes[node.index()].surface as usize != surface;
-        if self.surface_nodes.iter().enumerate().any(misplaced) {
-            return Err("a surface has no node".to_owned());
-        }
-        if self.vertices.iter().chain(&self.normals).any(|v| !v.is_finite()) {
-            return Err("a vertex is not finite".to_owned());
-        }
-        Ok(())
     }
 }

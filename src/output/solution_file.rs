@@ -17,7 +17,9 @@
 //! stored types needs a new format version.
 //!
 //! Nothing in the file is trusted before it is checked: magic, version, length and CRC first, then the body must decode without
-//! a byte left over, then [`Solution::validate`] must agree. Memory is taken as bytes arrive, not as the file announces them.
+//! a byte left over, then [`Solution::validate`] must agree. Memory is taken as bytes arrive, not as the file announces them. Polygons are
+//! stored as vertices and measured anew; of nodes and clusters all is found again that follows from them, and must be the same. What
+//! passes may tell a wrong answer, but takes no more memory or time than a solution of its size does.
 
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};

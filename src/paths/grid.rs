@@ -135,10 +135,17 @@ pub(crate) struct Resolution {
     pub rays: u32,
 }
 
+/// Cells are no smaller than what rounding leaves of coordinates: so many of them would make up the diagonal of the scene.
+const MOST_ALONG: f64 = 1e15;
+
+/// No more paths leave a position.
+const MOST_RAYS: u32 = 1 << 20;
+
 impl Resolution {
-    /// Whether the numbers are in range.
-    pub fn is_valid(&self) -> bool {
-        self.side.is_finite() && self.side > 0.0 && self.rays > 0
+    /// Whether the numbers are in range for a scene.
+    pub fn is_valid(&self, scene: &Scene) -> bool {
+        let is_size = self.side.is_finite() && self.side > 0.0 && self.side * MOST_ALONG >= scene.bounds().diagonal();
+        is_size && (1..=MOST_RAYS).contains(&self.rays)
     }
 }
 

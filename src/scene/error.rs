@@ -8,6 +8,9 @@ pub enum SceneError {
     /// There is nothing to light.
     #[error("the scene has no surface")]
     Empty,
+    /// The number of channels is not from 1 to 1024.
+    #[error("the scene has {0} channels, it must have 1 to 1024")]
+    Channels(usize),
     /// A surface names a material that is not there.
     #[error("surface {surface} has material {material}, but there are only {count}")]
     NoSuchMaterial {
@@ -18,7 +21,8 @@ pub enum SceneError {
         /// How many there are.
         count: usize,
     },
-    /// A material has a wrong number of channels, a reflectance outside [0, 1) or an exitance that is negative or not finite.
+    /// A material has a wrong number of channels, a reflectance outside [0, 1), an exitance that is negative or not finite, or one with
+    /// which radiosities might exceed [`Material::MOST_RADIOSITY`](super::Material::MOST_RADIOSITY).
     #[error("material '{name}': {reason}")]
     BadMaterial {
         /// Its name.

@@ -69,6 +69,9 @@ impl Surface {
     }
 }
 
+/// A scene has at most so many channels: there is a radiosity in each for every node.
+const MOST_CHANNELS: usize = 1024;
+
 /// Surfaces and materials. Immutable: every later stage relies on what [`Scene::new`] checked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
@@ -91,10 +94,6 @@ impl Scene {
         faces: Vec<(Polygon, u32, u32)>,
         sides: Sides,
     ) -> Result<Self, SceneError> {
-        // Every material must have as many channels as the scene, with values in range.
-        for material in &materials {
-            material.validate(channels)?;
-        }
         if faces.is_empty() {
             return Err(SceneError::Empty);
         }
@@ -109,19 +108,29 @@ impl Scene {
         let surfaces =
             faces.into_iter().map(|(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None }).collect();
         let mut scene = Self { channels, materials, surfaces, sides };
+        scene.check_materials()?;
         scene.add_twins();
         scene.group_planes();
         Ok(scene)
     }
 
-    /// Checks what [`Scene::new`] guarantees, for a scene that was read from a file.
+    /// Every material must have as many channels as the scene, of which there must be some, with values in range.
+    fn check_materials(&self) -> Result<(), SceneError> {
+        if !(1..=MOST_CHANNELS).contains(&self.channels) {
+            return Err(SceneError::Channels(self.channels));
+        }
+        self.materials.iter().try_for_each(|material| material.validate(self.channels))?;
+        let highest = |channel: usize| self.materials.iter().map(|material| material.reflectance[channel]).fold(0.0, f64::max);
+        let highest: Vec<f64> = (0..self.channels).map(highest).collect();
+        self.materials.iter().try_for_each(|material| material.check_brightness(&highest))
+    }
+
+    /// Checks what [`Scene::new`] guarantees, for a scene that was read from a file. Polygons were measured when they were decoded.
     ///
     /// # Errors
     /// Says what is wrong.
     pub(crate) fn validate(&self) -> Result<(), String> {
-        for material in &self.materials {
-            material.validate(self.channels).map_err(|error| error.to_string())?;
-        }
+        self.check_materials().map_err(|error| error.to_string())?;
         let (count, mut planes) = (self.surfaces.len(), 0);
         for (index, surface) in self.surfaces.iter().enumerate() {
             if surface.plane > planes {
@@ -131,13 +140,15 @@ impl Scene {
             if surface.material as usize >= self.materials.len() {
                 return Err(format!("surface {index}: its material does not exist"));
             }
-            if surface.twin.is_some_and(|twin| twin.index() >= count || twin.index() == index) {
-                return Err(format!("surface {index}: its twin does not exist"));
+            if surface.face == u32::MAX {
+                return Err(format!("surface {index}: its face has no number"));
             }
-            let vertices: Vec<[f64; 3]> = surface.polygon.vertices().collect();
-            let polygon = Polygon::new(&vertices).map_err(|error| format!("surface {index}: {error}"))?;
-            if !polygon.is_close_to(&surface.polygon) {
-                return Err(format!("surface {index}: its normal or area does not fit its vertices"));
+            let is_twin = |twin: SurfaceId| {
+                let other = self.surfaces.get(twin.index())?;
+                Some(twin.index() != index && other.twin.is_some_and(|back| back.index() == index) && other.plane == surface.plane)
+            };
+            if surface.twin.is_some_and(|twin| is_twin(twin) != Some(true)) {
+                return Err(format!("surface {index}: its twin does not exist"));
             }
         }
         if count == 0 { Err("there is no surface".to_owned()) } else { Ok(()) }

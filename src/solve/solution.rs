@@ -137,20 +137,15 @@ impl Solution {
         self.hierarchy.validate(&self.scene)?;
         self.links.validate(&self.hierarchy)?;
         let channels = self.scene.channels();
-        if self.radiosity.channels() != channels || self.radiosity.values().len() != channels * self.hierarchy.len() {
-            return Err("the radiosities do not fit the hierarchy".to_owned());
-        }
         if self.exposure.len() != self.hierarchy.len() || !self.exposure.is_valid() {
             return Err("the exposures do not fit the hierarchy".to_owned());
         }
-        if self.radiosity.values().iter().any(|b| !b.is_finite() || *b < 0.0) {
-            return Err("a radiosity is negative or not finite".to_owned());
-        }
+        self.radiosity.validate(&self.hierarchy, &self.exposure, channels)?;
         if self.point_rays == 0 || self.point_rays > 1 << 20 {
             return Err("the number of rays to a point is out of range".to_owned());
         }
         let resolution = &self.resolution;
-        if !resolution.is_valid() {
+        if !resolution.is_valid(&self.scene) {
             return Err("the size of the cells is out of range".to_owned());
         }
         if let Some(radiosities) = &self.cell_radiosities {

@@ -70,9 +70,9 @@ impl Exposure {
         self.by_node.len()
     }
 
-    /// Whether all exposures are in [0, 1].
+    /// Whether all exposures are in [0, 1], and no more rays left the scene than were cast.
     pub(crate) fn is_valid(&self) -> bool {
-        self.by_node.iter().all(|exposure| (0.0..=1.0).contains(exposure))
+        self.by_node.iter().all(|exposure| (0.0..=1.0).contains(exposure)) && self.outside <= self.rays
     }
 
     /// Samples the exposure of new nodes. Pieces of a surface that is wholly exposed are exposed.

@@ -105,6 +105,28 @@ impl Radiosity {
         Self { channels: channels.count(), values, exposed: self.exposed.clone(), shown }
     }
 
+    /// Checks what later stages rely on, in a scene of so many channels.
+    ///
+    /// # Errors
+    /// Says what is wrong, for radiosities that were read from a file.
+    pub(crate) fn validate(&self, hierarchy: &Hierarchy, exposure: &Exposure, channels: usize) -> Result<(), String> {
+        let clusters = hierarchy.cluster_count();
+        let of_nodes = self.channels == channels && self.values.len() == channels * hierarchy.len();
+        if !of_nodes || self.exposed.len() != clusters || self.shown.len() != channels * clusters {
+            return Err("the radiosities do not fit the hierarchy".to_owned());
+        }
+        // Results are told in f32.
+        if self.values.iter().any(|b| !(0.0..=f64::from(f32::MAX)).contains(b)) {
+            return Err("a radiosity is negative or not finite".to_owned());
+        }
+        let mut pulled = self.clone();
+        pulled.pull(hierarchy, exposure);
+        if pulled != *self {
+            return Err("the radiosity of a node is not that of its children".to_owned());
+        }
+        Ok(())
+    }
+
     /// All values, node after node.
     pub fn values(&self) -> &[f64] {
         &self.values

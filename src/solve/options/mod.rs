@@ -20,6 +20,9 @@ pub use table::{
     CellOptions, ChangShih98Options, Holzschuch94Options, LinkOptions, OptionEntry, OptionGroup, SolveOptions, UniformOptions,
 };
 
+/// More work on bounds takes minutes and gigabytes, and brings little.
+const MOST_BOUNDS_WORK: u64 = 1 << 24;
+
 impl SolveOptions {
     /// All options, group after group.
     pub fn entries() -> impl Iterator<Item = &'static OptionEntry> {
@@ -67,7 +70,7 @@ impl SolveOptions {
     /// [`SolveOptions::bounds_work`] for a scene of so many surfaces.
     pub(crate) fn bounds_work_of(&self, surfaces: usize) -> u64 {
         let of_surfaces = 16.0 * surfaces as f64 * (0.1 / self.error).sqrt();
-        self.bounds_work.unwrap_or((1 << 13) + of_surfaces as u64)
+        self.bounds_work.unwrap_or((1 << 13) + (of_surfaces as u64).min(MOST_BOUNDS_WORK))
     }
 }
 

@@ -10,6 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::MOST_BOUNDS_WORK;
 use super::choices::{Bounds, Norm, Solver, Strategy, Sweep};
 use super::declare::options;
 use super::error::OptionsError;
@@ -38,7 +39,7 @@ options! {
         /// How much is done to tighten guaranteed bounds where clusters are linked: 1 for a pair that is taken apart, 4 for a pair of
         /// polygons of which all is proved that can be. The more, the narrower. If not given, it follows from error and the number of
         /// surfaces.
-        bounds_work: Option<u64> = None, any();
+        bounds_work: Option<u64> = None, between(0, MOST_BOUNDS_WORK);
 
         /// What the answer is wanted for: where errors count, with strategy error-driven. 'view' is what the camera of the picture sees.
         importance: Interest = Interest::Total, Text(Interest::RANGE);

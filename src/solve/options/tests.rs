@@ -106,6 +106,7 @@ fn values_out_of_range_are_refused_at_once() {
         ("leaf_rays", "1048577", "a whole number from 0 to 1048576"),
         ("rays_per_link", "0", "a whole number from 1 to 1024"),
         ("rays_per_light_link", "4294967296", "a whole number from 1 to 1024"),
+        ("bounds_work", "18446744073709551615", "a whole number from 0 to 16777216"),
         ("seed", "-1", "a whole number"),
         ("seed", "1.5", "a whole number"),
         ("positions", "255", "a whole number from 256 to 16777216"),

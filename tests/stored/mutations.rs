@@ -1,0 +1,123 @@
+//! Solutions of which a byte or a field was changed: what is still read can be asked for values, bounds, pictures and exports.
+
+use patchlight::scene::Sides;
+use patchlight::solve::{Bounds, Solution, SolveOptions, Solver};
+use serde::Deserialize;
+use serde_json::{Number, Value};
+
+use super::triangles::Random;
+use super::{harness, scene, solved, stored};
+
+/// Solutions of several scenes by either solver, some with bounds; so small that they are read often.
+fn solutions() -> Vec<Solution> {
+    let of = |name: &str, sides, solver, bounds, max_links| {
+        let (point_rays, max_links) = (Some(4), Some(max_links));
+        let bounds_work = Some(64);
+        let options = SolveOptions { error: 0.9, solver, bounds, bounds_work, point_rays, max_links, ..SolveOptions::default() };
+        solved(scene(name, sides), &options).solution().clone()
+    };
+    vec![
+        of("furnace.obj", Sides::Front, Solver::Links, Bounds::Guaranteed, 1000),
+        of("four_polygons.obj", Sides::Both, Solver::Links, Bounds::Guaranteed, 200),
+        of("cornell.obj", Sides::Both, Solver::Links, Bounds::Estimate, 200),
+        of("cornell.obj", Sides::Front, Solver::Cells, Bounds::Estimate, 200),
+        of("two_rooms.obj", Sides::Front, Solver::Links, Bounds::Guaranteed, 100),
+    ]
+}
+
+#[test]
+fn single_bytes_do_no_harm() {
+    let (mut random, mut taken) = (Random(5), 0);
+    for solution in solutions() {
+        let body = stored(&solution).split_off(harness::HEADER);
+        for _ in 0..60 {
+            let mut changed = body.clone();
+            let at = random.below(changed.len());
+            changed[at] = [random.bits() as u8, 0, 1, 0x7f, 0x80, 0xff, changed[at] ^ 1, changed[at] ^ 0x40][random.below(8)];
+            taken += u32::from(harness::read_body(&changed));
+        }
+    }
+    // Some bytes may be anything: of a radiosity, say.
+    assert!(taken > 20, "{taken}");
+}
+
+/// A way to every number, name, list and flag of a value.
+fn places(value: &Value, path: &mut String, found: &mut Vec<String>) {
+    found.push(path.clone());
+    let length = path.len();
+    let mut below = |key: &str, value: &Value| {
+        *path += &format!("/{key}");
+        places(value, path, found);
+        path.truncate(length);
+    };
+    match value {
+        Value::Array(items) => items.iter().enumerate().for_each(|(index, item)| below(&index.to_string(), item)),
+        Value::Object(fields) => fields.iter().for_each(|(key, field)| below(key, field)),
+        _ => {}
+    }
+}
+
+/// Another value of about the same kind.
+fn changed(value: &Value, random: &mut Random) -> Value {
+    let whole =
+        [0, 1, 2, 3, 7, 255, 1 << 16, (1 << 31) - 1, 1 << 31, u64::from(u32::MAX) - 1, u64::from(u32::MAX), 1 << 40, u64::MAX];
+    let real = [0.0, -0.0, -1.0, 0.5, 1.0, 1e-300, 5e-324, -1e300, 1e300, f64::MAX, 1e-9, 1e9, 1e30, 1e40];
+    match value {
+        Value::Number(number) if number.is_f64() => {
+            let own = number.as_f64().unwrap();
+            let near = [own * 1.000_000_001, -own, own * 1e12, own * 1e-12];
+            Value::from(if random.below(3) == 0 { near[random.below(4)] } else { real[random.below(real.len())] })
+        }
+        Value::Number(number) => {
+            let own = number.as_u64().unwrap_or(0);
+            let near = [own.wrapping_add(1), own.wrapping_sub(1), own / 2];
+            Value::from(if random.below(3) == 0 { near[random.below(3)] } else { whole[random.below(whole.len())] })
+        }
+        Value::Null => Value::Number(Number::from(whole[random.below(whole.len())])),
+        Value::Bool(flag) => Value::Bool(!flag),
+        Value::Array(items) => {
+            let mut items = items.clone();
+            match random.below(4) {
+                0 => items.clear(),
+                1 => drop(items.pop()),
+                2 => items.extend(items.last().cloned()),
+                _ if items.len() > 1 => {
+                    let at = random.below(items.len() - 1);
+                    items.swap(at, at + 1);
+                }
+                _ => items.extend_from_within(..),
+            }
+            Value::Array(items)
+        }
+        other => other.clone(),
+    }
+}
+
+#[test]
+fn single_fields_do_no_harm() {
+    let (mut random, mut taken, mut refused) = (Random(6), 0, 0);
+    for solution in solutions() {
+        let mut value = serde_json::to_value(&solution).unwrap();
+        assert_eq!(Solution::deserialize(&value).unwrap(), solution);
+        let mut all = Vec::new();
+        places(&value, &mut String::new(), &mut all);
+        // A long list has many fields of one kind: each kind is chosen as often.
+        let kind = |path: &str| path.split('/').filter(|key| key.parse::<u32>().is_err()).collect::<Vec<_>>().join("/");
+        let mut by_kind = std::collections::BTreeMap::<String, Vec<String>>::new();
+        all.into_iter().for_each(|path| by_kind.entry(kind(&path)).or_default().push(path));
+        for paths in by_kind.values() {
+            for _ in 0..2 {
+                let path = &paths[random.below(paths.len())];
+                let place = value.pointer_mut(path).unwrap();
+                let other = changed(place, &mut random);
+                let before = std::mem::replace(place, other);
+                if let Ok(mutated) = Solution::deserialize(&value) {
+                    let was_taken = harness::read_body(&stored(&mutated).split_off(harness::HEADER));
+                    *(if was_taken { &mut taken } else { &mut refused }) += 1;
+                }
+                *value.pointer_mut(path).unwrap() = before;
+            }
+        }
+    }
+    assert!(taken > 100 && refused > 200, "{taken} taken, {refused} refused");
+}
