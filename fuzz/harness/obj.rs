@@ -20,7 +20,7 @@ pub fn read_obj(bytes: &[u8]) {
         std::fs::write(folder.join("a.mtl"), mtl).expect("a file is written");
 
         for sides in [Sides::Front, Sides::Both] {
-            match read_scene(&file, &ImportOptions { sides }) {
+            match read_scene(&file, &ImportOptions { sides, ..ImportOptions::default() }) {
                 Ok(imported) => {
                     let scene = &imported.scene;
                     for surface in scene.surfaces() {

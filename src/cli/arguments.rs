@@ -57,6 +57,8 @@ pub struct SolveArguments {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub settings: SettingArguments,
+    #[command(flatten)]
+    pub trust: TrustArguments,
     /// Take a picture: .png to look at, .exr with linear radiances; may be repeated, to have it in both
     #[arg(long, value_name = "FILE")]
     pub image: Vec<PathBuf>,
@@ -172,6 +174,16 @@ pub struct InfoArguments {
     /// Which sides of a scene's faces emit and receive: front or both
     #[arg(long, value_name = "SIDES", default_value = "front")]
     pub sides: String,
+    #[command(flatten)]
+    pub trust: TrustArguments,
+}
+
+/// What a scene may reach.
+#[derive(Debug, Args)]
+pub struct TrustArguments {
+    /// Read material libraries wherever the scene says they lie, not only beside it and below
+    #[arg(long)]
+    pub allow_any_path: bool,
 }
 
 /// How pictures are taken.

@@ -88,21 +88,34 @@ impl Outputs {
         Ok(sink)
     }
 
+    /// Checks that none of what the scene turned out to read is written as well.
+    pub fn check_unread(&self, read: &[PathBuf]) -> Result<(), Failure> {
+        let read: Vec<PathBuf> = read.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
+        match self.taken.iter().find(|taken| read.contains(taken)) {
+            Some(path) => Err(is_read(path)),
+            None => Ok(()),
+        }
+    }
+
     fn claim(&mut self, destination: &Destination) -> Result<(), Failure> {
         let target = destination.target();
-        let path = destination.path().display();
+        let path = destination.path();
         if self.inputs.iter().any(|input| input == target) {
-            return Err(Failure::usage(format_args!("{path} is read by this command, it cannot be written as well")));
+            return Err(is_read(path));
         }
         if target.is_file() || !target.exists() {
             let key = std::path::absolute(target).unwrap_or_else(|_| target.to_owned());
             if self.taken.contains(&key) {
-                return Err(Failure::usage(format_args!("two outputs cannot both be {path}")));
+                return Err(Failure::usage(format_args!("two outputs cannot both be {}", path.display())));
             }
             self.taken.push(key);
         }
         Ok(())
     }
+}
+
+fn is_read(path: &Path) -> Failure {
+    Failure::usage(format_args!("{} is read by this command, it cannot be written as well", path.display()))
 }
 
 /// Reads points from a file, or from stdin for `-`.

@@ -22,7 +22,7 @@ pub fn info(arguments: &InfoArguments) -> Result<Exit, Failure> {
     let text = if is_solution_file(path) {
         describe_solution(path, &files::read_solution(path)?)
     } else {
-        describe_scene(path, &ImportOptions { sides })?
+        describe_scene(path, &ImportOptions { sides, allow_any_path: arguments.trust.allow_any_path })?
     };
     files::to_stdout(|writer| writer.write_all(text.as_bytes()))?;
     Ok(Exit::Done)

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use patchlight::output::{Destination, ExportFormat, ImageFormat, PngExposure, Quantity};
 use patchlight::picture::{Camera, CameraRequest};
-use patchlight::scene::Sides;
+use patchlight::scene::import::ImportOptions;
 use patchlight::solve::{Bounds, Interest, RunOptions, SolveOptions};
 
 use super::arguments::{ExportArguments, PictureArguments, RenderArguments, SampleArguments, SolveArguments};
@@ -59,7 +59,7 @@ impl PictureRequest {
 #[derive(Debug)]
 pub struct SolveRequest {
     pub scene: PathBuf,
-    pub sides: Sides,
+    pub import: ImportOptions,
     pub options: SolveOptions,
     pub run: RunOptions,
     pub voice: Voice,
@@ -67,6 +67,8 @@ pub struct SolveRequest {
     pub picture: Option<PictureRequest>,
     pub points: Option<(PathBuf, Sink)>,
     pub report: Option<Sink>,
+    /// All of these, to be held against what the scene turns out to read.
+    pub outputs: Outputs,
 }
 
 impl SolveRequest {
@@ -83,7 +85,7 @@ impl SolveRequest {
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
         Ok(Self {
             scene: typed.scene,
-            sides: settings.sides,
+            import: ImportOptions { sides: settings.sides, allow_any_path: typed.trust.allow_any_path },
             options: settings.options,
             run: settings.run,
             voice: Voice::new(typed.run.progress),
@@ -91,6 +93,7 @@ impl SolveRequest {
             picture,
             points: typed.points.zip(values),
             report,
+            outputs,
         })
     }
 

@@ -6,7 +6,7 @@ use patchlight::bounds::Certainty;
 use patchlight::output::{CpuReport, Points, Provenance, RunReport, SceneReport, write_report};
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::scene::Scene;
-use patchlight::scene::import::{ImportOptions, read_scene};
+use patchlight::scene::import::read_scene;
 use patchlight::solve::{SolveOptions, SolveReport};
 use patchlight::values::ValuesError;
 
@@ -67,7 +67,8 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
 
 /// Reads the scene, and warns of what was repaired.
 fn read(request: &SolveRequest) -> Result<(Scene, Vec<String>), Failure> {
-    let imported = read_scene(&request.scene, &ImportOptions { sides: request.sides }).map_err(Failure::bad_input)?;
+    let imported = read_scene(&request.scene, &request.import).map_err(Failure::bad_input)?;
+    request.outputs.check_unread(&imported.libraries)?;
     let warnings = imported.diagnostics.warnings();
     warnings.iter().take(PRINTED_WARNINGS).for_each(|warning| request.voice.warn(format_args!("{warning}")));
     if warnings.len() > PRINTED_WARNINGS {

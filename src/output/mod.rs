@@ -21,6 +21,7 @@ mod format;
 pub mod openexr;
 pub mod ply;
 pub mod png;
+pub mod points;
 mod provenance;
 pub mod report;
 pub mod solution_file;
@@ -33,9 +34,10 @@ pub use format::{ExportFormat, ImageFormat, UnknownExtension};
 pub use openexr::write_openexr;
 pub use ply::write_ply;
 pub use png::{PngExposure, auto_exposure, write_png};
+pub use points::{Points, PointsError, read_points};
 pub use provenance::{Provenance, Quantity};
 pub use report::{CpuReport, ErrorFigures, MemoryReport, REPORT_SCHEMA, RunReport, SceneReport, Timing, write_report};
 pub use solution_file::{
     SOLUTION_FORMAT_VERSION, SolutionFileError, is_solution_file, read_solution, read_solution_from, write_solution,
 };
-pub use values::{Points, PointsError, read_points, write_bounded_values, write_values};
+pub use values::{write_bounded_values, write_values};

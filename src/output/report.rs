@@ -67,7 +67,8 @@ pub struct RunReport {
 /// What was solved.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct SceneReport {
-    /// The file.
+    /// The file; what of its name is not UTF-8 is told as such.
+    #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
     /// Channels.
     pub channels: usize,
@@ -194,4 +195,8 @@ impl RunReport {
 pub fn write_report(writer: &mut impl Write, report: &RunReport) -> io::Result<()> {
     serde_json::to_writer_pretty(&mut *writer, report)?;
     writeln!(writer)
+}
+
+fn lossy<S: serde::Serializer>(path: &std::path::Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
 }

@@ -85,8 +85,11 @@ pub enum SolutionFileError {
 
 /// Whether the file at `path` begins like a solution; `false` also for a file that cannot be read.
 pub fn is_solution_file(path: &Path) -> bool {
+    // To open a pipe that nobody writes to waits for ever.
     let mut magic = [0; MAGIC.len()];
-    std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == MAGIC
+    std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file())
+        && std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok()
+        && magic == MAGIC
 }
 
 /// Writes `solution` at the current position of `writer`.
@@ -98,8 +101,12 @@ pub fn write_solution(writer: &mut (impl Write + Seek), solution: &Solution, pro
     let start = writer.stream_position()?;
     writer.write_all(&[0; HEADER_LENGTH])?;
     let about = provenance.statements(Quantity::Radiosity).map(|(key, text)| format!("{key}: {text}\n")).concat();
-    let body = Checksummed { writer: &mut *writer, crc: crc32fast::Hasher::new(), length: 0 };
-    let body = postcard::to_io(&(about, solution), BufWriter::with_capacity(1 << 16, body)).map_err(io::Error::other)?;
+    let body = Checksummed { writer: &mut *writer, crc: crc32fast::Hasher::new(), length: 0, failure: None };
+    let mut body = BufWriter::with_capacity(1 << 16, body);
+    if let Err(error) = postcard::to_io(&(about, solution), &mut body) {
+        // Of a full disk the encoder says that its buffer is full; what the system said is better.
+        return Err(body.get_mut().failure.take().unwrap_or_else(|| io::Error::other(error)));
+    }
     let Checksummed { crc, length, .. } = body.into_inner().map_err(io::IntoInnerError::into_error)?;
 
     let end = writer.stream_position()?;
@@ -116,8 +123,13 @@ pub fn write_solution(writer: &mut (impl Write + Seek), solution: &Solution, pro
 /// # Errors
 /// See [`SolutionFileError`]: each says what to do.
 pub fn read_solution(path: &Path) -> Result<Solution, SolutionFileError> {
-    let file = std::fs::File::open(path).map_err(|source| SolutionFileError::Read { path: path.to_owned(), source })?;
-    read_solution_from(file, path)
+    let failed = |source| SolutionFileError::Read { path: path.to_owned(), source };
+    let metadata = std::fs::metadata(path).map_err(failed)?;
+    if !metadata.is_file() {
+        // A pipe or a device may wait, or go on, for ever.
+        return Err(failed(io::Error::other("it is not a regular file; copy the solution into one")));
+    }
+    read_solution_from(std::fs::File::open(path).map_err(failed)?, path)
 }
 
 /// Reads a solution up to the end of `reader` and validates it; messages call it `path`.
@@ -176,13 +188,17 @@ pub fn read_solution_from(mut reader: impl Read, path: &Path) -> Result<Solution
 /// Counts and sums what passes through.
 struct Checksummed<W> {
     writer: W,
+    /// What the writer said when it failed.
+    failure: Option<io::Error>,
     crc: crc32fast::Hasher,
     length: u64,
 }
 
 impl<W: Write> Write for Checksummed<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.writer.write(bytes)?;
+        let written = self.writer.write(bytes).inspect_err(|error| {
+            self.failure = Some(error.raw_os_error().map_or_else(|| error.kind().into(), io::Error::from_raw_os_error));
+        })?;
         self.crc.update(&bytes[..written]);
         self.length += written as u64;
         Ok(written)

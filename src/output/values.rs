@@ -1,170 +1,15 @@
-//! Points in, values out, as CSV.
+//! Values at points, as CSV.
 //!
-//! Points: the header `x,y,z,nx,ny,nz`, then one point a line; metres, and the unit normal of the side that is meant. Values:
-//! the same columns, then the radiosity per channel in W/m^2, `B_r,B_g,B_b` for three channels, else `B_0,B_1,...`, their standard errors
-//! with `se` for `B`, empty where they are not known, and where bounds are known the same with `lower` and `upper`; all empty for points
-//! that lie on no surface. Numbers are the shortest that read back to the same value.
+//! The columns of the points, `x,y,z,nx,ny,nz`, then the radiosity per channel in W/m^2, `B_r,B_g,B_b` for three channels, else
+//! `B_0,B_1,...`, their standard errors with `se` for `B`, empty where they are not known, and where bounds are known the same with `lower`
+//! and `upper`; all empty for points that lie on no surface. Numbers are the shortest that read back to the same value.
 
 use std::fmt::{Display, LowerExp};
-use std::io::{self, BufRead, BufReader, Read, Write};
+use std::io::{self, Write};
 
-use thiserror::Error;
-
+use super::points::{COLUMNS, Points};
 use crate::bounds::PointBounds;
-use crate::scene::SurfacePoint;
 use crate::values::Values;
-
-/// The columns of a point.
-const COLUMNS: [&str; 6] = ["x", "y", "z", "nx", "ny", "nz"];
-
-/// A normal's length may be off by this much; files with four digits are off by 1e-4.
-const NORMAL_TOLERANCE: f64 = 1e-3;
-
-/// Why points cannot be read. Lines count from 1.
-#[derive(Debug, Error)]
-pub enum PointsError {
-    /// The file cannot be read, or is not UTF-8.
-    #[error("{file}:{line}: {source}")]
-    Read {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
-        /// What went wrong.
-        source: io::Error,
-    },
-    /// There is no header.
-    #[error("{file}: the file is empty; its first line must be x,y,z,nx,ny,nz")]
-    Empty {
-        /// The file.
-        file: String,
-    },
-    /// The first line is another.
-    #[error("{file}:1: the header is '{found}', it must be x,y,z,nx,ny,nz")]
-    Header {
-        /// The file.
-        file: String,
-        /// What is there.
-        found: String,
-    },
-    /// A line has not six fields.
-    #[error("{file}:{line}: {found} fields instead of 6 (x,y,z,nx,ny,nz)")]
-    ColumnCount {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
-        /// How many there are.
-        found: usize,
-    },
-    /// A field is no finite number.
-    #[error("{file}:{line}: {column} is '{text}', it must be a finite number")]
-    NotANumber {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
-        /// The column.
-        column: &'static str,
-        /// What is there.
-        text: String,
-    },
-    /// A normal's length is not 1 within 0.001.
-    #[error("{file}:{line}: the normal nx,ny,nz has length {length}, it must be 1 (within 0.001)")]
-    NotUnit {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
-        /// Its length.
-        length: f64,
-    },
-}
-
-/// Points as read.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Points {
-    rows: Vec<[f64; 6]>,
-}
-
-impl Points {
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.rows.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
-    }
-
-    /// The points, normals made unit length.
-    pub fn surface_points(&self) -> Vec<SurfacePoint> {
-        let point = |&[x, y, z, nx, ny, nz]: &[f64; 6]| {
-            let length = (nx * nx + ny * ny + nz * nz).sqrt();
-            // Leave alone what is unit but for rounding.
-            let scale = if (length - 1.0).abs() > 1e-12 { 1.0 / length } else { 1.0 };
-            SurfacePoint { position: [x, y, z], normal: [nx * scale, ny * scale, nz * scale] }
-        };
-        self.rows.iter().map(point).collect()
-    }
-}
-
-impl From<&[SurfacePoint]> for Points {
-    fn from(points: &[SurfacePoint]) -> Self {
-        let row = |p: &SurfacePoint| {
-            let ([x, y, z], [nx, ny, nz]) = (p.position, p.normal);
-            [x, y, z, nx, ny, nz]
-        };
-        Self { rows: points.iter().map(row).collect() }
-    }
-}
-
-/// Reads points; `file` is what messages call them.
-///
-/// # Errors
-/// See [`PointsError`]. A header alone is no error: there are no points then.
-pub fn read_points(reader: impl Read, file: &str) -> Result<Points, PointsError> {
-    let file = || file.to_owned();
-    let mut lines = (1_u64..).zip(BufReader::new(reader).lines());
-    let mut next_line = || -> Result<Option<(u64, String)>, PointsError> {
-        let Some((line, text)) = lines.next() else { return Ok(None) };
-        text.map(|text| Some((line, text))).map_err(|source| PointsError::Read { file: file(), line, source })
-    };
-    let Some((_, header)) = next_line()? else { return Err(PointsError::Empty { file: file() }) };
-    let header = header.trim_start_matches('\u{feff}');
-    if !fields(header).eq(COLUMNS) {
-        return Err(PointsError::Header { file: file(), found: header.trim().to_owned() });
-    }
-
-    let mut rows = Vec::new();
-    while let Some((line, text)) = next_line()? {
-        if text.trim().is_empty() {
-            continue;
-        }
-        let found = fields(&text).count();
-        if found != COLUMNS.len() {
-            return Err(PointsError::ColumnCount { file: file(), line, found });
-        }
-        let mut row = [0.0; 6];
-        for ((number, text), column) in row.iter_mut().zip(fields(&text)).zip(COLUMNS) {
-            let parsed = text.parse().ok().filter(|x: &f64| x.is_finite());
-            *number = parsed.ok_or_else(|| PointsError::NotANumber { file: file(), line, column, text: text.to_owned() })?;
-        }
-        let [.., nx, ny, nz] = row;
-        let length = (nx * nx + ny * ny + nz * nz).sqrt();
-        if (length - 1.0).abs() > NORMAL_TOLERANCE {
-            return Err(PointsError::NotUnit { file: file(), line, length });
-        }
-        rows.push(row);
-    }
-    Ok(Points { rows })
-}
-
-/// The fields of a line, without the blanks and quotation marks around them.
-fn fields(line: &str) -> impl Iterator<Item = &str> {
-    line.split(',').map(|field| field.trim().trim_matches('"'))
-}
 
 /// Writes points with their values, in the order of the points.
 ///
@@ -230,6 +75,8 @@ fn channel_columns(name: &str, channels: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::points::{PointsError, read_points};
+    use crate::scene::SurfacePoint;
 
     fn read(text: &str) -> Result<Points, PointsError> {
         read_points(text.as_bytes(), "P.csv")
@@ -290,34 +137,5 @@ mod tests {
             assert_eq!(record[0].parse::<f64>().unwrap().to_bits(), row[0].to_bits());
             assert_eq!(record[6].parse::<f32>().unwrap().to_bits(), b.to_bits());
         }
-    }
-
-    #[test]
-    fn a_header_alone_is_no_point_and_nothing_at_all_is_an_error() {
-        assert!(read("x,y,z,nx,ny,nz\n").unwrap().is_empty());
-        assert!(read("\u{feff}x,y,z,nx,ny,nz").unwrap().is_empty());
-        assert!(matches!(read(""), Err(PointsError::Empty { .. })));
-    }
-
-    #[test]
-    fn normals_are_made_unit_within_the_tolerance_only() {
-        let normal = read("x,y,z,nx,ny,nz\n0,0,0,0.5774,0.5774,0.5774\n").unwrap().surface_points()[0].normal;
-        assert!((normal.iter().map(|n| n * n).sum::<f64>() - 1.0).abs() < 1e-14);
-        let error = read("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,0,0,0,0,2\n").unwrap_err();
-        assert_eq!(error.to_string(), "P.csv:3: the normal nx,ny,nz has length 2, it must be 1 (within 0.001)");
-        assert!(matches!(read("x,y,z,nx,ny,nz\n0,0,0,0,0,0\n"), Err(PointsError::NotUnit { line: 2, .. })));
-    }
-
-    #[test]
-    fn errors_name_file_and_line() {
-        let message = |text: &str| read(text).unwrap_err().to_string();
-        assert_eq!(message("1,2,3,0,0,1\n"), "P.csv:1: the header is '1,2,3,0,0,1', it must be x,y,z,nx,ny,nz");
-        assert_eq!(message("x,y,z\n"), "P.csv:1: the header is 'x,y,z', it must be x,y,z,nx,ny,nz");
-        assert_eq!(message("x,y,z,nx,ny,nz\n\n1,2,3,0,1\n"), "P.csv:3: 5 fields instead of 6 (x,y,z,nx,ny,nz)");
-        assert_eq!(message("x,y,z,nx,ny,nz\n1,2,three,0,0,1\n"), "P.csv:2: z is 'three', it must be a finite number");
-        assert_eq!(message("x,y,z,nx,ny,nz\n1,NaN,3,0,0,1\n"), "P.csv:2: y is 'NaN', it must be a finite number");
-        assert_eq!(message("x,y,z,nx,ny,nz\n1,2,3,0,0,1e999\n"), "P.csv:2: nz is '1e999', it must be a finite number");
-        assert!(read_points(&b"x,y,z,nx,ny,nz\n\xff,2,3,0,0,1\n"[..], "P.csv").unwrap_err().to_string().starts_with("P.csv:2: "));
-        assert_eq!(message("\"x\",\"y\",z,nx,ny,nz\n1,2,3,0,0,1,\n"), "P.csv:2: 7 fields instead of 6 (x,y,z,nx,ny,nz)");
     }
 }

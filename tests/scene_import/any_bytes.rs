@@ -8,7 +8,7 @@ use super::{Folder, ImportOptions, SQUARE, SceneSummary, Sides, read_scene};
 fn check(obj: &[u8], mtl: &[u8]) -> Result<(), TestCaseError> {
     let folder = Folder::with(&[("a.obj", obj), ("a.mtl", mtl)]);
     for sides in [Sides::Front, Sides::Both] {
-        match read_scene(&folder.path("a.obj"), &ImportOptions { sides }) {
+        match read_scene(&folder.path("a.obj"), &ImportOptions { sides, ..ImportOptions::default() }) {
             Ok(imported) => {
                 let scene = &imported.scene;
                 for (index, surface) in scene.surfaces().iter().enumerate() {

@@ -240,7 +240,7 @@ fn duplicates_are_dropped_and_sheets_are_kept() {
 
     // Both sides of both: nothing to add.
     let folder = Folder::with(&[("a.obj", format!("{SQUARE}f 1 2 3 4\nf 4 3 2 1\nf 1 2 3\n").as_bytes())]);
-    let both = read_scene(&folder.path("a.obj"), &ImportOptions { sides: Sides::Both }).unwrap();
+    let both = read_scene(&folder.path("a.obj"), &ImportOptions { sides: Sides::Both, ..ImportOptions::default() }).unwrap();
     assert_eq!(both.scene.surfaces().iter().map(|s| s.twin().unwrap().0).collect::<Vec<_>>(), [1, 0, 3, 2]);
 }
 

@@ -29,7 +29,7 @@ fn scene_files() -> Vec<PathBuf> {
 
 fn scene(name: &str, sides: Sides) -> Scene {
     let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes")).join(name);
-    read_scene(&file, &ImportOptions { sides }).unwrap().scene
+    read_scene(&file, &ImportOptions { sides, ..ImportOptions::default() }).unwrap().scene
 }
 
 fn solved(scene: Scene, options: &SolveOptions) -> Evaluator {

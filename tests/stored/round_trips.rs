@@ -31,7 +31,7 @@ fn assert_reads_back(evaluator: &Evaluator, most: usize, what: &str) {
 fn every_scene_is_read_back_with_one_side_or_two() {
     for file in scene_files() {
         for sides in [Sides::Front, Sides::Both] {
-            let scene = read_scene(&file, &ImportOptions { sides }).unwrap().scene;
+            let scene = read_scene(&file, &ImportOptions { sides, ..ImportOptions::default() }).unwrap().scene;
             let options = SolveOptions { error: 0.9, point_rays: Some(16), max_links: Some(100_000), ..SolveOptions::default() };
             assert_reads_back(&solved(scene, &options), 20, &format!("{}, {sides:?}", file.display()));
         }
@@ -103,7 +103,7 @@ fn spoilt_scenes_are_read_back() {
         std::fs::write(&file, obj(&mutated(&faces, &mut random), scene.materials())).unwrap();
 
         let sides = if number % 2 == 0 { Sides::Front } else { Sides::Both };
-        let Ok(imported) = read_scene(&file, &ImportOptions { sides }) else { continue };
+        let Ok(imported) = read_scene(&file, &ImportOptions { sides, ..ImportOptions::default() }) else { continue };
         let solver = [Solver::Auto, Solver::Links, Solver::Cells][number % 3];
         let options = SolveOptions { error: 0.9, solver, point_rays: Some(4), max_links: Some(2000), ..SolveOptions::default() };
         assert_reads_back(&solved(imported.scene, &options), 4, &format!("scene {number}"));

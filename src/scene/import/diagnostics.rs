@@ -27,7 +27,7 @@ pub enum DiagnosticKind {
     DuplicateFace,
     /// A face whose vertices lie in no plane was cut into triangles.
     NonPlanarFace,
-    /// A material library is missing or cannot be read; its materials are grey 0.5.
+    /// A material library is missing or cannot be read; none of its materials is needed.
     MissingLibrary,
     /// A material is defined nowhere; it is grey 0.5.
     MissingMaterial,

@@ -23,6 +23,23 @@ pub enum ImportError {
         /// What the system said.
         reason: String,
     },
+    /// A material library cannot be read, and a face has a material that no other one defines.
+    #[error(
+        "{}: material library {} cannot be read ({reason}), and material '{material}' is defined nowhere else; \
+         put the library beside the scene, or take its mtllib and usemtl out", place(file, *line, None), library.display()
+    )]
+    MissingLibrary {
+        /// The file that names the library.
+        file: PathBuf,
+        /// Its line, from 1.
+        line: u32,
+        /// The library.
+        library: PathBuf,
+        /// Why it cannot be read.
+        reason: String,
+        /// The first material that is missing.
+        material: String,
+    },
     /// A statement is not what the format allows.
     #[error("{}: {reason}", place(file, *line, *face))]
     Syntax {

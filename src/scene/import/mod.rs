@@ -1,7 +1,7 @@
 //! Reading scenes from files: what is fatal, what is repaired, and where.
 //!
-//! Fatal are files that cannot be read, broken syntax, indices out of range, numbers that are not finite, and a scene without a
-//! face. Everything else is repaired as [`DiagnosticKind`] tells, and each repair is a [`Diagnostic`] with file, line and face.
+//! Fatal are files that cannot be read, among them material libraries whose materials are used and defined nowhere else, broken syntax,
+//! indices out of range, numbers that are not finite, and a scene without a face. Everything else is repaired as [`DiagnosticKind`] tells, and each repair is a [`Diagnostic`] with file, line and face.
 //! Reading costs O(n log n) for n corners, but for single concave faces of very many corners.
 
 mod assemble;
@@ -26,6 +26,9 @@ use super::{Scene, Sides};
 pub struct ImportOptions {
     /// Which sides of a face emit and receive.
     pub sides: Sides,
+    /// Whether `mtllib` may name any file. Else a library lies beside the scene or below that folder: a scene by somebody else reads nothing
+    /// of what lies elsewhere.
+    pub allow_any_path: bool,
 }
 
 /// A scene and what was noted while reading it.
@@ -37,6 +40,8 @@ pub struct Imported {
     pub diagnostics: Diagnostics,
     /// The file that it was read from.
     pub file: PathBuf,
+    /// The material libraries that were read.
+    pub libraries: Vec<PathBuf>,
     /// The line of each face in the file, dropped ones too, from 1. [`Surface::face`](super::Surface::face) is an index into it.
     pub lines: Vec<u32>,
     /// How many vertices the file has.
@@ -58,7 +63,7 @@ pub fn read_scene(path: &Path, options: &ImportOptions) -> Result<Imported, Impo
     }
 
     let mut diagnostics = Diagnostics::default();
-    let mut obj = obj::read(path, &mut diagnostics)?;
+    let mut obj = obj::read(path, options.allow_any_path, &mut diagnostics)?;
     let assembled = assemble::assemble(&obj, path, &mut diagnostics);
     if assembled.polygons.is_empty() {
         // Faces of fewer than three corners never came as far as the assembly.
@@ -73,5 +78,5 @@ pub fn read_scene(path: &Path, options: &ImportOptions) -> Result<Imported, Impo
         let text = "no light: no face has a material that emits (Ke), so everything is black";
         diagnostics.push(Diagnostic::new(DiagnosticKind::NoLight, text).at(path, 0));
     }
-    Ok(Imported { scene, diagnostics, file: file(), lines: obj.lines, vertices: obj.vertices })
+    Ok(Imported { scene, diagnostics, file: file(), libraries: obj.libraries, lines: obj.lines, vertices: obj.vertices })
 }

@@ -34,26 +34,45 @@ struct Definition {
     radiance: Option<(u32, String)>,
 }
 
+/// A library that cannot be read.
+struct Missing {
+    line: u32,
+    library: PathBuf,
+    reason: String,
+}
+
 /// The materials of all libraries, in the order in which they are defined.
 #[derive(Default)]
 pub(super) struct Libraries {
+    files: Vec<PathBuf>,
+    missing: Option<Missing>,
     definitions: Vec<Definition>,
     by_name: HashMap<String, u32>,
     ignored: BTreeMap<String, (usize, PathBuf, u32)>,
-    unknown: BTreeMap<String, (usize, PathBuf, u32)>,
+    /// Statements that are no part of the format: how many, and the first. They are not repeated: the file may be anything.
+    unknown: Option<(usize, PathBuf, u32)>,
 }
 
 impl Libraries {
-    /// Reads one library. A missing one is a warning, a malformed one an error.
-    pub fn read(&mut self, file: &Path, named_in: (&Path, u32), diagnostics: &mut Diagnostics) -> Result<(), ImportError> {
-        let bytes = match read_regular_file(file) {
+    /// Reads one library, if that is allowed. A missing one is a warning as long as nothing of it is needed, a malformed one an error.
+    pub fn read(
+        &mut self,
+        file: &Path,
+        is_allowed: bool,
+        named_in: (&Path, u32),
+        diagnostics: &mut Diagnostics,
+    ) -> Result<(), ImportError> {
+        let outside = || Err("it lies outside of the folder of the scene; allow that by --allow-any-path".to_owned());
+        let bytes = match if is_allowed { read_regular_file(file) } else { outside() } {
             Ok(bytes) => bytes,
             Err(reason) => {
-                let text = format!("material library {} cannot be read ({reason}): its materials are grey 0.5", file.display());
+                let text = format!("material library {} cannot be read ({reason})", file.display());
                 diagnostics.push(Diagnostic::new(DiagnosticKind::MissingLibrary, text).at(named_in.0, named_in.1));
+                self.missing.get_or_insert(Missing { line: named_in.1, library: file.to_owned(), reason });
                 return Ok(());
             }
         };
+        self.files.push(file.to_owned());
         let (text, latin1) = decode(&bytes);
         if latin1 {
             diagnostics.push(Diagnostic::new(DiagnosticKind::NotUtf8, "the file is not UTF-8, read as Latin-1").at(file, 0));
@@ -106,7 +125,7 @@ impl Libraries {
                 key if key.starts_with("map_") || matches!(key, "bump" | "disp" | "decal" | "refl" | "norm") => {
                     count(&mut self.ignored, key, file, line);
                 }
-                key => count(&mut self.unknown, key, file, line),
+                _ => self.unknown.get_or_insert((0, file.to_owned(), line)).0 += 1,
             }
         }
         Ok(())
@@ -133,15 +152,38 @@ impl Libraries {
         index
     }
 
-    /// The index of the material `name`, used in `line` of the scene; what is defined nowhere becomes grey with a warning.
-    pub fn find_or_default(&mut self, name: &str, file: &Path, line: u32, diagnostics: &mut Diagnostics) -> u32 {
+    /// The files that were read.
+    pub fn take_files(&mut self) -> Vec<PathBuf> {
+        std::mem::take(&mut self.files)
+    }
+
+    /// The index of the material `name`, used in `line` of the scene; what is defined nowhere becomes grey with a warning, unless a library
+    /// is missing.
+    pub fn find_or_default(
+        &mut self,
+        name: &str,
+        file: &Path,
+        line: u32,
+        diagnostics: &mut Diagnostics,
+    ) -> Result<u32, ImportError> {
         if let Some(&index) = self.by_name.get(name) {
-            return index;
+            return Ok(index);
+        }
+        if let Some(Missing { line, library, reason }) = &self.missing {
+            let (library, reason) = (library.clone(), reason.clone());
+            return Err(ImportError::MissingLibrary {
+                file: file.to_owned(),
+                line: *line,
+                library,
+                reason,
+                material: name.to_owned(),
+            });
         }
         let text = format!("material '{name}' is not defined: grey {DEFAULT_REFLECTANCE}");
         diagnostics.push(Diagnostic::new(DiagnosticKind::MissingMaterial, text).at(file, line));
         let grey = Some((0, format!("{DEFAULT_REFLECTANCE} {DEFAULT_REFLECTANCE} {DEFAULT_REFLECTANCE}")));
-        self.push(Definition { name: name.to_owned(), file: file.to_owned(), line, reflectance: grey, radiance: None }) as u32
+        let default = Definition { name: name.to_owned(), file: file.to_owned(), line, reflectance: grey, radiance: None };
+        Ok(self.push(default) as u32)
     }
 
     /// The text that tobj reads: material `k` is named `mk`.
@@ -182,14 +224,14 @@ impl Libraries {
         }
 
         // What was left out, once for each keyword.
-        for (kind, left_out, why) in [
-            (DiagnosticKind::IgnoredProperty, &self.ignored, "left out: materials are diffuse and have no textures"),
-            (DiagnosticKind::UnknownKeyword, &self.unknown, "unknown and left out"),
-        ] {
-            for (key, (count, file, line)) in left_out {
-                let times = if *count == 1 { String::new() } else { format!(" ({count} times)") };
-                diagnostics.push(Diagnostic::new(kind, format!("'{key}'{times} is {why}")).at(file, *line));
-            }
+        for (key, (count, file, line)) in &self.ignored {
+            let times = if *count == 1 { String::new() } else { format!(" ({count} times)") };
+            let text = format!("'{key}'{times} is left out: materials are diffuse and have no textures");
+            diagnostics.push(Diagnostic::new(DiagnosticKind::IgnoredProperty, text).at(file, *line));
+        }
+        if let Some((count, file, line)) = &self.unknown {
+            let text = format!("{count} statements from here on are unknown and left out");
+            diagnostics.push(Diagnostic::new(DiagnosticKind::UnknownKeyword, text).at(file, *line));
         }
         Ok(materials)
     }

@@ -48,10 +48,12 @@ pub(super) struct ObjFile {
     pub corners: Vec<DVec3>,
     /// The materials that faces index.
     pub materials: Vec<Material>,
+    /// The material libraries that were read.
+    pub libraries: Vec<PathBuf>,
 }
 
-/// Reads an OBJ file and its material libraries.
-pub(super) fn read(file: &Path, diagnostics: &mut Diagnostics) -> Result<ObjFile, ImportError> {
+/// Reads an OBJ file and its material libraries: those beside or below it, or any.
+pub(super) fn read(file: &Path, allow_any_path: bool, diagnostics: &mut Diagnostics) -> Result<ObjFile, ImportError> {
     let bytes = read_regular_file(file).map_err(|reason| ImportError::Unreadable { file: file.to_owned(), reason })?;
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         let reason = "the file is UTF-16; save it as UTF-8".to_owned();
@@ -70,7 +72,8 @@ pub(super) fn read(file: &Path, diagnostics: &mut Diagnostics) -> Result<ObjFile
         for library in library_files(file, argument) {
             // Some exporters name the library again for every object.
             if named.insert(library.clone()) {
-                libraries.read(&library, (file, *line), diagnostics)?;
+                let is_allowed = allow_any_path || lies_below(&library, file);
+                libraries.read(&library, is_allowed, (file, *line), diagnostics)?;
             }
         }
     }
@@ -90,6 +93,18 @@ fn library_files(scene: &Path, argument: &str) -> Vec<PathBuf> {
     }
 }
 
+/// Whether a library lies in the folder of the scene or below it, wherever links lead. What does not exist lies nowhere else.
+fn lies_below(library: &Path, scene: &Path) -> bool {
+    let folder = match scene.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    match (library.canonicalize(), folder.canonicalize()) {
+        (Ok(library), Ok(folder)) => library.starts_with(folder),
+        _ => !library.exists(),
+    }
+}
+
 /// The second pass: tobj reads numbers, faces and materials from the prepared text.
 fn read_values(
     mut structure: Structure<'_>,
@@ -97,7 +112,7 @@ fn read_values(
     file: &Path,
     diagnostics: &mut Diagnostics,
 ) -> Result<ObjFile, ImportError> {
-    let material_of = materials_of_names(&structure, &mut libraries, file, diagnostics);
+    let material_of = materials_of_names(&structure, &mut libraries, file, diagnostics)?;
     let (text, order) = prepared_text(&mut structure, &material_of);
     let prepared = libraries.prepared();
     let (models, read_materials) =
@@ -114,9 +129,16 @@ fn read_values(
             used[face.material as usize] = true;
         }
     }
+    let files = libraries.take_files();
     let mut materials = libraries.into_materials(&read_materials, &used, diagnostics)?;
-    let mut obj =
-        ObjFile { lines: structure.face_lines, vertices: structure.vertex_lines.len(), faces, corners, materials: vec![] };
+    let mut obj = ObjFile {
+        lines: structure.face_lines,
+        vertices: structure.vertex_lines.len(),
+        faces,
+        corners,
+        materials: vec![],
+        libraries: files,
+    };
 
     // Faces without a material share a grey one.
     if structure.nameless.0 > 0 {
@@ -139,14 +161,14 @@ fn materials_of_names(
     libraries: &mut Libraries,
     file: &Path,
     diagnostics: &mut Diagnostics,
-) -> Vec<u32> {
+) -> Result<Vec<u32>, ImportError> {
     let mut used = vec![false; structure.names.len()];
     for name in structure.faces.iter().filter_map(|face| face.name) {
         used[name] = true;
     }
     let names = structure.names.iter().zip(&used);
     names
-        .map(|((name, line), used)| if *used { libraries.find_or_default(name, file, *line, diagnostics) } else { u32::MAX })
+        .map(|((name, line), used)| if *used { libraries.find_or_default(name, file, *line, diagnostics) } else { Ok(u32::MAX) })
         .collect()
 }
 
