@@ -32,7 +32,7 @@ pub enum PipelineError {
     #[error(transparent)]
     Interest(#[from] InterestError),
     /// The threads could not be started.
-    #[error("cannot start {threads} threads: {message}")]
+    #[error("cannot start {}: {message}", if *threads == 0 { "a thread for each core".to_owned() } else { format!("{threads} threads") })]
     Threads {
         /// How many were asked for.
         threads: usize,

@@ -78,6 +78,14 @@ static void keep_first_error(void *user, enum RTCError code, const char *message
     snprintf(scene->error, sizeof scene->error, "error %d: %s", (int)code, message ? message : "no message");
 }
 
+static const char *why_no_device(enum RTCError error) {
+    switch (error) {
+    case RTC_ERROR_OUT_OF_MEMORY: return "out of memory";
+    case RTC_ERROR_UNSUPPORTED_CPU: return "this processor is too old for Embree";
+    default: return "no Embree device: the system may lack memory or threads for it";
+    }
+}
+
 static void build(occlusion_scene *scene, const occlusion_mesh *mesh) {
     /* Triangles, copied into buffers of Embree's own, which have the padding that it reads past the end. */
     RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -107,7 +115,8 @@ occlusion_scene *occlusion_create(const occlusion_mesh *mesh) {
     /* One thread: the caller's threads do the work, and the tree does not depend on their number. */
     scene->device = rtcNewDevice("threads=1,set_affinity=0");
     if (!scene->device) {
-        keep_first_error(scene, rtcGetDeviceError(NULL), "no Embree device for this processor");
+        enum RTCError error = rtcGetDeviceError(NULL);
+        keep_first_error(scene, error, why_no_device(error));
         return scene;
     }
     rtcSetDeviceErrorFunction(scene->device, keep_first_error, scene);

@@ -133,7 +133,7 @@ impl SettingArguments {
 pub struct SampleArguments {
     /// A solution that 'patchlight solve -o' wrote
     pub solution: PathBuf,
-    /// Points: a CSV file with the header x,y,z,nx,ny,nz, '-' for stdin
+    /// Points: a CSV file with the columns x,y,z,nx,ny,nz, '-' for stdin
     pub points: PathBuf,
     /// Write the values, '-' for stdout
     #[arg(short, long, value_name = "V.csv", default_value = "-")]

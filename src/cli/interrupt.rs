@@ -1,4 +1,6 @@
-//! Ctrl-C: the first ends the stage that is at work, what there is is written; the second ends that as well; the third leaves at once.
+//! Interrupts. The first Ctrl-C ends the stage that is at work, what there is is written; the second leaves out what takes long; the third
+//! leaves at once. SIGTERM counts for two: whoever sends it waits for an end, not for a picture. Until anybody listens, as while files are
+//! read, any of them ends the program: there is nothing to lose yet.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -7,18 +9,41 @@ use super::stderr::say;
 
 static INTERRUPTS: AtomicUsize = AtomicUsize::new(0);
 
+/// After so many, what takes long is left out.
+const LEAVE_OUT: usize = 2;
+
 /// How many interrupts there were so far.
 pub fn count() -> usize {
     INTERRUPTS.load(Ordering::Relaxed)
 }
 
-/// Listens from now on to SIGINT, SIGTERM and SIGHUP (Ctrl-C and Ctrl-Break where there are no signals).
+/// Whether what takes long is to be left out.
+pub fn leaves_out() -> bool {
+    count() >= LEAVE_OUT
+}
+
+/// Adds so many interrupts.
+fn interrupt(by: usize) {
+    let before = INTERRUPTS.fetch_add(by, Ordering::Relaxed);
+    match before + by {
+        _ if before >= LEAVE_OUT => std::process::exit(Exit::Cancelled as i32),
+        1 => say(format_args!("interrupted: writing what there is (interrupt again to leave out what takes long)")),
+        _ => say(format_args!("interrupted: leaving out what takes long")),
+    }
+}
+
+/// Listens from now on to SIGINT, SIGHUP and SIGTERM (Ctrl-C and Ctrl-Break where there are no signals).
 pub fn listen() {
-    let listening = ctrlc::set_handler(|| match INTERRUPTS.fetch_add(1, Ordering::Relaxed) {
-        0 => say(format_args!("interrupted: writing what there is (interrupt again to leave that out too)")),
-        1 => say(format_args!("interrupted again: leaving out what takes long")),
-        _ => std::process::exit(Exit::Cancelled as i32),
-    });
+    #[cfg(unix)]
+    let listening = {
+        use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+        signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM]).and_then(|mut signals| {
+            let handle = move || signals.forever().for_each(|signal| interrupt(if signal == SIGTERM { LEAVE_OUT } else { 1 }));
+            std::thread::Builder::new().name("interrupts".to_owned()).spawn(handle)
+        })
+    };
+    #[cfg(not(unix))]
+    let listening = ctrlc::set_handler(|| interrupt(1));
     if let Err(error) = listening {
         say(format_args!("warning: cannot listen to interrupts ({error}): Ctrl-C will lose the results"));
     }

@@ -126,7 +126,7 @@ impl Observer for Watcher {
     }
 
     fn cancelled(&self) -> bool {
-        interrupt::count() > self.interrupts_before
+        interrupt::leaves_out() || interrupt::count() > self.interrupts_before
     }
 }
 

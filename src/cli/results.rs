@@ -16,9 +16,9 @@ use super::request::{ExportRequest, PictureRequest, RenderRequest, SampleRequest
 
 /// `patchlight sample`.
 pub fn sample(request: SampleRequest) -> Result<Exit, Failure> {
-    interrupt::listen();
     let points = files::read_points(&request.points)?;
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
+    interrupt::listen();
     request.voice.figure("backend", format_args!("{}", evaluator.backend()));
     let Some(values) = values_at(&evaluator, &points, request.voice) else { return Ok(Exit::Cancelled) };
     write_values_to(&request.output, &evaluator, &points, &values, request.voice)?;
@@ -50,8 +50,8 @@ pub fn write_values_to(sink: &Sink, evaluator: &Evaluator, points: &Points, valu
 
 /// `patchlight render`.
 pub fn render(request: RenderRequest) -> Result<Exit, Failure> {
-    interrupt::listen();
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
+    interrupt::listen();
     request.voice.figure("backend", format_args!("{}", evaluator.backend()));
     let Some(image) = take_picture(&evaluator, &request.picture, request.voice)? else { return Ok(Exit::Cancelled) };
     write_picture(&image, &request.picture, &Provenance::new(evaluator.solution().options()), request.voice)?;
@@ -68,7 +68,16 @@ pub fn take_picture(evaluator: &Evaluator, request: &PictureRequest, voice: Voic
             Err(Failure::usage("--quantity width: this solution has no bounds; solve the scene with --bounds guaranteed"))
         }
         Quantity::Width => Ok(evaluator.render_width(&camera, &Watcher::new(voice))?),
-        Quantity::Radiance | Quantity::Radiosity => Ok(evaluator.render(&camera, &Watcher::new(voice))?),
+        Quantity::Radiance | Quantity::Radiosity => {
+            let image = evaluator.render(&camera, &Watcher::new(voice))?;
+            if image.as_ref().is_some_and(|image| image.radiance.iter().all(|&radiance| radiance == 0.0)) {
+                voice.warn(format_args!(
+                    "the picture is black: this camera sees no lit front of a face; from outside of a closed room there are only \
+                     backs. Leave --camera out to be shown the scene, or solve it with --sides both"
+                ));
+            }
+            Ok(image)
+        }
     }
 }
 

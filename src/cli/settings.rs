@@ -6,6 +6,7 @@ use patchlight::solve::{Interest, RunOptions, SolveOptions};
 use super::arguments::{RunArguments, SettingArguments};
 use super::exit::Failure;
 use super::process;
+use super::stderr::say;
 
 /// Of the memory that is available, the solution gets so much if nobody says: while it refines, the process takes up to five times what
 /// nodes and links do (measured at 3 million links), and is to stay below three quarters.
@@ -24,8 +25,8 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Of a solve: flags first, then `--set` in the order in which it was typed; of two values for a key the last one counts. `camera` is
-    /// that of the picture.
+    /// Of a solve. Of two values that `--set` gives for a key the last one counts; a flag and `--set` for the same key contradict each
+    /// other. `camera` is that of the picture.
     pub fn new(typed: &SettingArguments, run: &RunArguments, camera: Option<&str>) -> Result<Self, Failure> {
         // Each by itself.
         let mut settings = Self { run: run_options(run)?, ..Self::default() };
@@ -36,7 +37,16 @@ impl Settings {
             let (key, value) = setting
                 .split_once('=')
                 .ok_or_else(|| Failure::usage(format_args!("--set {setting}: write --set key=value, as in --set error=0.01")))?;
-            settings.set(key.trim(), value.trim())?;
+            let (key, value) = (key.trim(), value.trim());
+            let of_run = [("threads", run.threads.is_some()), ("backend", run.backend.is_some())];
+            let is_typed = typed.flags().any(|(flag, _)| flag == key) || of_run.contains(&(key, true));
+            if is_typed {
+                let flag = key.replace('_', "-");
+                return Err(Failure::usage(format_args!(
+                    "--set {setting} and --{flag} both say what {key} is: leave one of them out"
+                )));
+            }
+            settings.set(key, value)?;
         }
 
         // All together. A view that says nothing more is that of the picture.
@@ -64,7 +74,7 @@ impl Settings {
                 self.run.threads = threads.map_err(|_| {
                     Failure::usage(format_args!("threads is '{value}', it must be a whole number, 0 for one per core"))
                 })?;
-                check_threads(self.run.threads)?;
+                self.run.threads = useful_threads(self.run.threads);
             }
             "time" => self.run.time_s = Some(positive("seconds")?),
             "memory" => self.run.memory_bytes = Some((positive("GB")? * 1e9) as u64),
@@ -80,17 +90,18 @@ pub fn run_options(typed: &RunArguments) -> Result<RunOptions, Failure> {
     if let Some(name) = &typed.backend {
         run.backend = name.parse().map_err(Failure::usage)?;
     }
-    check_threads(run.threads)?;
+    run.threads = useful_threads(run.threads);
     Ok(run)
 }
 
-/// More threads than any machine has are a slip, and the system would fail on them in the middle of the work.
-fn check_threads(threads: usize) -> Result<(), Failure> {
-    const MOST: usize = 4096;
-    if threads > MOST {
-        return Err(Failure::usage(format_args!("threads is {threads}, it must be at most {MOST}; 0 takes one per core")));
+/// No more threads than four for each core: more of them only wait for each other. The answer is the same.
+fn useful_threads(threads: usize) -> usize {
+    const OF_A_CORE: usize = 4;
+    let most = OF_A_CORE * std::thread::available_parallelism().map_or(1, usize::from);
+    if threads > most {
+        say(format_args!("warning: {threads} threads are more than the cores can use: {most} are started"));
     }
-    Ok(())
+    threads.min(most)
 }
 
 /// Sides by name.

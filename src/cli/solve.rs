@@ -7,7 +7,7 @@ use patchlight::output::{CpuReport, Points, Provenance, RunReport, SceneReport, 
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::scene::Scene;
 use patchlight::scene::import::read_scene;
-use patchlight::solve::{SolveOptions, SolveReport};
+use patchlight::solve::{ErrorReport, Norm, SolveOptions, SolveReport};
 use patchlight::values::ValuesError;
 
 use super::exit::{Exit, Failure};
@@ -23,15 +23,15 @@ const PRINTED_WARNINGS: usize = 20;
 pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let start = Instant::now();
     let voice = request.voice;
-    interrupt::listen();
 
-    // Everything that is read, before the long work.
+    // Everything that is read, before the long work. An interrupt ends it at once.
     let points = request.points.as_ref().map(|(path, _)| files::read_points(path)).transpose()?;
     let expected_values = request.options.expected_values.or(points.as_ref().map(|points| points.len() as u64));
     let options = SolveOptions { expected_values, ..request.options.clone() };
     let (scene, warnings) = read(&request)?;
     let scene_report = describe_scene(&scene, &request);
     let load_s = start.elapsed().as_secs_f64();
+    interrupt::listen();
 
     // The solve. What an interrupt or a limit leaves is a solution as well, and is written.
     let cpu_before = process::cpu_seconds();
@@ -137,17 +137,9 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
     voice.figure("solution", format_args!("{} elements, {} links, {} rays", counts.elements, counts.links, counts.rays));
     let error = &report.error;
     let reached = if report.converged { "reached" } else { "not reached" };
-    voice.figure(
-        "error",
-        format_args!(
-            "{:.2}% claimed in the {} norm with {:.0}% confidence; {:.2}% asked for: {reached} (stopped by {})",
-            100.0 * error.estimate,
-            run.options.norm,
-            100.0 * error.confidence,
-            100.0 * run.options.error,
-            stopped_by_name(report)
-        ),
-    );
+    let claim = claim_in_words(error, run.options.norm);
+    let asked = 100.0 * run.options.error;
+    voice.figure("error", format_args!("{claim}; {asked:.2}% asked for: {reached} (stopped by {})", stopped_by_name(report)));
     if let Some(links) = &report.link_error {
         let part = 100.0 * links.estimated_error / links.reflected;
         voice.figure(
@@ -162,6 +154,15 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
         };
         voice.figure("bounds", format_args!("values at points are at most {:.2}% wrong: {proved}", 100.0 * bounds.relative_error));
     }
+}
+
+/// The claim, or that there is none: nothing was estimated, or nothing can be.
+fn claim_in_words(error: &ErrorReport, norm: Norm) -> String {
+    if !error.estimate.is_finite() {
+        return format!("nothing can be said about it in the {norm} norm: too little was done to estimate it");
+    }
+    let (percent, confidence) = (100.0 * error.estimate, 100.0 * error.confidence);
+    format!("{percent:.2}% claimed in the {norm} norm with {confidence:.0}% confidence")
 }
 
 /// The name that the report uses.
@@ -211,5 +212,20 @@ impl Ending {
         let last = self.failures.pop();
         self.failures.iter().for_each(|failure| say(format_args!("error: {}", failure.message)));
         last.map_or(Ok(self.exit), Err)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_that_is_not_known_is_not_claimed() {
+        let known = ErrorReport { estimate: 0.0123, confidence: 0.98, ..ErrorReport::default() };
+        assert_eq!(claim_in_words(&known, Norm::Energy), "1.23% claimed in the energy norm with 98% confidence");
+        for estimate in [f64::INFINITY, f64::NAN] {
+            let unknown = claim_in_words(&ErrorReport { estimate, ..known }, Norm::Local);
+            assert!(unknown.starts_with("nothing can be said about it in the local norm"), "{unknown}");
+        }
     }
 }

@@ -86,11 +86,11 @@ impl Hierarchy {
             }
             // An element lies on its surface, but for rounding.
             let reach = surface.radius * (1.0 + 1e-9);
-            if vertices.iter().any(|vertex| !(vertex.distance(surface.centroid) <= reach)) {
+            if !vertices.iter().all(|vertex| vertex.distance(surface.centroid) <= reach) {
                 return fault("it is not on its surface");
             }
             let Facet { area, centroid, radius, .. } = Facet::of_part(vertices, surface.normal);
-            if (area, centroid, radius) != (node.area, node.centroid, node.radius) || !(area > 0.0) {
+            if (area, centroid, radius) != (node.area, node.centroid, node.radius) || area <= 0.0 {
                 return fault("its size is not that of its vertices");
             }
         }

@@ -1,6 +1,7 @@
 //! The command line: exit codes, messages, and what a failed run leaves behind.
 
 mod commands;
+mod hostile;
 mod solve;
 #[path = "../support/mod.rs"]
 mod support;
@@ -155,13 +156,13 @@ fn the_order_of_settings_does_not_matter() {
     assert!(elsewhere != view, "the camera matters");
     assert_eq!(text("--camera eye=1,1,1 --set importance=view --set strategy=error-driven"), elsewhere);
 
-    // Of two values for a key the last one counts, and `--set` comes after the flags.
+    // Of two values for a key the last one counts.
     let last = |arguments: &str| {
         let report = place.run(&format!("solve room.obj --error 0.3 {arguments} --report -")).succeeded().stdout.clone();
         serde_json::from_str::<serde_json::Value>(&report).unwrap()["options"]["seed"].clone()
     };
     assert_eq!(last("--set seed=1 --set seed=2"), 2);
-    assert_eq!(last("--set seed=2 --seed 1"), 2);
+    assert_eq!(last("--set threads=1000 --seed 1"), 1);
 }
 
 #[test]
@@ -192,7 +193,6 @@ fn wrong_usage_ends_with_2_and_says_what_is_wrong() {
         ("solve room.obj --time 0", &["time is '0'", "seconds"]),
         ("solve room.obj --time -1", &["-1"]),
         ("solve room.obj --memory inf", &["memory is 'inf'"]),
-        ("solve room.obj --threads 99999", &["threads is 99999"]),
         ("solve room.obj --set error", &["--set error", "key=value"]),
         ("solve room.obj --set colour=red", &["unknown option 'colour'"]),
         ("solve room.obj --set threads=many", &["threads is 'many'"]),
@@ -224,6 +224,18 @@ fn wrong_usage_ends_with_2_and_says_what_is_wrong() {
         .run_with(&["solve", "room.obj", "--image", "a.png", "--camera", "eye=1,1,1 target=1,1,1"], "")
         .failed(2, &["eye and target are the same point"]);
     assert!(place.new_files().is_empty(), "{:?}", place.new_files());
+}
+
+#[test]
+fn a_flag_and_a_setting_for_the_same_key_contradict_each_other() {
+    let place = Place::new();
+    for (arguments, words) in [
+        ("--set error=0.1 --error 0.2", "--set error=0.1 and --error both say what error is: leave one of them out"),
+        ("--set threads=1 --threads 2", "--set threads=1 and --threads"),
+        ("--set max_links=1 --max-links 2", "--set max_links=1 and --max-links"),
+    ] {
+        place.run(&format!("solve room.obj {arguments}")).failed(2, &[words]);
+    }
 }
 
 #[test]

@@ -32,12 +32,17 @@ fn libraries_and_names_are_found() {
 
 #[test]
 fn what_is_missing_is_grey() {
-    let imported = after_square("mtllib gone.mtl\nusemtl lost\nf 1 2 3\nusemtl also lost\nf 2 3 4\nusemtl lost\nf 3 4 1\n");
+    let imported = after_square("usemtl lost\nf 1 2 3\nusemtl also lost\nf 2 3 4\nusemtl lost\nf 3 4 1\n");
     assert_eq!(reflectance(&imported), [0.5; 3]);
     use DiagnosticKind::{MissingLibrary, MissingMaterial, NoMaterial, NoReflectance};
-    assert_eq!(kinds(&imported.diagnostics), [MissingLibrary, MissingMaterial, MissingMaterial]);
+    assert_eq!(kinds(&imported.diagnostics), [MissingMaterial, MissingMaterial]);
     let text = imported.diagnostics.warnings().join("\n");
-    assert!(text.contains("bad.obj:5:") && text.contains("gone.mtl") && text.contains("bad.obj:6: material 'lost'"), "{text}");
+    assert!(text.contains("bad.obj:5: material 'lost'"), "{text}");
+
+    // A material that a missing library may define is an error.
+    let error = read_with(&format!("{SQUARE}mtllib gone.mtl\nusemtl lost\nf 1 2 3\n"), "").unwrap_err();
+    assert!(matches!(error, ImportError::MissingLibrary { line: 5, .. }), "{error:?}");
+    assert!(error.to_string().contains("gone.mtl") && error.to_string().contains("'lost'"), "{error}");
 
     // One library of two is missing; a material is defined in a library that is named after its use.
     let folder = Folder::with(&[
@@ -107,9 +112,12 @@ fn what_a_diffuse_material_does_not_have_is_mentioned_once() {
                bump\nPr 0.5\nPr 0.6\nd 0.5\n";
     let imported = read_with(&format!("{GREY}{SQUARE}f 1 2 3 4\n"), mtl).unwrap();
     let lines = imported.diagnostics.warnings();
-    for expected in
-        ["bad.mtl:11: 'map_Kd' (2 times)", "bad.mtl:13: 'bump'", "bad.mtl:16: 'd'", "bad.mtl:14: 'Pr' (2 times) is unknown"]
-    {
+    for expected in [
+        "bad.mtl:11: 'map_Kd' (2 times)",
+        "bad.mtl:13: 'bump'",
+        "bad.mtl:16: 'd'",
+        "bad.mtl:14: 2 statements from here on are unknown",
+    ] {
         assert_eq!(lines.iter().filter(|line| line.contains(expected)).count(), 1, "{expected}: {lines:?}");
     }
     assert_eq!(kinds(&imported.diagnostics).len(), 4, "{lines:?}");

@@ -20,8 +20,7 @@ pub use table::{
     CellOptions, ChangShih98Options, Holzschuch94Options, LinkOptions, OptionEntry, OptionGroup, SolveOptions, UniformOptions,
 };
 
-/// More work on bounds takes minutes and gigabytes, and brings little.
-const MOST_BOUNDS_WORK: u64 = 1 << 24;
+use table::MOST_BOUNDS_WORK;
 
 impl SolveOptions {
     /// All options, group after group.

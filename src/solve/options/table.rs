@@ -10,13 +10,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::MOST_BOUNDS_WORK;
 use super::choices::{Bounds, Norm, Solver, Strategy, Sweep};
 use super::declare::options;
 use super::error::OptionsError;
 use super::interest::Interest;
 use super::kinds::{Flag, Kind, OneName, SkipNames, Text, above, any, at_least, between, check, read};
 use crate::links::Skips;
+
+/// More work on bounds takes minutes and gigabytes, and brings little.
+pub(super) const MOST_BOUNDS_WORK: u64 = 1 << 24;
 
 options! {
     /// What decides the answer, kept in the solution.
