@@ -237,8 +237,9 @@ mod tests {
             }
         }
         let turned: Vec<[f64; 3]> = bent.iter().rev().copied().collect();
-        let turned = Polygon::new(&turned).unwrap();
-        assert!(turned.area() != Polygon::new(&bent).unwrap().area(), "measured from another corner it is another");
+        let measures = |polygon: &Polygon| (polygon.area(), polygon.normal(), polygon.centroid());
+        let (turned, reversed) = (Polygon::new(&turned).unwrap(), Polygon::new(&bent).unwrap().reversed());
+        assert!(measures(&turned) != measures(&reversed), "measured from another corner it has other measures");
     }
 
     #[test]

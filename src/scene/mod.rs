@@ -195,3 +195,26 @@ impl Scene {
         self.surfaces.iter().map(|surface| surface.polygon.bounds()).fold(Aabb::EMPTY, Aabb::union)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(channels: usize, reflectance: f64, exitance: f64) -> Result<Scene, SceneError> {
+        let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let polygon = Polygon::new(&square).expect("a square");
+        let (reflectance, exitance) = (vec![reflectance; channels], vec![exitance; channels]);
+        let material = Material { name: "a".to_owned(), reflectance, exitance };
+        Scene::new(channels, vec![material], vec![(polygon, 0, 0)], Sides::Front)
+    }
+
+    #[test]
+    fn channels_and_brightness_have_a_range() {
+        assert_eq!(scene(0, 0.5, 1.0), Err(SceneError::Channels(0)));
+        assert!(matches!(scene(1025, 0.5, 1.0), Err(SceneError::Channels(1025))));
+        assert!(scene(1024, 0.5, 1.0).is_ok() && scene(1, 0.99, 4e30).is_ok() && scene(1, 0.5, 0.0).is_ok());
+        for (reflectance, exitance) in [(0.5, 1e300), (0.5, 1e36), (1.0 - 1e-9, 1e30), (0.5, 1e-200), (0.5, f64::NAN), (1.0, 1.0)] {
+            assert!(matches!(scene(1, reflectance, exitance), Err(SceneError::BadMaterial { .. })), "{reflectance} {exitance}");
+        }
+    }
+}

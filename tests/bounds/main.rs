@@ -251,13 +251,15 @@ fn the_more_work_the_narrower_the_bounds_of_clusters() {
     let scene = room_of_boxes(|room, k| if k == 13 { room.material(&[0.0], &[1.0]) } else { room.material(&[0.5], &[0.0]) });
     let points: Vec<_> = points_of(&scene, 300, &mut Random(9)).into_iter().map(|(point, _)| point).collect();
     let mut powers: Vec<[f64; 2]> = Vec::new();
-    for work in [0, 1000, 10_000, u64::MAX] {
+    // The most that may be asked for is more than there is to do here.
+    let most = 1 << 24;
+    for work in [0, 1000, 10_000, most] {
         let options = SolveOptions { error: 0.02, bounds: Bounds::Guaranteed, bounds_work: Some(work), ..SolveOptions::default() };
         let (evaluator, report) = bounded(scene.clone(), &options);
         let found = bounds_of(&report);
         let boxes = found.evidence.iter().find(|share| share.evidence == Evidence::Boxes).map_or(0, |share| share.pairs);
         println!("work {work}: {boxes} pairs of boxes, {:?}", found.channels);
-        assert_eq!(boxes == 0, work == u64::MAX);
+        assert_eq!(boxes == 0, work == most);
         powers.push([found.channels[0].lower_power, found.channels[0].upper_power]);
 
         // What paths of light find does not know of the bounds, but for values being kept within them at last.
