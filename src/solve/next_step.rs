@@ -52,14 +52,26 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64) ->
         return refine(plan, error);
     }
 
-    // Finding cells anew takes much, and what replicates found may be chance.
+    // Finding cells anew takes much, and what replicates found may be chance. Where values and what is known of them must both become
+    // better, what the claim gains most by comes first.
     let closer = doubtful.closer();
     let knows_first = choice.finds_cells
         && doubtful.may_be_chance()
         && !doubtful.is_common()
         && plan.may_know_closer(&closer)
         && plan.work_of(&closer) < plan.work_of(&choice);
-    step_towards(plan, if knows_first { closer } else { choice })
+    let known_alone = Choice { rays: 1.0, ..choice };
+    let tells_more = !choice.finds_cells && doubtful.estimate_claim(&known_alone) < doubtful.estimate_claim(&choice.of_values());
+    step_towards(
+        plan,
+        if knows_first {
+            closer
+        } else if tells_more {
+            known_alone
+        } else {
+            choice
+        },
+    )
 }
 
 /// The next step towards a choice: replicates are added little by little, because each time may tell that it is enough, or will not do.

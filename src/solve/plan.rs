@@ -68,7 +68,7 @@ const CELLS_SHOW_BELOW: f64 = 0.0075;
 const ERROR_POINTS: std::ops::RangeInclusive<usize> = 512..=32_768;
 
 /// The most rays of a replicate, and to a point.
-const MAX_REPLICATE_RAYS: u32 = 1024;
+const MAX_REPLICATE_RAYS: u32 = 1 << 14;
 const MAX_POINT_RAYS: u32 = 1 << 16;
 
 /// Rounds after which refining once more would not help either.

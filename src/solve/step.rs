@@ -44,6 +44,11 @@ pub(super) struct Choice {
 impl Choice {
     pub const NOTHING: Self = Self { rays: 1.0, finds_cells: false, points: 1.0, replicate_rays: 1.0 };
 
+    /// The part of it that makes values better.
+    pub fn of_values(&self) -> Self {
+        Self { points: 1.0, replicate_rays: 1.0, ..*self }
+    }
+
     /// Whether values stay as they are.
     pub fn keeps_values(&self) -> bool {
         self.rays == 1.0 && !self.finds_cells

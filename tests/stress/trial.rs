@@ -8,7 +8,7 @@ use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
 use patchlight::scene::SurfacePoint;
 use patchlight::scene::{Scene, SurfaceId};
-use patchlight::solve::{RunOptions, SolveOptions, SolveReport, Solver};
+use patchlight::solve::{Norm, RunOptions, SolveOptions, SolveReport, Solver};
 use patchlight::visibility::Backend;
 
 use crate::hard_scenes::HardScene;
@@ -48,6 +48,7 @@ pub fn run(hard: &HardScene, way: Way, requested: f64) -> Option<Claim> {
     let run = format!("{}, {}, {:?}, seed {}", hard.name, way.backend.name(), way.solver, way.seed);
     let options = SolveOptions {
         error: requested,
+        norm: Norm::Energy,
         solver: way.solver,
         seed: way.seed,
         max_links: Some(MOST_LINKS),
