@@ -79,7 +79,8 @@ pub fn patchlight(problem: &Problem, job: &Job, folder: &Path) -> Measured {
     let mut command = Command::new(env!("CARGO_BIN_EXE_patchlight"));
     command.arg("solve").arg(&problem.scene).args(["--error", &job.error.to_string(), "--backend", job.backend]);
     command.args(["--seed", &job.seed.to_string(), "--time", MOST_SECONDS, "--progress", "none"]);
-    command.args(["--set", &format!("solver={}", job.solver)]);
+    // As values are scored here.
+    command.args(["--norm", "energy", "--set", &format!("solver={}", job.solver)]);
     command.arg("--points").arg(points).arg("--values").arg(&values).arg("--report").arg(&report);
     let timed = timed_well(&mut command);
 

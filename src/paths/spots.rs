@@ -99,3 +99,46 @@ fn area_of(scene: &Scene, surfaces: impl Iterator<Item = SurfaceId>) -> f64 {
     all.dedup();
     all.into_iter().map(|surface| scene.surface(surface).polygon.area()).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::{Polygon, sampling};
+    use crate::paths::Brightness;
+    use crate::scene::{Material, Sides};
+
+    /// The centres of the spots' cells on a floor of 4 m on which a part of the particles lands in a square of so many metres at the
+    /// origin, and the rest anywhere.
+    fn found(side: f64, part: f64) -> Vec<DVec3> {
+        let floor = [DVec3::ZERO, 4.0 * DVec3::X, DVec3::new(4.0, 4.0, 0.0), 4.0 * DVec3::Y];
+        let material = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![0.0] };
+        let faces = vec![(Polygon::from_vertices(floor.to_vec()).unwrap(), 0, 0)];
+        let scene = Scene::new(1, vec![material], faces, Sides::Front).unwrap();
+        let grids = Grids::new(&scene, &Brightness::even(&scene), 0.1);
+        let landing = |number: u64| {
+            let random = |draw| sampling::unit(sampling::hash(number, draw));
+            let side = if random(3) < part { side } else { 4.0 };
+            Landing { surface: SurfaceId(0), point: DVec3::new(side * random(1), side * random(2), 0.0), power: 1.0 }
+        };
+        let landings: Vec<Landing> = (0..4000).map(landing).collect();
+        let spots = spot_cells(&scene, &grids, &landings, |_| false);
+        let grid = grids.of(SurfaceId(0)).unwrap();
+        spots.iter().map(|spot| grid.point_in(spot.index as usize, 0.5, 0.5)).collect()
+    }
+
+    #[test]
+    fn spots_are_small_and_much_brighter_than_the_rest() {
+        // Half of the light within 40 cm: a hundred times as bright as the floor.
+        let spots = found(0.4, 0.5);
+        let within = |reach: f64| spots.iter().filter(|at| at.x < reach && at.y < reach).count();
+        assert_eq!(within(0.4), 16, "cells of 10 cm: {spots:?}");
+        // Blocks reach over its edge by less than their size, of two cells.
+        assert_eq!(within(0.6), spots.len(), "{spots:?}");
+
+        assert!(found(0.4, 0.0).is_empty(), "no light is anywhere more than elsewhere");
+        assert!(found(2.0, 0.5).is_empty(), "a quarter of the floor is no spot");
+        assert!(found(0.2, 0.01).is_empty(), "a hundredth of the light is not worth it");
+    }
+}
