@@ -156,13 +156,21 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
     }
 }
 
+/// Where light was found on less than this part of the area, the claim says so.
+const WORTH_TELLING: f64 = 0.99;
+
 /// The claim, or that there is none: nothing was estimated, or nothing can be.
 fn claim_in_words(error: &ErrorReport, norm: Norm) -> String {
     if !error.estimate.is_finite() {
         return format!("nothing can be said about it in the {norm} norm: too little was done to estimate it");
     }
     let (percent, confidence) = (100.0 * error.estimate, 100.0 * error.confidence);
-    format!("{percent:.2}% claimed in the {norm} norm with {confidence:.0}% confidence")
+    let where_lit = if norm == Norm::Local && error.lit < WORTH_TELLING {
+        format!(", on the {:.0}% of the area where light was found", 100.0 * error.lit)
+    } else {
+        String::new()
+    };
+    format!("{percent:.2}% claimed in the {norm} norm with {confidence:.0}% confidence{where_lit}")
 }
 
 /// The name that the report uses.
@@ -223,6 +231,8 @@ mod tests {
     fn an_error_that_is_not_known_is_not_claimed() {
         let known = ErrorReport { estimate: 0.0123, confidence: 0.98, ..ErrorReport::default() };
         assert_eq!(claim_in_words(&known, Norm::Energy), "1.23% claimed in the energy norm with 98% confidence");
+        let half = claim_in_words(&ErrorReport { lit: 0.5, ..known }, Norm::Local);
+        assert_eq!(half, "1.23% claimed in the local norm with 98% confidence, on the 50% of the area where light was found");
         for estimate in [f64::INFINITY, f64::NAN] {
             let unknown = claim_in_words(&ErrorReport { estimate, ..known }, Norm::Local);
             assert!(unknown.starts_with("nothing can be said about it in the local norm"), "{unknown}");

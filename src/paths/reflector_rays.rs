@@ -44,6 +44,7 @@ struct Target {
 /// The cells of all bright reflectors and spots, and the tree from which they are drawn.
 pub(super) struct Reflectors<'a> {
     scene: &'a Scene,
+    rays: &'a Rays<'a>,
     targets: Vec<Target>,
     /// By cell.
     is_target: Vec<bool>,
@@ -63,8 +64,15 @@ pub(super) struct ReflectorRays {
 
 impl<'a> Reflectors<'a> {
     /// Of bright surfaces, and of the spots where particles landed.
-    pub fn new(scene: &'a Scene, reflectors: &[Reflector], landings: &[Landing], grids: &Grids, small_from: f64) -> Self {
-        let mut all = Self { scene, targets: Vec::new(), is_target: vec![false; grids.cells()], small_from, tree: None };
+    pub fn new(
+        scene: &'a Scene,
+        rays: &'a Rays<'a>,
+        reflectors: &[Reflector],
+        landings: &[Landing],
+        grids: &Grids,
+        small_from: f64,
+    ) -> Self {
+        let mut all = Self { scene, rays, targets: Vec::new(), is_target: vec![false; grids.cells()], small_from, tree: None };
         for &Reflector { surface, brightness } in reflectors {
             let grid = grids.of(surface).into_iter();
             grid.for_each(|grid| (0..grid.len()).for_each(|index| all.add(surface, grid, index, brightness)));
@@ -105,7 +113,6 @@ impl<'a> Reflectors<'a> {
         &self,
         places: &[Place],
         is_on: impl Fn(&Place) -> bool,
-        rays: &Rays<'_>,
         count: u32,
         memory: &mut ReflectorRays,
         seen: &mut Vec<SeenCell>,
@@ -118,7 +125,7 @@ impl<'a> Reflectors<'a> {
         for (by, place) in places.iter().enumerate().filter(|(_, place)| !is_on(place)) {
             self.cast(place, by, count, memory, seen);
         }
-        rays.occluded(&memory.segments, &mut memory.occluded);
+        self.rays.occluded(&memory.segments, &mut memory.occluded);
         let mut occluded = memory.occluded.iter();
         seen.retain(|_| occluded.next() == Some(&false));
     }
@@ -228,6 +235,7 @@ mod tests {
             let plate = Reflector { surface: SurfaceId(16), brightness: 1.0 };
             let reflectors = Reflectors::new(
                 &scene,
+                &rays,
                 &[plate],
                 &[],
                 &Grids::new(&scene, &Brightness { reflectors: vec![plate], ..Brightness::even(&scene) }, 0.1),
@@ -239,7 +247,7 @@ mod tests {
             let places: Vec<Place> =
                 (0..4000).map(|k| Place { point, surface: SurfaceId(0), seed: sampling::hash(9, k) }).collect();
             for count in [1, 16] {
-                reflectors.see(&places, |_| false, &rays, count, &mut memory, &mut seen);
+                reflectors.see(&places, |_| false, count, &mut memory, &mut seen);
                 let found = seen.iter().map(|seen| seen.weight).sum::<f64>() / places.len() as f64;
                 assert!((found / expected - 1.0).abs() < 0.05, "{found} for {expected} by {count}, occluded: {occluded}");
             }

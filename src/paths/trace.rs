@@ -82,7 +82,7 @@ impl<'a> LightPaths<'a> {
     /// Paths that end in cells of about `side` metres; particles' `landings` tell where there are bright spots.
     pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, brightness: &Brightness, landings: &[Landing], side: f64) -> Self {
         let grids = Grids::new(scene, brightness, side);
-        let reflectors = Reflectors::new(scene, &brightness.reflectors, landings, &grids, SMALL_FROM);
+        let reflectors = Reflectors::new(scene, rays, &brightness.reflectors, landings, &grids, SMALL_FROM);
         let emitters = Emitters::new(scene, rays);
         let is_black = |surface: SurfaceId| {
             let material = scene.material_of(surface);
@@ -114,7 +114,7 @@ impl<'a> LightPaths<'a> {
 
     /// Casts rays to reflectors; points where cells have no value are left to paths.
     fn see(&self, places: &[Place], count: u32, memory: &mut ReflectorRays, seen: &mut Vec<SeenCell>) {
-        self.reflectors.see(places, |place| self.is_on_target(place), self.rays, count, memory, seen);
+        self.reflectors.see(places, |place| self.is_on_target(place), count, memory, seen);
         seen.retain(|seen| self.cell_at(seen.surface, seen.point).is_some());
     }
 

@@ -122,7 +122,9 @@ fn no_ray_weighs_much_however_near_an_emitter_is() {
             let place = Place { point: DVec3::new(at[0], at[1], 0.0), surface: SurfaceId(0), seed: 1 };
             emitters.add_sampled_irradiance(&[place], 1, 256, memory, &mut BatchSums::whole(1, &mut [0.0]));
             let most = memory.drawn.iter().map(|drawn| drawn.sampled / drawn.form_factor).fold(0.0, f64::max);
-            assert!(most < 4.0, "a sample of {most} times the form factor from {height} at {at:?}");
+            // A piece is at least twice its radius away, so its points lie no nearer than half of its distance; between parallel planes the
+            // kernel goes with the fourth power of that.
+            assert!(most < 16.0, "a sample of {most} times the form factor from {height} at {at:?}");
             assert!(memory.pieces.len() < 500, "{} pieces from {height} at {at:?}", memory.pieces.len());
         }
     }
