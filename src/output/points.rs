@@ -2,7 +2,7 @@
 //!
 //! A header names the columns `x,y,z,nx,ny,nz`, in any order and in upper or lower case; then one point a line, in metres, with the unit
 //! normal of the side that is meant. Other columns are left alone. Text is read line by line, and no line is longer than
-//! [`LONGEST_LINE`], so that a device that never ends is given up.
+//! 64 KiB, so that a device that never ends is given up.
 
 use std::io::{self, BufRead, BufReader, Read};
 
