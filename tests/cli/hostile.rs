@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::symlink;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use super::{MATERIALS, Place, ROOM};
 
@@ -124,25 +124,11 @@ fn a_disk_that_is_full_is_called_so() {
 #[test]
 fn one_sigterm_ends_it_and_the_solution_is_written() {
     let place = Place::new();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_patchlight"))
-        .args(["solve", "room.obj", "--error", "0.000001", "-o", "s.solution", "--progress", "json"])
-        .args(["--image", "a.png", "--size", "4000x4000"])
-        .current_dir(place.0.path())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stderr = std::io::BufReader::new(child.stderr.take().unwrap());
-    let mut line = String::new();
-    while !line.contains("\"progress\"") {
-        line.clear();
-        assert!(std::io::BufRead::read_line(&mut stderr, &mut line).unwrap() > 0, "it ended before it reported progress");
-    }
-    assert!(Command::new("sh").args(["-c", &format!("kill -TERM {}", child.id())]).status().unwrap().success());
-    let mut rest = String::new();
-    std::io::Read::read_to_string(&mut stderr, &mut rest).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(130), "{rest}");
+    let (code, said) =
+        place.run_until_signal("solve room.obj --error 0.000001 -o s.solution --image a.png --size 4000x4000", "TERM");
+    assert_eq!(code, Some(130), "{said}");
     assert_eq!(place.new_files(), ["s.solution"]);
-    assert!(!rest.contains("inf%"), "{rest}");
+    assert!(!said.contains("inf%"), "{said}");
 }
 
 #[test]

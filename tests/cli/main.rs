@@ -8,6 +8,8 @@ mod support;
 
 use std::fs;
 use std::io::Write;
+#[cfg(unix)]
+use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 
@@ -69,6 +71,31 @@ impl Place {
         // A program that rejects its arguments does not read.
         let _ = child.stdin.take().unwrap().write_all(stdin.as_bytes());
         Ran::new(child.wait_with_output().unwrap())
+    }
+
+    /// Runs `patchlight`, sends it a signal (a name that `kill` knows) once it has reported progress, and gives its exit code and what it
+    /// says after that.
+    #[cfg(unix)]
+    fn run_until_signal(&self, arguments: &str, signal: &str) -> (Option<i32>, String) {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_patchlight"))
+            .args(arguments.split_whitespace())
+            .args(["--progress", "json"])
+            .current_dir(self.0.path())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut stderr = BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        while !line.contains("\"progress\"") {
+            line.clear();
+            assert!(stderr.read_line(&mut line).unwrap() > 0, "the program ended before it reported progress");
+        }
+        // Every shell has a kill of its own; the program of this name may not be installed.
+        let kill = format!("kill -{signal} {}", child.id());
+        assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+        let mut rest = String::new();
+        stderr.read_to_string(&mut rest).unwrap();
+        (child.wait().unwrap().code(), rest)
     }
 
     /// Names of the files, without those that were there from the start.

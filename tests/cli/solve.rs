@@ -1,7 +1,6 @@
 //! What `patchlight solve` writes, and how it ends.
 
 use std::fs;
-use std::process::{Command, Stdio};
 
 use super::Place;
 
@@ -133,25 +132,8 @@ fn the_memory_budget_ends_with_5_and_results_are_written() {
 #[test]
 fn an_interrupt_ends_with_130_and_what_there_is_is_written() {
     let place = Place::new();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_patchlight"))
-        .args(["solve", "room.obj", "--error", "0.000001", "-o", "s.solution", "--report", "r.json", "--progress", "json"])
-        .current_dir(place.0.path())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // The first progress report says that the solve is under way.
-    let mut stderr = std::io::BufReader::new(child.stderr.take().unwrap());
-    let mut line = String::new();
-    while !line.contains("\"progress\"") {
-        line.clear();
-        let read = std::io::BufRead::read_line(&mut stderr, &mut line).unwrap();
-        assert!(read > 0, "the program ended before it reported progress");
-    }
-    // Every shell has a kill of its own; the program of this name may not be installed.
-    let interrupted = Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().unwrap();
-    assert!(interrupted.success());
-    std::io::copy(&mut stderr, &mut std::io::sink()).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let (code, said) = place.run_until_signal("solve room.obj --error 0.000001 -o s.solution --report r.json", "INT");
+    assert_eq!(code, Some(130), "{said}");
     assert_eq!(place.new_files(), ["r.json", "s.solution"]);
     assert_eq!(place.run("info s.solution").code, 0);
 }
