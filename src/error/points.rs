@@ -139,7 +139,7 @@ mod tests {
     use super::*;
     use crate::cells::CellRadiosities;
     use crate::error::ResidualGather;
-    use crate::paths::{Brightness, LightPaths, Resolution};
+    use crate::paths::{Brightness, CellSize, LightPaths, Resolution};
     use crate::scene::import::{ImportOptions, read_scene};
     use crate::sweep::Exposure;
     use crate::transmittance::Rays;
@@ -165,8 +165,8 @@ mod tests {
             let exitance = &scene.material_of(surface).exitance;
             radiosity.of_mut(hierarchy.node_of(surface)).iter_mut().zip(exitance).for_each(|(b, exitance)| *b = exitance + 0.02);
         }
-        let resolution = Resolution { side: 0.03, rays: 16 };
-        let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], resolution.side);
+        let resolution = Resolution { size: CellSize { side: 0.03, least_area: 0.0 }, rays: 16 };
+        let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], resolution.size);
         let [of_values, onward] = [1, 2].map(|seed| CellRadiosities::solve(&paths, &resolution, seed));
         let gather = ResidualGather { paths: &paths, of_values: &of_values, onward: &onward };
         let reflected = |place: &Place| gather.estimate_reflected(place);

@@ -115,7 +115,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::sampling;
-    use crate::paths::{Brightness, Reflector, Resolution};
+    use crate::paths::{Brightness, CellSize, Reflector, Resolution};
     use crate::scene::SurfaceId;
     use crate::scene::import::{ImportOptions, read_scene};
     use crate::transmittance::Rays;
@@ -129,13 +129,13 @@ mod tests {
         let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
         let rays = Rays::new(&*visibility, &scene);
         let tall_box = SurfaceId(scene.surfaces().len() as u32 - 1);
-        let resolution = Resolution { side: 0.1, rays: 4 };
+        let resolution = Resolution { size: CellSize { side: 0.1, least_area: 0.0 }, rays: 4 };
         for has_reflector in [false, true] {
             let mut brightness = Brightness::even(&scene);
             if has_reflector {
                 brightness.reflectors = vec![Reflector { surface: tall_box, brightness: 1e3 }];
             }
-            let paths = LightPaths::new(&scene, &rays, &brightness, &[], resolution.side);
+            let paths = LightPaths::new(&scene, &rays, &brightness, &[], resolution.size);
             let [of_values, onward] = [1, 2].map(|seed| CellRadiosities::solve(&paths, &resolution, seed));
             let [value, truth] =
                 [(&of_values, 0), (&onward, 1)].map(|(radiosities, bounces)| FinalGather { paths: &paths, radiosities, bounces });

@@ -126,11 +126,19 @@ impl Grid {
     }
 }
 
+/// How large cells are, and which surfaces have some.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct CellSize {
+    /// The size of a cell, in metres.
+    pub side: f64,
+    /// Smaller surfaces have no cell, in m^2: paths that arrive there go on.
+    pub least_area: f64,
+}
+
 /// How fine the cells are, and how many paths leave each.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Resolution {
-    /// The size of a cell, in metres.
-    pub side: f64,
+    pub size: CellSize,
     /// Paths from each cell, and as many next-event rays.
     pub rays: u32,
 }
@@ -144,32 +152,38 @@ const MOST_RAYS: u32 = 1 << 20;
 impl Resolution {
     /// Whether the numbers are in range for a scene.
     pub fn is_valid(&self, scene: &Scene) -> bool {
-        let is_size = self.side.is_finite() && self.side > 0.0 && self.side * MOST_ALONG >= scene.bounds().diagonal();
+        let CellSize { side, least_area } = self.size;
+        let is_size = side.is_finite() && side > 0.0 && side * MOST_ALONG >= scene.bounds().diagonal() && least_area >= 0.0;
         is_size && (1..=MOST_RAYS).contains(&self.rays)
     }
 }
 
-/// How many cells of about `side` metres a scene has, if they can be counted in 32 bits.
-pub(crate) fn cell_count(scene: &Scene, brightness: &Brightness, side: f64) -> Option<usize> {
-    let cells = Grids::new(scene, brightness, side).cells;
+/// How many cells of this size a scene has, if they can be counted in 32 bits.
+pub(crate) fn cell_count(scene: &Scene, brightness: &Brightness, size: CellSize) -> Option<usize> {
+    let cells = Grids::new(scene, brightness, size).cells;
     (cells < NO_CELL as usize).then_some(cells)
 }
 
 /// The cells of all surfaces.
 pub(crate) struct Grids {
-    /// By surface; `None` where a surface is too small to have a cell.
+    /// By surface; `None` where a surface has no cells: it reflects nothing, or is too small.
     grids: Vec<Option<Grid>>,
     cells: usize,
 }
 
 impl Grids {
-    /// Cells of about `side` metres, smaller ones on reflectors, larger ones where it is dim.
-    pub fn new(scene: &Scene, brightness: &Brightness, side: f64) -> Self {
+    /// Cells of about this size, smaller ones on reflectors, larger ones where it is dim.
+    pub fn new(scene: &Scene, brightness: &Brightness, size: CellSize) -> Self {
+        let CellSize { side, least_area } = size;
         let surfaces = scene.surfaces();
         let area = |index: &usize| surfaces[*index].polygon.area();
 
-        // The largest surfaces, in the order of their numbers.
-        let mut order: Vec<usize> = (0..surfaces.len()).collect();
+        // The surfaces that have cells, in the order of their numbers.
+        let mut is_reflector = vec![false; surfaces.len()];
+        brightness.reflectors.iter().for_each(|of| is_reflector[of.surface.index()] = true);
+        let has_cells =
+            |index: &usize| brightness.coarser[*index].is_finite() && (area(index) >= least_area || is_reflector[*index]);
+        let mut order: Vec<usize> = (0..surfaces.len()).filter(has_cells).collect();
         if order.len() > MAX_SURFACES {
             order.sort_by(|a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
             order.truncate(MAX_SURFACES);

@@ -231,8 +231,8 @@ fn largest_part(squares: Squares) -> Squares {
 mod tests {
     use super::*;
     use crate::geometry::Polygon;
-    use crate::paths::Brightness;
     use crate::paths::grid::Grids;
+    use crate::paths::{Brightness, CellSize};
     use crate::scene::{Material, Sides};
 
     /// Whether the one cell of a unit square has a value at points of its middle line, `y = 0.6`, under another polygon.
@@ -242,7 +242,7 @@ mod tests {
         let material = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![0.0] };
         let faces = faces.into_iter().zip(0..).map(|(polygon, face)| (polygon, 0, face)).collect();
         let scene = Scene::new(1, vec![material], faces, Sides::Front).unwrap();
-        let grids = Grids::new(&scene, &Brightness::even(&scene), 1.0);
+        let grids = Grids::new(&scene, &Brightness::even(&scene), CellSize { side: 1.0, least_area: 0.0 });
         let (parts, grid) = (OpenParts::new(&scene), grids.of(SurfaceId(0)).unwrap());
         for seed in 0..32 {
             let point = parts.sampled_point(SurfaceId(0), grid, 0, sampling::hash(seed, 0)).unwrap();

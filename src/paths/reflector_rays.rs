@@ -204,7 +204,7 @@ mod tests {
     use super::*;
     use crate::form_factor::point_to_polygon;
     use crate::geometry::Polygon;
-    use crate::paths::Brightness;
+    use crate::paths::{Brightness, CellSize};
     use crate::scene::{Material, Sides};
     use crate::visibility::{Backend, OccluderMesh, build};
 
@@ -238,7 +238,11 @@ mod tests {
                 &rays,
                 &[plate],
                 &[],
-                &Grids::new(&scene, &Brightness { reflectors: vec![plate], ..Brightness::even(&scene) }, 0.1),
+                &Grids::new(
+                    &scene,
+                    &Brightness { reflectors: vec![plate], ..Brightness::even(&scene) },
+                    CellSize { side: 0.1, least_area: 0.0 },
+                ),
                 1.5,
             );
             let point = DVec3::new(2.0, 2.0, 0.0);

@@ -15,7 +15,7 @@ use glam::DVec3;
 use super::batch_sums::BatchSums;
 use super::emitters::Emitters;
 use super::ends::{Continuation, Ends};
-use super::grid::{Grid, Grids, NO_CELL};
+use super::grid::{CellSize, Grid, Grids, NO_CELL};
 use super::next_event::EmitterRays;
 use super::open_parts::OpenParts;
 use super::particles::Landing;
@@ -79,9 +79,9 @@ pub(crate) struct LightPaths<'a> {
 }
 
 impl<'a> LightPaths<'a> {
-    /// Paths that end in cells of about `side` metres; particles' `landings` tell where there are bright spots.
-    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, brightness: &Brightness, landings: &[Landing], side: f64) -> Self {
-        let grids = Grids::new(scene, brightness, side);
+    /// Paths that end in cells of this size; particles' `landings` tell where there are bright spots.
+    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, brightness: &Brightness, landings: &[Landing], size: CellSize) -> Self {
+        let grids = Grids::new(scene, brightness, size);
         let reflectors = Reflectors::new(scene, rays, &brightness.reflectors, landings, &grids, SMALL_FROM);
         let emitters = Emitters::new(scene, rays);
         let is_black = |surface: SurfaceId| {

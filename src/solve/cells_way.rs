@@ -57,7 +57,7 @@ impl<'a> Way<'a> for CellsWay<'a> {
         let start = Instant::now();
         let resolution = plan.resolution();
         if cells.as_ref().is_none_or(|own| own.resolution != resolution) {
-            let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.side));
+            let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.size));
             *cells = Some(SolvedCells::solve(paths, resolution, [cell_seed(job.options.seed, 0)]));
         }
         // Replicates have cells of the same size.
@@ -137,6 +137,6 @@ fn user_gather<'b>(linked: &'b Linked<'_>, cells: &'b SolvedCells<'_, 1>, rays: 
 
 /// What the solution keeps of cell radiosities, in bytes.
 fn cell_bytes(linked: &Linked<'_>, resolution: Resolution) -> u64 {
-    let cells = cell_count(linked.job.scene, &linked.brightness(), resolution.side);
+    let cells = cell_count(linked.job.scene, &linked.brightness(), resolution.size);
     cells.map_or(u64::MAX, |cells| CellRadiosities::bytes_of(cells, linked.job.kept_channels))
 }

@@ -18,11 +18,12 @@ use super::options::{Solver, Strategy};
 use super::plan::{COARSE_TOLERANCE, Plan};
 use super::strategies::ErrorSearch;
 use super::way::Way;
+use super::worthwhile_cells::Areas;
 use crate::cells::SolvedCells;
 use crate::error::{ErrorParts, ErrorSamples, REPLICATES, ReplicateGather, Replication};
 use crate::geometry::{sampling, streams};
 use crate::links::RefineEnd;
-use crate::paths::{Illumination, LightPaths, Resolution};
+use crate::paths::{CellSize, Illumination, LightPaths, Resolution};
 use crate::scene::{Material, SurfaceId};
 use crate::values::{FinalGather, Gather, Over, RayBudget};
 
@@ -38,7 +39,8 @@ const POSITION_RAYS: u32 = 1;
 /// The solver for a job, with its plan.
 pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dyn Way<'a> + 'a> {
     let illumination = Illumination::sampled(job.scene, job.rays, particle_seed(job.options.seed));
-    let plan = |over_cells| Plan::new(job.scene, job.options, illumination.clone(), over_cells);
+    let areas = Areas::of_scene(job.scene);
+    let plan = |over_cells| Plan::new(job.scene, &areas, job.options, illumination.clone(), over_cells);
     let search = ErrorSearch::new(importance);
     let (mut links, mut cells) = (plan(false), plan(true));
     let linked = || Linked::new(*job, illumination.landings.clone(), links.links_clusters(pairs(job), cells.work()));
@@ -66,7 +68,7 @@ pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dy
     // What it leaves wrong, and how noisy values are.
     let swept = linked.radiosity.clone();
     linked.regather_leaves(LEAF_RAYS);
-    let Some(Tried { over_links: ErrorParts { bias, noise_sq }, cells_noise_sq }) = try_both(&linked, illumination.lit_area) else {
+    let Some(Tried { over_links: ErrorParts { bias, noise_sq }, cells_noise_sq }) = try_both(&linked, &cells) else {
         return Box::new(LinksWay::new(linked, links, search).or_over(cells));
     };
     links.fit_point_rays(noise_sq, VALUE_RAYS);
@@ -98,10 +100,12 @@ struct Tried {
 }
 
 /// Tries values of few rays over the links as they are, and over cells; `None` if nothing is reflected.
-fn try_both(linked: &Linked<'_>, lit_area: f64) -> Option<Tried> {
+fn try_both(linked: &Linked<'_>, cells: &Plan) -> Option<Tried> {
     let job = linked.job;
-    let resolution = Resolution { side: (lit_area / POSITIONS).sqrt(), rays: POSITION_RAYS };
-    let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.side));
+    let side = (cells.law.illumination.lit_area / POSITIONS).sqrt();
+    let size = CellSize { side, ..cells.resolution().size };
+    let resolution = Resolution { size, rays: POSITION_RAYS };
+    let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.size));
     let seeds = std::array::from_fn(|number| cell_seed(job.options.seed, (1 + REPLICATES + number) as u64));
     let cells = SolvedCells::solve(paths, resolution, seeds);
     let gathers = cells

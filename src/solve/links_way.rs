@@ -61,7 +61,7 @@ impl<'a> Way<'a> for LinksWay<'a> {
         }
         let start = Instant::now();
         let resolution = plan.replicate_resolution();
-        let paths = || Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.side));
+        let paths = || Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.size));
         judge.find_cells(resolution, job.options.seed, paths);
         add_time(&mut linked.report.time_s.resolve, start);
     }

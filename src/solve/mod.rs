@@ -21,6 +21,7 @@ mod solution;
 mod step;
 mod strategies;
 mod way;
+mod worthwhile_cells;
 
 pub use crate::links::Skips;
 pub(crate) use interest::InitialImportance;

@@ -4,9 +4,10 @@ use super::effort::{LEAST_VALUES, Law, REFERENCE_AREA};
 use super::options::{SolveOptions, Strategy};
 use super::scale::Scale;
 use super::step::{Choice, NextStep};
+use super::worthwhile_cells::{Areas, Traffic};
 use crate::error::{ErrorEstimate, Pilot, REPLICATES, TWICE, doubt_for_claim};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
-use crate::paths::{Illumination, Resolution};
+use crate::paths::{CellSize, Illumination, Resolution};
 use crate::scene::Scene;
 
 /// What the next step takes.
@@ -15,6 +16,7 @@ pub(super) struct Plan {
     pub options: SolveOptions,
     pub law: Law,
     pub scale: Scale,
+    /// Surfaces that have cells.
     surfaces: usize,
     /// Whether values end in cells.
     over_cells: bool,
@@ -101,7 +103,7 @@ const LEAF_RAY_WORK: f64 = 16.0;
 const ALL_PAIRS_PART: f64 = 0.25;
 
 impl Plan {
-    pub fn new(scene: &Scene, options: &SolveOptions, illumination: Illumination, over_cells: bool) -> Self {
+    pub fn new(scene: &Scene, areas: &Areas, options: &SolveOptions, illumination: Illumination, over_cells: bool) -> Self {
         let values = options.expected_values.map_or(LEAST_VALUES, |values| LEAST_VALUES.max(values as f64));
         let law = Law { error: options.error, illumination, values };
         let scale = match options.strategy {
@@ -112,18 +114,16 @@ impl Plan {
             Strategy::Default => law.tolerance().min(COARSE_TOLERANCE),
             _ => TOLERANCE_OF_PAPERS * (options.error / 0.02).powf(TOLERANCE_OF_PAPERS_POWER),
         };
-        let surfaces = scene.surfaces().len();
         let positions = options.cells.positions.map_or_else(|| law.positions(over_cells), |positions| positions as f64);
-        let position_rays = options.cells.position_rays.unwrap_or_else(|| law.position_rays(positions, surfaces));
         let side = (law.illumination.lit_area / positions).sqrt();
         let mut plan = Self {
             options: options.clone(),
             scale,
-            surfaces,
+            surfaces: 0,
             over_cells,
             tolerance: options.links.tolerance.unwrap_or(tolerance),
             point_rays: options.point_rays.unwrap_or_else(|| law.point_rays(over_cells)),
-            resolution: Resolution { side, rays: position_rays },
+            resolution: Resolution { size: CellSize { side, least_area: 0.0 }, rays: law.position_rays(positions, 0) },
             error_points: *ERROR_POINTS.start(),
             replicate_rays: law.replicate_rays(),
             first_replicate_work: 0.0,
@@ -134,7 +134,16 @@ impl Plan {
             law,
         };
         plan.first_replicate_work = plan.replicate_work();
+        (plan.resolution.size.least_area, plan.surfaces) = areas.least_worthwhile(&plan.traffic());
+        plan.resolution.rays = options.cells.position_rays.unwrap_or_else(|| plan.law.position_rays(positions, plan.surfaces));
         plan
+    }
+
+    /// What tells for which surfaces cells pay.
+    fn traffic(&self) -> Traffic {
+        let Illumination { lit_area, .. } = self.law.illumination;
+        let paths = self.value_rays() * f64::from(u8::from(self.over_cells)) + self.replicate_work();
+        Traffic { lit_area, albedo: self.law.illumination.albedo(), paths, cell_work: self.work_of_cell() }
     }
 
     /// The tolerances of this round's steps, falling.
@@ -331,16 +340,26 @@ impl Plan {
 
     /// The work of all that is left if nothing goes wrong, in rays: cells, replicates, and values, here and of the user.
     pub fn work(&self) -> f64 {
-        let values = 1.0 + f64::from(u8::from(self.over_cells)) / TWICE as f64;
-        let values = f64::from(self.point_rays) * (values * self.error_points as f64 + self.law.values);
-        self.cell_work(1.0, 1) + values + self.replicate_work()
+        self.cell_work(1.0, 1) + self.value_rays() + self.replicate_work()
     }
 
-    /// The work of cells with so many times the positions and paths from each: a path takes a ray, and one to an emitter.
+    /// The rays of values, here and of the user.
+    fn value_rays(&self) -> f64 {
+        let values = 1.0 + f64::from(u8::from(self.over_cells)) / TWICE as f64;
+        f64::from(self.point_rays) * (values * self.error_points as f64 + self.law.values)
+    }
+
+    /// The work of cells with so many times the positions and paths from each.
     fn cell_work(&self, more_positions: f64, more_rays: u32) -> f64 {
-        let positions = more_positions * (self.law.illumination.lit_area / self.resolution.side.powi(2) + self.surfaces as f64);
+        let positions =
+            more_positions * (self.law.illumination.lit_area / self.resolution.size.side.powi(2) + self.surfaces as f64);
+        positions * f64::from(more_rays) * self.work_of_cell()
+    }
+
+    /// The work of a cell: a path takes a ray, and one to an emitter.
+    fn work_of_cell(&self) -> f64 {
         let own = if self.over_cells { self.resolution.rays } else { 0 };
-        positions * f64::from(more_rays * 2 * (own + REPLICATES as u32 * self.replicate_resolution().rays))
+        f64::from(2 * (own + REPLICATES as u32 * self.replicate_resolution().rays))
     }
 
     /// The work of a solve over links, in rays, if links are made of so many times the tolerance, of which there are so many now, and leaves.
@@ -374,7 +393,7 @@ impl Plan {
             NextStep::FindCells(factor) => {
                 self.add_rays(factor);
                 self.refinements += 1;
-                self.resolution.side /= MORE_POSITIONS.sqrt();
+                self.resolution.size.side /= MORE_POSITIONS.sqrt();
                 self.resolution.rays *= MORE_POSITION_RAYS;
             }
             NextStep::Refine(factor) => {

@@ -88,7 +88,7 @@ impl Solution {
     pub(crate) fn light_paths<'a>(&'a self, rays: &'a Rays<'a>) -> Option<LightPaths<'a>> {
         self.cell_radiosities.as_ref()?;
         let Illumination { landings, .. } = Illumination::sampled(&self.scene, rays, particle_seed(self.options.seed));
-        Some(LightPaths::new(&self.scene, rays, &self.brightness(), &landings, self.resolution.side))
+        Some(LightPaths::new(&self.scene, rays, &self.brightness(), &landings, self.resolution.size))
     }
 
     /// Gathers values at points; `paths` are [`Solution::light_paths`].
@@ -149,7 +149,7 @@ impl Solution {
             return Err("the size of the cells is out of range".to_owned());
         }
         if let Some(radiosities) = &self.cell_radiosities {
-            let cells = cell_count(&self.scene, &self.brightness(), resolution.side);
+            let cells = cell_count(&self.scene, &self.brightness(), resolution.size);
             if !cells.is_some_and(|cells| radiosities.is_valid(cells, channels)) {
                 return Err("the cell radiosities do not fit the scene".to_owned());
             }

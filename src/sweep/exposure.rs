@@ -35,7 +35,8 @@ pub struct Exposure {
 const LEAKS: f64 = 1e-5;
 
 /// Rays from a surface that tell whether something stands on it: fewer where surfaces are many, so that all of them take
-/// [`ALL_SAMPLES`], but within this range.
+/// [`ALL_SAMPLES`], but within this range. Where the least would be too many, only the largest surfaces are sampled; the others, each less
+/// than a part in 60,000 of what is there, count as exposed.
 const SURFACE_SAMPLES: std::ops::RangeInclusive<u32> = 8..=64;
 const ALL_SAMPLES: u32 = 1 << 19;
 
@@ -87,6 +88,7 @@ impl Exposure {
         let by_plane = ByPlane::new(scene);
         let (least, most) = SURFACE_SAMPLES.into_inner();
         let surface_samples = (ALL_SAMPLES / scene.surfaces().len() as u32).clamp(least, most);
+        let least_area = least_sampled_area(scene, (ALL_SAMPLES / least) as usize);
         let levels = hierarchy.levels();
         let first = known.max(hierarchy.cluster_count());
         for level in levels.iter().map(|level| level.start.max(first)..level.end).filter(|level| !level.is_empty()) {
@@ -94,7 +96,9 @@ impl Exposure {
                 .map(|node| {
                     let node = NodeId(node as u32);
                     let surface = hierarchy.node_of(SurfaceId(hierarchy.node(node).surface));
-                    if surface == node {
+                    if surface == node && hierarchy.area(surface) < least_area {
+                        Sampled::EXPOSED
+                    } else if surface == node {
                         sampled_exposure(hierarchy, &by_plane, rays, surface, surface_samples, seed)
                     } else if self.of(surface) == 1.0 {
                         Sampled::EXPOSED
@@ -147,6 +151,15 @@ pub(crate) fn sampled_exposed_point(
     }
 }
 
+/// The least area in m^2 of the surfaces that are sampled, which are `most`.
+fn least_sampled_area(scene: &Scene, most: usize) -> f64 {
+    let mut areas: Vec<f64> = scene.surfaces().iter().map(|surface| surface.polygon.area()).collect();
+    if areas.len() <= most {
+        return 0.0;
+    }
+    *areas.select_nth_unstable_by(most - 1, |a, b| b.total_cmp(a)).1
+}
+
 /// What rays from a node tell.
 struct Sampled {
     exposure: f32,
@@ -155,7 +168,7 @@ struct Sampled {
 }
 
 impl Sampled {
-    /// Of pieces of a surface that is wholly exposed.
+    /// Of what is taken as wholly exposed.
     const EXPOSED: Self = Self { exposure: 1.0, rays: 0, outside: 0 };
 }
 
