@@ -69,6 +69,7 @@ pub fn solve(
     let visibility = pool.install(|| visibility::build(run.backend, &mesh))?;
     let build = start.elapsed().as_secs_f64();
 
+    let run = &RunOptions { time_s: run.time_s.map(|seconds| (seconds - build).max(0.0)), ..run.clone() };
     let (evaluator, mut report) = solve_in(pool, visibility, scene, options, run, observer)?;
     report.time_s.build += build;
     report.counts.triangles = mesh.triangles.len() as u64;
@@ -217,7 +218,7 @@ impl Evaluator {
     /// Cancelled by the observer, it returns `None`.
     pub fn values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Values> {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
-        let paths = self.solution.light_paths(&rays);
+        let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
         let gather = self.solution.gather_at_points(&rays, paths.as_ref());
         let values = self.pool.install(|| values::values_at(&gather, self.solution.error_bars, points, observer));
         let mut values = values?;
@@ -234,7 +235,7 @@ impl Evaluator {
     pub fn render(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
         let through = camera.rays()?;
         let rays = Rays::new(&*self.visibility, self.solution.scene());
-        let paths = self.solution.light_paths(&rays);
+        let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
         let gather = self.solution.gather_at_points(&rays, paths.as_ref());
         let size = [camera.width, camera.height];
         let render = || picture::render(&gather, self.solution.error_bars, &rays, &through, size, observer);

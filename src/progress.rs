@@ -48,6 +48,10 @@ pub trait Observer: Sync {
     }
 }
 
+/// Asked every now and then while work goes on: once it says `true`, as when the observer cancels or the time is over, it keeps saying so, and
+/// the work ends as soon as it can.
+pub(crate) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// Observes nothing and never cancels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;

@@ -155,7 +155,7 @@ mod tests {
         let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
         let rays = Rays::new(&*visibility, &scene);
         let mut exposure = Exposure::default();
-        exposure.grow(&scene, &hierarchy, &rays, 0);
+        exposure.grow(&scene, &hierarchy, &rays, 0, &|| false);
 
         // Leaves are all as dim as each other; cells know the light.
         let mut radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
@@ -167,7 +167,7 @@ mod tests {
         }
         let resolution = Resolution { side: 0.03, rays: 16 };
         let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], resolution.side);
-        let [of_values, onward] = [1, 2].map(|seed| CellRadiosities::solve(&paths, &resolution, seed));
+        let [of_values, onward] = [1, 2].map(|seed| CellRadiosities::solve(&paths, &resolution, seed, &|| false).unwrap());
         let gather = ResidualGather { paths: &paths, of_values: &of_values, onward: &onward };
         let reflected = |place: &Place| gather.estimate_reflected(place);
         let around = Surroundings { scene: &scene, hierarchy: &hierarchy, radiosity: &radiosity };

@@ -5,6 +5,7 @@
 
 use super::link_set::LinkSet;
 use crate::hierarchy::{Hierarchy, NodeId};
+use crate::progress::Stop;
 
 /// Where refinement ends.
 pub(crate) struct RefineLimits<'a> {
@@ -15,8 +16,10 @@ pub(crate) struct RefineLimits<'a> {
     pub max_bytes: u64,
     /// Radiosities of a node.
     pub channels: usize,
-    /// Asked once a wave, with links and elements so far.
+    /// Asked once a wave, with links and elements so far: whether to split nothing more.
     pub stop: &'a (dyn Fn(u64, u64) -> bool + Sync),
+    /// Asked within waves: whether to leave what is undecided as it is, without a link.
+    pub halt: Stop<'a>,
 }
 
 /// How a round of refinement ended.
@@ -28,7 +31,7 @@ pub(crate) enum RefineEnd {
     MaxLinks,
     /// The memory budget was reached: the remaining pairs were linked as they stand, or left dormant.
     Memory,
-    /// `stop` said so: the remaining pairs were linked as they stand.
+    /// `stop` said so: the remaining pairs were linked as they stand, or left dormant once `halt` did.
     Stopped,
 }
 

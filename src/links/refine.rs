@@ -63,8 +63,14 @@ impl<'a> Refinement<'a> {
 
             // What becomes of each pair; what is settled is put away.
             let may_split = end == RefineEnd::Content;
-            let outcomes: Vec<Vec<Outcome>> =
-                wave.par_chunks(CHUNK).map(|pairs| context.decide_chunk(hierarchy, pairs, may_split)).collect();
+            let decide = |pairs: &[Pair]| match (limits.halt)() {
+                true => pairs.iter().map(|_| Outcome::Dormant).collect(),
+                false => context.decide_chunk(hierarchy, pairs, may_split),
+            };
+            let outcomes: Vec<Vec<Outcome>> = wave.par_chunks(CHUNK).map(decide).collect();
+            if (limits.halt)() {
+                end = RefineEnd::Stopped;
+            }
             let mut to_split = Vec::new();
             for (pair, outcome) in wave.iter().zip(outcomes.into_iter().flatten()) {
                 match outcome {

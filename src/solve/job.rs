@@ -42,6 +42,23 @@ impl<'a> Job<'a> {
         self.observer.cancelled()
     }
 
+    /// [`Self::is_late`], for stages to ask.
+    pub fn stop(&self) -> impl Fn() -> bool + Sync + use<'a> {
+        let job = *self;
+        move || job.is_late()
+    }
+
+    /// The middle of the time that is left, if there is a limit.
+    pub fn half_time(&self) -> Option<Instant> {
+        let now = Instant::now();
+        self.deadline.map(|deadline| now + deadline.saturating_duration_since(now) / 2)
+    }
+
+    /// Whether what takes so long, or longer, would be over time.
+    pub fn has_no_time_for(&self, duration: Duration) -> bool {
+        self.deadline.is_some_and(|deadline| deadline.saturating_duration_since(Instant::now()) < duration)
+    }
+
     /// Whether work is cancelled or over its time by now.
     pub fn is_late(&self) -> bool {
         self.is_cancelled() || self.is_over_time()

@@ -15,7 +15,7 @@ use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
 use crate::links::{Dropped, LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::paths::{Brightness, Landing};
-use crate::progress::{Progress, Stage};
+use crate::progress::{Progress, Stage, Stop};
 use crate::scene::SurfaceId;
 use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, Reflections, sampled_exposed_point, sweep_in_place};
 use crate::values::{Gather, Gathered, LinkGather, Over, RayBudget, Scratch};
@@ -41,6 +41,8 @@ pub(super) struct Linked<'a> {
     cluster_reflectance: Vec<f64>,
     /// Bytes that others take of the memory.
     pub reserved_bytes: u64,
+    /// Until then links are made and leaves gathered anew, where there is a time limit: what is left of the time is for the error.
+    links_until: Option<Instant>,
     /// The error that was claimed last.
     pub claimed: Option<f64>,
     pub report: SolveReport,
@@ -52,7 +54,7 @@ impl<'a> Linked<'a> {
         let Job { scene, rays, options, .. } = job;
         let hierarchy = Hierarchy::new(scene);
         let mut exposure = Exposure::default();
-        exposure.grow(scene, &hierarchy, rays, options.seed);
+        exposure.grow(scene, &hierarchy, rays, options.seed, &job.stop());
         let radiosity = Radiosity::emitted(scene, &hierarchy, &exposure);
         let mut report = SolveReport { backend: rays.description(), ..SolveReport::default() };
         report.time_s.build = start.elapsed().as_secs_f64();
@@ -69,6 +71,7 @@ impl<'a> Linked<'a> {
             clusters,
             cluster_reflectance,
             reserved_bytes: 0,
+            links_until: job.half_time(),
             claimed: None,
             report,
         }
@@ -81,28 +84,43 @@ impl<'a> Linked<'a> {
         self.job.observer.progress(&Progress { stage, round, fraction: None, links, elements, error });
     }
 
-    /// Tells how far a refinement is, and whether to end it now: on cancellation, or after the deadline.
+    /// Gives links half of the time that is left.
+    pub fn begin_round(&mut self) {
+        self.links_until = self.job.half_time();
+    }
+
+    /// Whether links are to be left as they are: on cancellation, or after their part of the time.
+    pub fn ends_links(&self) -> impl Fn() -> bool + Sync + use<'a> {
+        let (job, until) = (self.job, self.links_until);
+        move || job.is_cancelled() || until.is_some_and(|until| Instant::now() >= until)
+    }
+
+    /// Tells how far a refinement is, and whether to end it now.
     pub fn refinement_stop(&self) -> impl Fn(u64, u64) -> bool + Sync + use<'a> {
-        let (job, round) = (self.job, self.report.counts.rounds as u32);
+        let (job, round, ends) = (self.job, self.report.counts.rounds as u32, self.ends_links());
         move |links, elements| {
             job.observer.progress(&Progress { stage: Stage::Refine, round, fraction: None, links, elements, error: None });
-            job.is_late()
+            ends()
         }
     }
 
     /// Where refinement ends, content or not.
-    pub fn refine_limits<'s>(&self, stop: &'s (dyn Fn(u64, u64) -> bool + Sync)) -> RefineLimits<'s> {
+    pub fn refine_limits<'s>(&self, stop: &'s (dyn Fn(u64, u64) -> bool + Sync), halt: Stop<'s>) -> RefineLimits<'s> {
         let left = |bytes: u64| bytes.saturating_sub(self.reserved_bytes);
         RefineLimits {
             max_links: self.job.options.max_links.unwrap_or(u64::from(u32::MAX)),
             max_bytes: self.job.run.memory_bytes.map_or(u64::MAX, left),
             channels: self.job.kept_channels,
             stop,
+            halt,
         }
     }
 
     /// Refines with one oracle and sweeps until no pair is left that slept because its source was dark, and has light now.
     pub fn refine_and_sweep(&mut self, oracle: &dyn RefinementOracle, splits: &HashMap<Pair, Decision>) -> RefineEnd {
+        if self.job.is_late() {
+            return RefineEnd::Stopped;
+        }
         let none = HashMap::new();
         let mut ended = self.refine(oracle, splits);
         self.sweep();
@@ -139,8 +157,8 @@ impl<'a> Linked<'a> {
             seed: options.seed,
             form_factor_nanoseconds: AtomicU64::new(0),
         };
-        let stop = self.refinement_stop();
-        let limits = self.refine_limits(&stop);
+        let (stop, halt) = (self.refinement_stop(), self.job.stop());
+        let limits = self.refine_limits(&stop, &halt);
         let mut refinement = Refinement::of(std::mem::take(&mut self.links), &mut self.dropped);
         let end = refinement.refine(&mut self.hierarchy, splits, &context, &limits);
         self.links = refinement.into_links(&self.hierarchy);
@@ -153,7 +171,7 @@ impl<'a> Linked<'a> {
 
     /// Makes room for nodes that are new.
     pub fn grow(&mut self) {
-        self.exposure.grow(self.job.scene, &self.hierarchy, self.job.rays, self.job.options.seed);
+        self.exposure.grow(self.job.scene, &self.hierarchy, self.job.rays, self.job.options.seed, &self.job.stop());
         self.radiosity.grow(&self.hierarchy);
     }
 
@@ -206,7 +224,8 @@ impl<'a> Linked<'a> {
     /// Defect correction: takes the radiosity of every leaf anew, by a gather of so many rays at its centre, or where it is exposed, and
     /// follows what that changes over the links.
     pub fn regather_leaves(&mut self, rays: u32) {
-        if rays == 0 || self.job.is_late() {
+        let stop = self.ends_links();
+        if rays == 0 || stop() {
             return;
         }
         let start = Instant::now();
@@ -220,6 +239,10 @@ impl<'a> Linked<'a> {
             <(Scratch, Gathered)>::default,
             |(scratch, gathered), (value, &leaf)| {
                 let surface = SurfaceId(self.hierarchy.node(leaf).surface);
+                if stop() {
+                    value.copy_from_slice(self.radiosity.of(leaf));
+                    return;
+                }
                 match sampled_exposed_point(&self.hierarchy, &by_plane, &self.exposure, self.job.rays, leaf, options.seed) {
                     Some(point) => {
                         gather.values_at(&[gather.place_at(point, surface)], gather.budget, scratch, gathered);
@@ -234,8 +257,8 @@ impl<'a> Linked<'a> {
             change.of_mut(leaf).iter_mut().zip(value).for_each(|(old, new)| *old = new - *old);
             self.radiosity.of_mut(leaf).copy_from_slice(value);
         }
-        let Self { job, hierarchy, links, exposure, closure, radiosity, .. } = self;
-        Reflections { scene, hierarchy, links, exposure, closure: closure.as_ref() }.add(change, radiosity, &|| job.is_late());
+        let Self { hierarchy, links, exposure, closure, radiosity, .. } = self;
+        Reflections { scene, hierarchy, links, exposure, closure: closure.as_ref() }.add(change, radiosity, &stop);
         radiosity.pull(hierarchy, exposure);
         self.report.time_s.gather += start.elapsed().as_secs_f64();
     }

@@ -35,6 +35,8 @@ pub use report::{
 };
 pub use solution::Solution;
 
+use std::time::Instant;
+
 use choice::choose;
 use job::Job;
 use step::NextStep;
@@ -78,16 +80,22 @@ pub(crate) fn solve(
 fn solve_all_channels(job: &Job<'_>, importance: InitialImportance) -> (Solution, SolveReport) {
     let mut way = choose(job, importance);
     let stopped_by = 'solve: loop {
+        let round = Instant::now();
         let ended = way.advance();
         loop {
+            let cells = Instant::now();
             way.find_cells();
             let error = way.estimate_error();
             if let Some(limit) = limit(job, error, ended) {
                 break 'solve limit;
             }
+
+            // What comes next takes longer than what it takes the place of: it is not begun if that would not end in time.
             match error.map_or(NextStep::Exhausted, |error| way.plan_next(&error)) {
                 NextStep::GoodEnough => break 'solve StoppedBy::Error,
                 NextStep::Exhausted => break 'solve StoppedBy::Exhausted,
+                NextStep::FindCells(_) if job.has_no_time_for(cells.elapsed()) => break 'solve StoppedBy::Time,
+                NextStep::Refine(_) if job.has_no_time_for(round.elapsed()) => break 'solve StoppedBy::Time,
                 NextStep::FindCells(_) if !way.has_room() => break 'solve StoppedBy::Memory,
                 NextStep::MoreReplicateRays | NextStep::MorePoints | NextStep::MoreRays(_) | NextStep::FindCells(_) => {}
                 NextStep::Refine(_) => break,
