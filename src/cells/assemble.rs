@@ -33,6 +33,21 @@ struct Positions<'a> {
     places: Vec<Place>,
 }
 
+/// Bytes of the equations of so many cells with so many paths from each, and of what is needed to make them, or to solve them, whichever is more.
+pub(super) fn bytes_to_assemble(cells: usize, paths: usize, channels: usize) -> u64 {
+    let (number, weight) = (size_of::<f64>(), size_of::<f32>());
+    let equation = channels * number + paths * (size_of::<u32>() + channels * weight);
+
+    // Terms of reflectors: of next-event rays from view points, half as many as paths, and of continuations.
+    let terms = paths * (size_of::<(usize, u32)>() + channels * weight);
+
+    // The place, where paths arrive, these once more in order with their beginnings, and view points; or the iterates.
+    let arriving = paths * (size_of::<Arrival>() + size_of::<([f32; 2], f32)>()) + 2 * size_of::<u32>();
+    let making = size_of::<Option<Place>>() + arriving + size_of::<Option<[[f32; 2]; VIEW_POINTS]>>();
+    let solving = 4 * channels * number;
+    (cells * (equation + terms + making.max(solving))) as u64
+}
+
 /// The positions of some cells; first, for each, the index of its cell.
 fn indexed(cells: &[Option<Place>]) -> (Vec<usize>, Vec<Place>) {
     cells.iter().enumerate().filter_map(|(index, place)| Some((index, (*place)?))).unzip()

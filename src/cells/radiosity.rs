@@ -16,6 +16,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::assemble::bytes_to_assemble;
 use super::equations::Equations;
 use super::positions::sampled_positions;
 use crate::paths::{LightPaths, Resolution};
@@ -59,6 +60,11 @@ impl CellRadiosities {
     /// Bytes that this takes.
     pub fn memory_bytes(&self) -> u64 {
         (self.values.len() * size_of::<f32>()) as u64
+    }
+
+    /// Bytes that it takes to solve for so many cells with so many paths from each, beside the result.
+    pub fn bytes_to_solve(cells: usize, rays: u32, channels: usize) -> u64 {
+        bytes_to_assemble(cells, rays as usize, channels)
     }
 
     /// Bytes that so many cells take.

@@ -77,6 +77,7 @@ impl From<PipelineError> for Failure {
         match error {
             PipelineError::Options(_) | PipelineError::Camera(_) | PipelineError::Interest(_) => Self::usage(error),
             PipelineError::Visibility(VisibilityError::UnknownBackend(_) | VisibilityError::NotBuilt { .. }) => Self::usage(error),
+            PipelineError::Memory { .. } => Self { exit: Exit::Memory, message: format!("--memory: {error}") },
             PipelineError::Visibility(VisibilityError::Native { .. } | VisibilityError::BadMesh(_))
             | PipelineError::Threads { .. } => Self::failed(error),
         }

@@ -125,6 +125,15 @@ impl ErrorSamples {
         Self { norm, samples: Vec::new(), values: Vec::new() }
     }
 
+    /// Bytes that a point takes: what replicates found, two values, and what estimates make of them.
+    pub fn bytes_of_point(channels: usize) -> u64 {
+        /// Beside what was asked for each allocation takes its header, and numbers of channels are rounded to 16 bytes.
+        const ALLOCATION: usize = 24;
+        let numbers = channels * size_of::<f64>() + ALLOCATION;
+        let values = 2 * (size_of::<Gathered>() + 3 * numbers);
+        (size_of::<ErrorSample>() + REPLICATES * numbers + values + size_of::<Lit>() + 16 * size_of::<ErrorPoint>()) as u64
+    }
+
     pub fn is_empty(&self) -> bool {
         self.samples.is_empty()
     }

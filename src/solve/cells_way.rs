@@ -15,10 +15,10 @@ use super::solution::Solution;
 use super::step::NextStep;
 use super::strategies::{self, ErrorSearch};
 use super::way::Way;
-use crate::cells::{CellRadiosities, SolvedCells};
+use crate::cells::SolvedCells;
 use crate::error::{ErrorEstimate, ReplicateGather, ResidualGather};
 use crate::links::RefineEnd;
-use crate::paths::{LightPaths, Resolution, cell_count};
+use crate::paths::LightPaths;
 use crate::progress::Stage;
 use crate::values::{FinalGather, Gather, Over, RayBudget};
 
@@ -36,7 +36,7 @@ pub(super) struct CellsWay<'a> {
 
 impl<'a> CellsWay<'a> {
     pub fn new(mut linked: Linked<'a>, plan: Plan, search: ErrorSearch) -> Self {
-        linked.reserved_bytes = cell_bytes(&linked, plan.resolution());
+        linked.reserve_cells(&plan);
         let judge = Judge::new(linked.job.options.norm.into());
         Self { linked, plan, cells: None, judged: None, judge, search }
     }
@@ -118,10 +118,8 @@ impl<'a> Way<'a> for CellsWay<'a> {
         step
     }
 
-    fn has_room(&self) -> bool {
-        let most = self.linked.job.run.memory_bytes;
-        let bytes = || self.linked.memory_bytes().saturating_add(cell_bytes(&self.linked, self.plan.resolution()));
-        most.is_none_or(|most| bytes() <= most)
+    fn has_room(&mut self) -> bool {
+        self.linked.has_room_for_cells(&self.plan)
     }
 
     fn into_cells(self: Box<Self>) -> Box<dyn Way<'a> + 'a> {
@@ -153,10 +151,4 @@ fn user_gather<'b>(linked: &'b Linked<'_>, cells: &'b SolvedCells<'_, 1>, rays: 
     let over = Over::Cells(FinalGather { paths: &cells.paths, radiosities: &cells.radiosities[0], bounces: 0 });
     let budget = RayBudget::of_values(rays, linked.job.options.seed);
     Gather { scene: linked.job.scene, hierarchy: &linked.hierarchy, over, budget }
-}
-
-/// What the solution keeps of cell radiosities, in bytes.
-fn cell_bytes(linked: &Linked<'_>, resolution: Resolution) -> u64 {
-    let cells = cell_count(linked.job.scene, &linked.brightness(), resolution.side);
-    cells.map_or(u64::MAX, |cells| CellRadiosities::bytes_of(cells, linked.job.kept_channels))
 }

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use super::memory::MemoryLedger;
 use super::{RunOptions, SolveOptions};
 use crate::progress::Observer;
 use crate::scene::Scene;
@@ -16,6 +17,7 @@ pub(super) struct Job<'a> {
     pub options: &'a SolveOptions,
     pub run: &'a RunOptions,
     deadline: Option<Instant>,
+    pub memory: MemoryLedger,
     pub rays: &'a Rays<'a>,
     pub observer: &'a dyn Observer,
 }
@@ -31,7 +33,8 @@ impl<'a> Job<'a> {
         observer: &'a dyn Observer,
     ) -> Self {
         let deadline = run.time_s.and_then(|seconds| Instant::now().checked_add(Duration::from_secs_f64(seconds)));
-        Self { scene, kept_channels, options, run, deadline, rays, observer }
+        let memory = MemoryLedger::new(scene, kept_channels != scene.channels(), run.backend, run.memory_bytes);
+        Self { scene, kept_channels, options, run, deadline, memory, rays, observer }
     }
 
     pub fn is_over_time(&self) -> bool {

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::Sweep;
 use super::job::Job;
+use super::memory::{LINK_AT_WORK, MemoryLedger, cell_bytes};
 use super::plan::{COARSE_TOLERANCE, Plan};
 use super::report::{SkippedWork, SolveReport};
 use crate::hierarchy::{Hierarchy, NodeId};
@@ -106,11 +107,11 @@ impl<'a> Linked<'a> {
 
     /// Where refinement ends, content or not.
     pub fn refine_limits<'s>(&self, stop: &'s (dyn Fn(u64, u64) -> bool + Sync), halt: Stop<'s>) -> RefineLimits<'s> {
-        let left = |bytes: u64| bytes.saturating_sub(self.reserved_bytes);
         RefineLimits {
             max_links: self.job.options.max_links.unwrap_or(u64::from(u32::MAX)),
-            max_bytes: self.job.run.memory_bytes.map_or(u64::MAX, left),
-            channels: self.job.kept_channels,
+            max_bytes: self.job.memory.left_for_refinement(self, self.reserved_bytes),
+            node_bytes: MemoryLedger::bytes_of_new_node(self.job.kept_channels),
+            link_bytes: LINK_AT_WORK as u64,
             stop,
             halt,
         }
@@ -161,8 +162,10 @@ impl<'a> Linked<'a> {
         let limits = self.refine_limits(&stop, &halt);
         let mut refinement = Refinement::of(std::mem::take(&mut self.links), &mut self.dropped);
         let end = refinement.refine(&mut self.hierarchy, splits, &context, &limits);
+        let at_work = (refinement.len() * LINK_AT_WORK) as u64;
         self.links = refinement.into_links(&self.hierarchy);
         self.report.time_s.form_factor += context.form_factor_nanoseconds.into_inner() as f64 * 1e-9;
+        self.account(self.job.memory.with_sweeps(self) + at_work);
         self.grow();
         self.closure = Closure::needed(scene, &self.hierarchy, &self.links, &self.exposure, self.clusters);
         self.report.time_s.refine += start.elapsed().as_secs_f64();
@@ -281,10 +284,21 @@ impl<'a> Linked<'a> {
         self.hierarchy.ids().filter(|&node| self.hierarchy.is_leaf(node))
     }
 
-    /// Bytes that nodes and links take in a solution.
-    pub fn memory_bytes(&self) -> u64 {
-        let radiosities = self.hierarchy.len() * self.job.kept_channels * size_of::<f64>();
-        self.hierarchy.memory_bytes() + radiosities as u64 + self.links.memory_bytes()
+    /// Keeps memory for the cells of a plan, and its error points. Those that cannot be counted are never found.
+    pub fn reserve_cells(&mut self, plan: &Plan) {
+        self.reserved_bytes = cell_bytes(self, plan).unwrap_or(0);
+    }
+
+    /// Whether cells as fine as is planned can be found within the memory.
+    pub fn has_room_for_cells(&mut self, plan: &Plan) -> bool {
+        let bytes = self.job.memory.with_cells(self, plan).filter(|&bytes| self.job.memory.allows(bytes));
+        bytes.iter().for_each(|&bytes| self.account(bytes));
+        bytes.is_some()
+    }
+
+    /// Notes that so much is taken by the ledger.
+    pub fn account(&mut self, bytes: u64) {
+        self.report.accounted_bytes = self.report.accounted_bytes.max(bytes);
     }
 
     /// What refinement left out.

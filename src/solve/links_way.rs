@@ -33,7 +33,8 @@ pub(super) struct LinksWay<'a> {
 }
 
 impl<'a> LinksWay<'a> {
-    pub fn new(linked: Linked<'a>, plan: Plan, search: ErrorSearch) -> Self {
+    pub fn new(mut linked: Linked<'a>, plan: Plan, search: ErrorSearch) -> Self {
+        linked.reserve_cells(&plan);
         Self { plan, judge: Judge::new(linked.job.options.norm.into()), linked, search, judged: None, over_cells: None }
     }
 
@@ -118,8 +119,8 @@ impl<'a> Way<'a> for LinksWay<'a> {
         step
     }
 
-    fn has_room(&self) -> bool {
-        true
+    fn has_room(&mut self) -> bool {
+        self.linked.has_room_for_cells(&self.plan)
     }
 
     fn into_cells(self: Box<Self>) -> Box<dyn Way<'a> + 'a> {

@@ -12,6 +12,7 @@ mod job;
 mod judge;
 mod linked;
 mod links_way;
+mod memory;
 mod next_step;
 mod options;
 mod plan;
@@ -39,6 +40,7 @@ use std::time::Instant;
 
 use choice::choose;
 use job::Job;
+use memory::MemoryLedger;
 use step::NextStep;
 
 use crate::error::ErrorEstimate;
@@ -46,6 +48,12 @@ use crate::links::RefineEnd;
 use crate::progress::Observer;
 use crate::scene::{DistinctChannels, Scene};
 use crate::transmittance::Rays;
+use crate::visibility::Backend;
+
+/// The least memory that a solve of a scene takes, in bytes, by the ledger.
+pub(crate) fn least_bytes(scene: &Scene, backend: Backend) -> u64 {
+    MemoryLedger::new(scene, false, backend, None).least(scene)
+}
 
 /// Solves `scene` in the current rayon pool; `importance` is looked at by error-driven refinement alone.
 ///
@@ -84,8 +92,14 @@ fn solve_all_channels(job: &Job<'_>, importance: InitialImportance) -> (Solution
         let ended = way.advance();
         loop {
             let cells = Instant::now();
-            way.find_cells();
-            let error = way.estimate_error();
+            let has_room = way.has_room();
+            if has_room {
+                way.find_cells();
+            }
+            let error = if has_room { way.estimate_error() } else { None };
+            if !has_room && !job.is_late() {
+                break 'solve StoppedBy::Memory;
+            }
             if let Some(limit) = limit(job, error, ended) {
                 break 'solve limit;
             }
@@ -96,7 +110,6 @@ fn solve_all_channels(job: &Job<'_>, importance: InitialImportance) -> (Solution
                 NextStep::Exhausted => break 'solve StoppedBy::Exhausted,
                 NextStep::FindCells(_) if job.has_no_time_for(cells.elapsed()) => break 'solve StoppedBy::Time,
                 NextStep::Refine(_) if job.has_no_time_for(round.elapsed()) => break 'solve StoppedBy::Time,
-                NextStep::FindCells(_) if !way.has_room() => break 'solve StoppedBy::Memory,
                 NextStep::MoreReplicateRays | NextStep::MorePoints | NextStep::MoreRays(_) | NextStep::FindCells(_) => {}
                 NextStep::Refine(_) => break,
                 NextStep::TakeCells => {

@@ -242,6 +242,9 @@ pub struct SolveReport {
     pub energy_balance: Option<EnergyBalance>,
     /// Bytes of the solution: hierarchy, links, radiosities.
     pub memory_bytes: u64,
+    /// The most that the solve takes at one time by its own count, in bytes: scene, visibility and all; what
+    /// [`RunOptions::memory_bytes`](super::RunOptions::memory_bytes) limits.
+    pub accounted_bytes: u64,
     /// Work that was not done.
     pub skipped: Vec<SkippedWork>,
     /// Whether the requested error is reached.
