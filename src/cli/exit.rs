@@ -21,7 +21,7 @@ pub enum Exit {
     BadInput = 3,
     /// A limit ended the solve before the requested error was reached. Results are written.
     Limit = 4,
-    /// The memory budget ended the solve. Results are written.
+    /// Out of memory: the budget ended the solve, and results are written; or it was too small to begin, or the machine had no more.
     Memory = 5,
     /// Interrupted. What there is, is written.
     Cancelled = 130,
