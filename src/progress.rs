@@ -6,12 +6,16 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
+    /// Reading a scene.
+    Read,
     /// Building the visibility backend and the hierarchy.
     Build,
     /// Deciding pairs of nodes and making links.
     Refine,
     /// Gathering over links and push-pull.
     Gather,
+    /// Finding the radiosities of cells.
+    Cells,
     /// Estimating the error of what has been found.
     Error,
     /// Evaluating values at points.

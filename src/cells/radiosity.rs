@@ -17,7 +17,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::assemble::bytes_to_assemble;
-use super::equations::Equations;
+use super::equations::{BATCH, Equations};
 use super::positions::sampled_positions;
 use crate::paths::{LightPaths, Resolution};
 use crate::progress::Stop;
@@ -60,6 +60,11 @@ impl CellRadiosities {
     /// Bytes that this takes.
     pub fn memory_bytes(&self) -> u64 {
         (self.values.len() * size_of::<f32>()) as u64
+    }
+
+    /// How often solving for so many cells asks whether to stop, sweeps left out.
+    pub fn questions(cells: usize) -> usize {
+        2 * cells.div_ceil(BATCH)
     }
 
     /// Bytes that it takes to solve for so many cells with so many paths from each, beside the result.

@@ -68,6 +68,20 @@ pub(crate) struct ErrorEstimate {
     pub lit: f64,
 }
 
+impl ErrorEstimate {
+    /// Nothing can be said.
+    pub const UNKNOWN: Self = Self {
+        measured: f64::INFINITY,
+        claimed: f64::INFINITY,
+        energy: ErrorFigure::UNKNOWN,
+        local: ErrorFigure::UNKNOWN,
+        doubts: Doubts { replicates: 0.0, common: 0.0, noise: 0.0 },
+        ray_share: 0.0,
+        value_noise: None,
+        lit: 0.0,
+    };
+}
+
 /// Values over cells are taken twice at one of so many points.
 pub(crate) const TWICE: usize = 2;
 

@@ -15,8 +15,8 @@ use super::solution::Solution;
 use super::step::NextStep;
 use super::strategies::{self, ErrorSearch};
 use super::way::Way;
-use crate::cells::SolvedCells;
-use crate::error::{ErrorEstimate, ReplicateGather, ResidualGather};
+use crate::cells::{CellRadiosities, SolvedCells};
+use crate::error::{ErrorEstimate, REPLICATES, ReplicateGather, ResidualGather};
 use crate::links::RefineEnd;
 use crate::paths::LightPaths;
 use crate::progress::Stage;
@@ -62,13 +62,15 @@ impl<'a> Way<'a> for CellsWay<'a> {
             return;
         }
         let start = Instant::now();
-        let (resolution, stop) = (plan.resolution(), job.stop());
+        let resolution = plan.resolution();
         let own = cells.clone().filter(|own| own.resolution == resolution).or_else(|| {
             let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.side));
+            let stop = linked.stop_telling(Stage::Cells, CellRadiosities::questions(paths.grids.cells()));
             SolvedCells::solve(paths, resolution, [cell_seed(job.options.seed, 0)], &stop).map(Arc::new)
         });
         // Replicates have cells of the same size; those of values are not taken without them, unless there are no others.
         if let Some(own) = own {
+            let stop = linked.stop_telling(Stage::Cells, REPLICATES * CellRadiosities::questions(own.paths.grids.cells()));
             let are_judged = judge.find_cells(plan.replicate_resolution(), job.options.seed, || own.paths.clone(), &stop);
             if are_judged || cells.is_none() {
                 *cells = Some(own);

@@ -9,7 +9,7 @@ use crate::cells::SolvedCells;
 use crate::error::{ErrorEstimate, ErrorNorm, ErrorSamples, Pilot, REPLICATES, ReplicateGather, Replication};
 use crate::geometry::{sampling, streams};
 use crate::paths::{LightPaths, Resolution};
-use crate::progress::Stop;
+use crate::progress::{Stage, Stop};
 use crate::values::{ErrorBars, Gather};
 
 /// Values that were judged, to go back to where the time ends before better ones are judged as well.
@@ -70,7 +70,7 @@ impl<'a> Judge<'a> {
         *error = None;
         let job = linked.job;
         let Some(cells) = cells.as_ref().filter(|_| !job.is_late()) else { return };
-        let stop = job.stop();
+        let stop = linked.stop_telling(Stage::Error, 3 * plan.error_points());
         let with = Replication {
             scene: job.scene,
             hierarchy: &linked.hierarchy,
@@ -86,6 +86,12 @@ impl<'a> Judge<'a> {
         }
         if is_spread && samples.take_replicates(plan.replicate_rays(), &with, &stop) {
             *error = samples.estimate(&gather(plan.point_rays()), &stop);
+        }
+
+        // Light that no point has found is somewhere all the same.
+        let is_reflected = linked.landings.iter().any(|landing| landing.power > 0.0);
+        if is_reflected && let Some(found) = error.as_mut().filter(|found| found.lit == 0.0) {
+            *found = ErrorEstimate::UNKNOWN;
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -53,6 +53,8 @@ impl<'a> Linked<'a> {
     pub fn new(job: Job<'a>, landings: Arc<[Landing]>, clusters: bool) -> Self {
         let start = Instant::now();
         let Job { scene, rays, options, .. } = job;
+        let (links, elements) = (0, scene.surfaces().len() as u64);
+        job.observer.progress(&Progress { stage: Stage::Build, round: 0, fraction: None, links, elements, error: None });
         let hierarchy = Hierarchy::new(scene);
         let mut exposure = Exposure::default();
         exposure.grow(scene, &hierarchy, rays, options.seed, &job.stop());
@@ -83,6 +85,19 @@ impl<'a> Linked<'a> {
         let round = self.report.counts.rounds as u32;
         let (links, error) = (self.links.len() as u64, self.claimed);
         self.job.observer.progress(&Progress { stage, round, fraction: None, links, elements, error });
+    }
+
+    /// Asks whether to end a stage, and tells how far it is: about so many times it is asked.
+    pub fn stop_telling(&self, stage: Stage, questions: usize) -> impl Fn() -> bool + Sync + use<'a> {
+        let (job, round, claimed) = (self.job, self.report.counts.rounds as u32, self.claimed);
+        let elements = (self.hierarchy.len() - self.hierarchy.cluster_count()) as u64;
+        let (links, asked) = (self.links.len() as u64, AtomicU64::new(0));
+        move || {
+            let part = asked.fetch_add(1, Ordering::Relaxed) as f64 / questions.max(1) as f64;
+            let fraction = Some(part.min(1.0));
+            job.observer.progress(&Progress { stage, round, fraction, links, elements, error: claimed });
+            job.is_late()
+        }
     }
 
     /// Gives links half of the time that is left.

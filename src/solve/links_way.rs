@@ -14,9 +14,10 @@ use super::solution::Solution;
 use super::step::NextStep;
 use super::strategies::{self, ErrorSearch};
 use super::way::Way;
-use crate::error::{ErrorEstimate, ReplicateGather};
+use crate::cells::CellRadiosities;
+use crate::error::{ErrorEstimate, REPLICATES, ReplicateGather};
 use crate::links::RefineEnd;
-use crate::paths::LightPaths;
+use crate::paths::{LightPaths, cell_count};
 use crate::progress::Stage;
 use crate::values::{FinalGather, Gather, RayBudget};
 
@@ -65,8 +66,11 @@ impl<'a> Way<'a> for LinksWay<'a> {
         }
         let start = Instant::now();
         let resolution = plan.replicate_resolution();
-        let paths = || Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.side));
-        judge.find_cells(resolution, job.options.seed, paths, &job.stop());
+        let brightness = linked.brightness();
+        let cells = cell_count(job.scene, &brightness, resolution.side).unwrap_or(0);
+        let stop = linked.stop_telling(Stage::Cells, REPLICATES * CellRadiosities::questions(cells));
+        let paths = || Arc::new(LightPaths::new(job.scene, job.rays, &brightness, &linked.landings, resolution.side));
+        judge.find_cells(resolution, job.options.seed, paths, &stop);
         add_time(&mut linked.report.time_s.resolve, start);
     }
 

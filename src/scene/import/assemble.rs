@@ -10,8 +10,9 @@ use glam::DVec3;
 
 use super::cut::{Cut, Pieces, convex_pieces};
 use super::obj::ObjFile;
-use super::{Diagnostic, DiagnosticKind, Diagnostics};
+use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
 use crate::geometry::{Aabb, Polygon};
+use crate::progress::Stop;
 
 /// Corners off their plane by no more than this fraction of the scene's diagonal are there by rounding: files give six or seven digits.
 const PLANE_TOLERANCE: f64 = 1e-6;
@@ -23,7 +24,12 @@ pub(super) struct Assembled {
 }
 
 /// Makes convex planar polygons of the faces, in their order.
-pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics) -> Assembled {
+pub(super) fn assemble(
+    obj: &ObjFile,
+    file: &Path,
+    diagnostics: &mut Diagnostics,
+    stop: Stop<'_>,
+) -> Result<Assembled, ImportError> {
     let mut ids: HashMap<[u64; 3], u32> = HashMap::with_capacity(obj.vertices);
     let mut polygons = Vec::with_capacity(obj.faces.len());
     let mut dropped = 0;
@@ -33,6 +39,9 @@ pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics
     // The faces so far by their corners: one for each of the two windings, as an index into `obj.faces`.
     let mut seen: HashMap<Vec<u32>, [Option<usize>; 2]> = HashMap::with_capacity(obj.faces.len());
     for (index, face) in obj.faces.iter().enumerate() {
+        if stop() {
+            return Err(ImportError::Cancelled);
+        }
         let line = obj.lines[face.number as usize];
         let mut note = |kind, text: String| diagnostics.push(Diagnostic::new(kind, text).at(file, line).face(face.number + 1));
 
@@ -78,7 +87,7 @@ pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics
         let text = format!("{} faces were flattened, by at most {:.1e}: rounded digits", flattened.0, flattened.1);
         diagnostics.push(Diagnostic::new(DiagnosticKind::Flattened, text).at(file, 0));
     }
-    Assembled { polygons, dropped }
+    Ok(Assembled { polygons, dropped })
 }
 
 /// The corners of a face with the ids of their positions; corners that follow themselves add nothing.
