@@ -4,10 +4,10 @@ use std::time::Instant;
 
 use patchlight::bounds::Certainty;
 use patchlight::output::{CpuReport, Points, Provenance, RunReport, SceneReport, write_report};
+use patchlight::picture::Image;
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::scene::Scene;
 use patchlight::scene::import::read_scene;
-use patchlight::picture::Image;
 use patchlight::solve::{ErrorReport, Norm, RunOptions, SolveOptions, SolveReport};
 use patchlight::values::{Values, ValuesError};
 

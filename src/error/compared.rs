@@ -66,12 +66,7 @@ pub(super) fn by_other_rays(budget: RayBudget) -> RayBudget {
 }
 
 /// The values that `gather` gives at `places` with a budget, one by one; `None` if stopped before.
-pub(super) fn values_at(
-    places: &[Place],
-    gather: &Gather<'_>,
-    budget: RayBudget,
-    stop: Stop<'_>,
-) -> Option<Vec<Gathered>> {
+pub(super) fn values_at(places: &[Place], gather: &Gather<'_>, budget: RayBudget, stop: Stop<'_>) -> Option<Vec<Gathered>> {
     let value = |scratch: &mut Scratch, place: &Place| {
         if stop() {
             return None;

@@ -163,7 +163,11 @@ impl RunReport {
             time_s: Timing { solve: report.time_s, ..Timing::default() },
             cpu_s: CpuReport::default(),
             counts: report.counts,
-            memory: MemoryReport { solution_bytes: report.memory_bytes, accounted_bytes: report.accounted_bytes, peak_resident_bytes: None },
+            memory: MemoryReport {
+                solution_bytes: report.memory_bytes,
+                accounted_bytes: report.accounted_bytes,
+                peak_resident_bytes: None,
+            },
             error: ErrorFigures {
                 requested: error.requested,
                 estimate: error.estimate,

@@ -120,8 +120,7 @@ mod tests {
         let points = read("id,x,y,z,\"B_0\",nx,ny,nz, room \n7,0,0,0,99,0,0,1,hall\n8,1,0,0,98,0,0,1, \"the, hall\n").unwrap_err();
         assert!(matches!(points, PointsError::ColumnCount { line: 3, .. }));
         let points = read("id,x,y,z,\"B_0\",nx,ny,nz, room \n7,0,0,0,99,0,0,1,hall\n").unwrap();
-        let values =
-            Values { channels: 1, radiosity: vec![0.5], standard_error: vec![0.25], missed: 0, error: None };
+        let values = Values { channels: 1, radiosity: vec![0.5], standard_error: vec![0.25], missed: 0, error: None };
         let mut text = Vec::new();
         write_values(&mut text, &points, &values).unwrap();
         assert_eq!(String::from_utf8(text).unwrap(), "x,y,z,nx,ny,nz,B_0,se_0,id,room\n0,0,0,0,0,1,0.5,0.25,7,hall\n");

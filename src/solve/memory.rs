@@ -87,7 +87,11 @@ impl MemoryLedger {
     pub fn left_for_refinement(&self, linked: &Linked<'_>, reserved: u64) -> u64 {
         let clusters = linked.hierarchy.cluster_count();
         let of_clusters: u64 = Self::node_bytes(0, clusters, linked.job.kept_channels).iter().sum();
-        if self.budget == u64::MAX { u64::MAX } else { self.budget.saturating_sub(self.fixed + of_clusters).saturating_sub(reserved) }
+        if self.budget == u64::MAX {
+            u64::MAX
+        } else {
+            self.budget.saturating_sub(self.fixed + of_clusters).saturating_sub(reserved)
+        }
     }
 
     /// What is taken if cells of this size are solved for beside what is there, and so many points judge values by them. `None` if there are

@@ -5,6 +5,8 @@
 
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
 
 use glam::DVec3;
 
@@ -16,6 +18,12 @@ use crate::progress::Stop;
 
 /// Corners off their plane by no more than this fraction of the scene's diagonal are there by rounding: files give six or seven digits.
 const PLANE_TOLERANCE: f64 = 1e-6;
+
+/// Faces of so many corners are cut aside: some take seconds, and the cut itself cannot be interrupted.
+const MANY_CORNERS: usize = 1 << 10;
+
+/// Meanwhile it is asked so often whether to stop.
+const BETWEEN_QUESTIONS: Duration = Duration::from_millis(20);
 
 /// Polygons with the index of their material and the 0-based number of their face, and how many faces were dropped here.
 pub(super) struct Assembled {
@@ -53,7 +61,12 @@ pub(super) fn assemble(
         }
 
         let (key, side) = unwound(&corners);
-        let pieces = pieces_of(&corners, &key, side, rounding);
+        let pieces = if corners.len() < MANY_CORNERS {
+            pieces_of(&corners, &key, side, rounding)
+        } else {
+            let (corners, key) = (corners.clone(), key.clone());
+            aside(move || pieces_of(&corners, &key, side, rounding), stop).ok_or(ImportError::Cancelled)?
+        };
         if pieces.polygons.is_empty() {
             dropped += 1;
             note(DiagnosticKind::DegenerateFace, "dropped: it has no area".to_owned());
@@ -88,6 +101,25 @@ pub(super) fn assemble(
         diagnostics.push(Diagnostic::new(DiagnosticKind::Flattened, text).at(file, 0));
     }
     Ok(Assembled { polygons, dropped })
+}
+
+/// What `work` finds on a thread of its own; `None` if stopped before: the thread is left alone and ends by itself. On this thread where no
+/// other can be started.
+fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Clone + Send + 'static, stop: Stop<'_>) -> Option<T> {
+    let (sender, receiver) = mpsc::channel();
+    let on_thread = work.clone();
+    let started = std::thread::Builder::new().spawn(move || sender.send(on_thread()));
+    if started.is_err() {
+        return Some(work());
+    }
+    loop {
+        match receiver.recv_timeout(BETWEEN_QUESTIONS) {
+            Ok(found) => return Some(found),
+            Err(RecvTimeoutError::Timeout) if stop() => return None,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return Some(work()),
+        }
+    }
 }
 
 /// The corners of a face with the ids of their positions; corners that follow themselves add nothing.

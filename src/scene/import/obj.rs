@@ -152,9 +152,11 @@ fn read_values(
     let (text, order) = prepared_text(&mut structure, &material_of);
     let prepared = libraries.prepared();
     let (models, read_materials) =
-        tobj::load_obj_buf(&mut Stoppable { text: text.as_bytes(), stop }, &tobj::LoadOptions::default(), |_| tobj::load_mtl_buf(&mut prepared.as_bytes()))
-            .and_then(|(models, materials)| Ok((models, materials?)))
-            .map_err(|error| if stop() { ImportError::Cancelled } else { locate(&text, &structure.vertex_lines, error, file) })?;
+        tobj::load_obj_buf(&mut Stoppable { text: text.as_bytes(), stop }, &tobj::LoadOptions::default(), |_| {
+            tobj::load_mtl_buf(&mut prepared.as_bytes())
+        })
+        .and_then(|(models, materials)| Ok((models, materials?)))
+        .map_err(|error| if stop() { ImportError::Cancelled } else { locate(&text, &structure.vertex_lines, error, file) })?;
 
     // Put the faces back into the order of the file.
     let (faces, corners) = collect_faces(&models, &structure, &order, file)?;
