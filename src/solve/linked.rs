@@ -9,13 +9,13 @@ use rayon::prelude::*;
 
 use super::Sweep;
 use super::job::Job;
-use super::memory::{LINK_AT_WORK, MemoryLedger, cell_bytes};
+use super::memory::{CellDemand, Holdings, LINK_AT_WORK, MemoryLedger};
 use super::plan::{COARSE_TOLERANCE, Plan};
 use super::report::{SkippedWork, SolveReport};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
 use crate::links::{Dropped, LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
-use crate::paths::{Brightness, Landing};
+use crate::paths::{Brightness, Landing, cell_count};
 use crate::progress::{Progress, Stage, Stop};
 use crate::scene::SurfaceId;
 use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, Reflections, sampled_exposed_point, sweep_in_place};
@@ -124,7 +124,7 @@ impl<'a> Linked<'a> {
     pub fn refine_limits<'s>(&self, stop: &'s (dyn Fn(u64, u64) -> bool + Sync), halt: Stop<'s>) -> RefineLimits<'s> {
         RefineLimits {
             max_links: self.job.options.max_links.unwrap_or(u64::from(u32::MAX)),
-            max_bytes: self.job.memory.left_for_refinement(self, self.reserved_bytes),
+            max_bytes: self.job.memory.left_for_refinement(self.holdings(), self.reserved_bytes),
             node_bytes: MemoryLedger::bytes_of_new_node(self.job.kept_channels),
             link_bytes: LINK_AT_WORK as u64,
             stop,
@@ -180,7 +180,7 @@ impl<'a> Linked<'a> {
         let at_work = (refinement.len() * LINK_AT_WORK) as u64;
         self.links = refinement.into_links(&self.hierarchy);
         self.report.time_s.form_factor += context.form_factor_nanoseconds.into_inner() as f64 * 1e-9;
-        self.account(self.job.memory.with_sweeps(self) + at_work);
+        self.account(self.job.memory.with_sweeps(self.holdings()) + at_work);
         self.grow();
         self.closure = Closure::needed(scene, &self.hierarchy, &self.links, &self.exposure, self.clusters);
         self.report.time_s.refine += start.elapsed().as_secs_f64();
@@ -301,14 +301,37 @@ impl<'a> Linked<'a> {
 
     /// Keeps memory for the cells of a plan, and its error points. Those that cannot be counted are never found.
     pub fn reserve_cells(&mut self, plan: &Plan) {
-        self.reserved_bytes = cell_bytes(self, plan).unwrap_or(0);
+        let has_budget = self.job.run.memory_bytes.is_some();
+        let demand = if has_budget { self.cell_demand(plan) } else { None };
+        self.reserved_bytes = demand.map_or(0, |demand| demand.bytes(self.job.scene));
     }
 
     /// Whether cells as fine as is planned can be found within the memory.
     pub fn has_room_for_cells(&mut self, plan: &Plan) -> bool {
-        let bytes = self.job.memory.with_cells(self, plan).filter(|&bytes| self.job.memory.allows(bytes));
-        bytes.iter().for_each(|&bytes| self.account(bytes));
-        bytes.is_some()
+        if self.job.is_late() {
+            // None will be found.
+            return true;
+        }
+        let Some(demand) = self.cell_demand(plan) else { return false };
+        let bytes = self.job.memory.kept(self.holdings()) + demand.bytes(self.job.scene);
+        let is_allowed = self.job.memory.allows(bytes);
+        if is_allowed {
+            self.account(bytes);
+        }
+        is_allowed
+    }
+
+    /// The cells that a plan asks for; `None` if they are more than can be counted.
+    fn cell_demand(&self, plan: &Plan) -> Option<CellDemand> {
+        let (resolution, replicates) = (plan.resolution(), plan.replicate_resolution());
+        let are_of_values = plan.has_cells();
+        let rays = if are_of_values { resolution.rays.max(replicates.rays) } else { replicates.rays };
+        let cells = cell_count(self.job.scene, &self.brightness(), resolution.side)?;
+        Some(CellDemand { cells, channels: self.job.kept_channels, rays, are_of_values, error_points: plan.error_points() })
+    }
+
+    fn holdings(&self) -> Holdings<'_> {
+        Holdings { hierarchy: &self.hierarchy, links: &self.links, channels: self.job.kept_channels }
     }
 
     /// Notes that so much is taken by the ledger.

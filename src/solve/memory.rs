@@ -7,12 +7,10 @@ use crate::cells::CellRadiosities;
 use crate::error::{ErrorSamples, REPLICATES};
 use crate::geometry::Lobes;
 use crate::hierarchy::Hierarchy;
-use crate::paths::{LightPaths, Resolution, cell_count};
+use crate::links::LinkSet;
+use crate::paths::LightPaths;
 use crate::scene::{Scene, Surface};
 use crate::visibility::Backend;
-
-use super::linked::Linked;
-use super::plan::Plan;
 
 /// The program, its libraries, and what threads reuse: 14 to 20 MB are resident when a dozen surfaces are solved.
 const PROGRAM: u64 = 24_000_000;
@@ -41,6 +39,38 @@ const SWEEP_NUMBERS: usize = 5;
 /// Lobes of a cluster, by channel and once more: those of its radiosity, and those of two gathers.
 const KEPT_LOBES: usize = 1;
 const SWEEP_LOBES: usize = 2;
+
+/// What there is between stages.
+#[derive(Clone, Copy)]
+pub(super) struct Holdings<'a> {
+    pub hierarchy: &'a Hierarchy,
+    pub links: &'a LinkSet,
+    pub channels: usize,
+}
+
+/// Cells that are to be solved for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellDemand {
+    pub cells: usize,
+    pub channels: usize,
+    /// The most paths from each.
+    pub rays: u32,
+    /// Whether values end in them, beside replicates.
+    pub are_of_values: bool,
+    /// Points that judge values by them.
+    pub error_points: usize,
+}
+
+impl CellDemand {
+    /// What solving for them takes while it works, with what is judged by them; those that were known stay meanwhile.
+    pub fn bytes(&self, scene: &Scene) -> u64 {
+        let Self { cells, channels, rays, are_of_values, error_points } = *self;
+        let solutions = (REPLICATES + usize::from(are_of_values)) as u64;
+        let kept = solutions * CellRadiosities::bytes_of(cells, channels) + LightPaths::bytes_of(scene, cells);
+        let samples = error_points as u64 * ErrorSamples::bytes_of_point(channels);
+        2 * kept + samples + CellRadiosities::bytes_to_solve(cells, rays, channels)
+    }
+}
 
 /// What a solve may take, in bytes, and what it takes whatever it does.
 #[derive(Clone, Copy, Debug)]
@@ -84,9 +114,8 @@ impl MemoryLedger {
     }
 
     /// What is left for nodes and links while others take `reserved`; infinite without a budget.
-    pub fn left_for_refinement(&self, linked: &Linked<'_>, reserved: u64) -> u64 {
-        let clusters = linked.hierarchy.cluster_count();
-        let of_clusters: u64 = Self::node_bytes(0, clusters, linked.job.kept_channels).iter().sum();
+    pub fn left_for_refinement(&self, of: Holdings<'_>, reserved: u64) -> u64 {
+        let of_clusters: u64 = Self::node_bytes(0, of.hierarchy.cluster_count(), of.channels).iter().sum();
         if self.budget == u64::MAX {
             u64::MAX
         } else {
@@ -94,40 +123,21 @@ impl MemoryLedger {
         }
     }
 
-    /// What is taken if cells of this size are solved for beside what is there, and so many points judge values by them. `None` if there are
-    /// more cells than can be counted.
-    pub fn with_cells(&self, linked: &Linked<'_>, plan: &Plan) -> Option<u64> {
-        Some(self.kept(linked) + cell_bytes(linked, plan)?)
+    /// What stays between stages.
+    pub fn kept(&self, of: Holdings<'_>) -> u64 {
+        let [kept, _] = Self::node_bytes(of.hierarchy.len(), of.hierarchy.cluster_count(), of.channels);
+        self.fixed + of.hierarchy.memory_bytes() + kept + of.links.memory_bytes()
     }
 
-    /// What stays between stages, and what a sweep takes beside it.
-    pub fn with_sweeps(&self, linked: &Linked<'_>) -> u64 {
-        let (nodes, clusters) = (linked.hierarchy.len(), linked.hierarchy.cluster_count());
-        self.kept(linked) + Self::node_bytes(nodes, clusters, linked.job.kept_channels)[1]
-    }
-
-    fn kept(&self, linked: &Linked<'_>) -> u64 {
-        let (nodes, clusters) = (linked.hierarchy.len(), linked.hierarchy.cluster_count());
-        let [kept, _] = Self::node_bytes(nodes, clusters, linked.job.kept_channels);
-        self.fixed + linked.hierarchy.memory_bytes() + kept + linked.links.memory_bytes()
+    /// What stays, and what a sweep takes beside it.
+    pub fn with_sweeps(&self, of: Holdings<'_>) -> u64 {
+        self.kept(of) + Self::node_bytes(of.hierarchy.len(), of.hierarchy.cluster_count(), of.channels)[1]
     }
 
     /// Whether so much is within the budget.
     pub fn allows(&self, bytes: u64) -> bool {
         bytes <= self.budget
     }
-}
-
-/// What solving for the cells of values and of replicates takes while it works, with what is judged by them; those that were known stay
-/// meanwhile.
-pub(super) fn cell_bytes(linked: &Linked<'_>, plan: &Plan) -> Option<u64> {
-    let (job, resolution, replicates) = (linked.job, plan.resolution(), plan.replicate_resolution());
-    let Resolution { side, rays } = if plan.has_cells() { resolution } else { replicates };
-    let (cells, channels) = (cell_count(job.scene, &linked.brightness(), side)?, job.kept_channels);
-    let solutions = REPLICATES + usize::from(plan.has_cells());
-    let kept = solutions as u64 * CellRadiosities::bytes_of(cells, channels) + LightPaths::bytes_of(job.scene, cells);
-    let samples = plan.error_points() as u64 * ErrorSamples::bytes_of_point(channels);
-    Some(2 * kept + samples + CellRadiosities::bytes_to_solve(cells, rays.max(replicates.rays), channels))
 }
 
 /// Faces of a scene, those with two sides once.

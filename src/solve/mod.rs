@@ -92,14 +92,11 @@ fn solve_all_channels(job: &Job<'_>, importance: InitialImportance) -> (Solution
         let ended = way.advance();
         loop {
             let cells = Instant::now();
-            let has_room = way.has_room();
-            if has_room {
-                way.find_cells();
-            }
-            let error = if has_room { way.estimate_error() } else { None };
-            if !has_room && !job.is_late() {
+            if !way.has_room() {
                 break 'solve StoppedBy::Memory;
             }
+            way.find_cells();
+            let error = way.estimate_error();
             if let Some(limit) = limit(job, error, ended) {
                 break 'solve limit;
             }

@@ -47,9 +47,6 @@ pub(super) fn assemble(
     // The faces so far by their corners: one for each of the two windings, as an index into `obj.faces`.
     let mut seen: HashMap<Vec<u32>, [Option<usize>; 2]> = HashMap::with_capacity(obj.faces.len());
     for (index, face) in obj.faces.iter().enumerate() {
-        if stop() {
-            return Err(ImportError::Cancelled);
-        }
         let line = obj.lines[face.number as usize];
         let mut note = |kind, text: String| diagnostics.push(Diagnostic::new(kind, text).at(file, line).face(face.number + 1));
 
@@ -61,12 +58,7 @@ pub(super) fn assemble(
         }
 
         let (key, side) = unwound(&corners);
-        let pieces = if corners.len() < MANY_CORNERS {
-            pieces_of(&corners, &key, side, rounding)
-        } else {
-            let (corners, key) = (corners.clone(), key.clone());
-            aside(move || pieces_of(&corners, &key, side, rounding), stop).ok_or(ImportError::Cancelled)?
-        };
+        let pieces = pieces_or_stop(&corners, &key, side, rounding, stop).ok_or(ImportError::Cancelled)?;
         if pieces.polygons.is_empty() {
             dropped += 1;
             note(DiagnosticKind::DegenerateFace, "dropped: it has no area".to_owned());
@@ -96,11 +88,28 @@ pub(super) fn assemble(
         polygons.extend(pieces.polygons.into_iter().map(|polygon| (polygon, face.material, face.number)));
     }
 
-    if flattened.0 > 0 {
-        let text = format!("{} faces were flattened, by at most {:.1e}: rounded digits", flattened.0, flattened.1);
+    note_flattened(flattened, file, diagnostics);
+    Ok(Assembled { polygons, dropped })
+}
+
+/// Notes how many faces were flattened, and by how much at most.
+fn note_flattened((count, most): (usize, f64), file: &Path, diagnostics: &mut Diagnostics) {
+    if count > 0 {
+        let text = format!("{count} faces were flattened, by at most {most:.1e}: rounded digits");
         diagnostics.push(Diagnostic::new(DiagnosticKind::Flattened, text).at(file, 0));
     }
-    Ok(Assembled { polygons, dropped })
+}
+
+/// [`pieces_of`] a face; `None` if stopped before.
+fn pieces_or_stop(corners: &[(u32, DVec3)], key: &[u32], side: usize, rounding: f64, stop: Stop<'_>) -> Option<Pieces> {
+    if stop() {
+        return None;
+    }
+    if corners.len() < MANY_CORNERS {
+        return Some(pieces_of(corners, key, side, rounding));
+    }
+    let (corners, key) = (corners.to_vec(), key.to_vec());
+    aside(move || pieces_of(&corners, &key, side, rounding), stop)
 }
 
 /// What `work` finds on a thread of its own; `None` if stopped before: the thread is left alone and ends by itself. On this thread where no
