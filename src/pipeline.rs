@@ -31,6 +31,18 @@ pub enum PipelineError {
     /// The scene has nothing of what the answer is wanted for.
     #[error(transparent)]
     Interest(#[from] InterestError),
+    /// The memory budget is less than the solve takes at least; nothing was done.
+    #[error(
+        "the scene takes {:.3} GB at least before it is solved, and the budget is {:.3} GB: give more memory or fewer surfaces",
+        *needed as f64 * 1e-9,
+        *given as f64 * 1e-9
+    )]
+    Memory {
+        /// Bytes that are needed at least.
+        needed: u64,
+        /// Bytes of [`RunOptions::memory_bytes`].
+        given: u64,
+    },
     /// The threads could not be started.
     #[error("cannot start {}: {message}", if *threads == 0 { "a thread for each core".to_owned() } else { format!("{threads} threads") })]
     Threads {
@@ -63,15 +75,19 @@ pub fn solve(
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
     options.validate()?;
     run.validate()?;
+    check_memory(&scene, run)?;
     let start = Instant::now();
     let pool = thread_pool(run)?;
     let mesh = visibility::OccluderMesh::of_scene(&scene);
     let visibility = pool.install(|| visibility::build(run.backend, &mesh))?;
+    let triangles = mesh.triangles.len() as u64;
+    drop(mesh);
     let build = start.elapsed().as_secs_f64();
 
+    let run = &RunOptions { time_s: run.time_s.map(|seconds| (seconds - build).max(0.0)), ..run.clone() };
     let (evaluator, mut report) = solve_in(pool, visibility, scene, options, run, observer)?;
     report.time_s.build += build;
-    report.counts.triangles = mesh.triangles.len() as u64;
+    report.counts.triangles = triangles;
     Ok((evaluator, report))
 }
 
@@ -90,6 +106,7 @@ pub fn solve_asking(
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
     options.validate()?;
     run.validate()?;
+    check_memory(&scene, run)?;
     solve_in(thread_pool(run)?, visibility, scene, options, run, observer)
 }
 
@@ -116,6 +133,13 @@ fn solve_in(
         report.time_s.bounds += solved.elapsed().as_secs_f64();
     }
     Ok((evaluator, report))
+}
+
+/// Whether the budget of memory is enough to begin.
+fn check_memory(scene: &Scene, run: &RunOptions) -> Result<(), PipelineError> {
+    let Some(given) = run.memory_bytes else { return Ok(()) };
+    let needed = solve::least_bytes(scene, run.backend);
+    if needed > given { Err(PipelineError::Memory { needed, given }) } else { Ok(()) }
 }
 
 fn thread_pool(run: &RunOptions) -> Result<rayon::ThreadPool, PipelineError> {
@@ -217,7 +241,7 @@ impl Evaluator {
     /// Cancelled by the observer, it returns `None`.
     pub fn values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Values> {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
-        let paths = self.solution.light_paths(&rays);
+        let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
         let gather = self.solution.gather_at_points(&rays, paths.as_ref());
         let values = self.pool.install(|| values::values_at(&gather, self.solution.error_bars, points, observer));
         let mut values = values?;
@@ -234,7 +258,7 @@ impl Evaluator {
     pub fn render(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
         let through = camera.rays()?;
         let rays = Rays::new(&*self.visibility, self.solution.scene());
-        let paths = self.solution.light_paths(&rays);
+        let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
         let gather = self.solution.gather_at_points(&rays, paths.as_ref());
         let size = [camera.width, camera.height];
         let render = || picture::render(&gather, self.solution.error_bars, &rays, &through, size, observer);

@@ -6,12 +6,16 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
+    /// Reading a scene.
+    Read,
     /// Building the visibility backend and the hierarchy.
     Build,
     /// Deciding pairs of nodes and making links.
     Refine,
     /// Gathering over links and push-pull.
     Gather,
+    /// Finding the radiosities of cells.
+    Cells,
     /// Estimating the error of what has been found.
     Error,
     /// Evaluating values at points.
@@ -47,6 +51,10 @@ pub trait Observer: Sync {
         false
     }
 }
+
+/// Asked every now and then while work goes on: once it says `true`, as when the observer cancels or the time is over, it keeps saying so, and
+/// the work ends as soon as it can.
+pub(crate) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// Observes nothing and never cancels.
 #[derive(Clone, Copy, Debug, Default)]

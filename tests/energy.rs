@@ -75,6 +75,23 @@ fn rooms_lose_no_more_than_they_claim() {
     check("room", read("room"), &SolveOptions { solver: Solver::Links, ..to(0.2) });
 }
 
+/// What is emitted is absorbed, escapes, or is told as not accounted for; from closed rooms nothing escapes.
+#[test]
+fn energies_add_up() {
+    let scenes = [("cube", cube(&[0.9], &[1.0]), true), ("crowded", crowded(20, 1), true), ("open", two_squares(true), false)];
+    for (name, scene, is_closed) in scenes {
+        for solver in [Solver::Links, Solver::Cells] {
+            let (_, report) = solve(scene.clone(), &SolveOptions { solver, ..to(0.1) });
+            let energy = report.energy;
+            let sum = energy.absorbed + energy.escaped + energy.unaccounted;
+            assert!((sum / energy.emitted - 1.0).abs() < 1e-12, "{name}, {solver:?}: {energy:?}");
+            assert_eq!(energy.escaped == 0.0, is_closed, "{name}, {solver:?}: {energy:?}");
+            // Links of the coarse pass are estimates.
+            assert!(energy.unaccounted.abs() < 0.15 * energy.emitted, "{name}, {solver:?}: {energy:?}");
+        }
+    }
+}
+
 #[test]
 fn an_open_scene_has_no_balance() {
     let (_, report) = solve(two_squares(true), &to(0.1));

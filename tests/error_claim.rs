@@ -5,6 +5,8 @@
 
 #[path = "support/claims.rs"]
 mod claims;
+#[path = "support/least_memory.rs"]
+mod least_memory;
 #[path = "support/rooms.rs"]
 mod rooms;
 #[path = "support/triangles.rs"]
@@ -178,7 +180,10 @@ fn a_run_that_cannot_reach_the_error_says_why() {
     let run = RunOptions::default();
     let few_links = SolveOptions { max_links: Some(10), solver: Solver::Links, ..hard.clone() };
     assert_eq!(stopped_by(&few_links, &run, &Silent), StoppedBy::MaxLinks);
-    assert_eq!(stopped_by(&hard, &RunOptions { memory_bytes: Some(2000), ..run.clone() }, &Silent), StoppedBy::Memory);
+    assert_eq!(
+        stopped_by(&hard, &RunOptions { memory_bytes: Some(least_memory::least_bytes(scene())), ..run.clone() }, &Silent),
+        StoppedBy::Memory
+    );
     assert_eq!(stopped_by(&hard, &RunOptions { time_s: Some(1e-6), ..run.clone() }, &Silent), StoppedBy::Time);
     assert_eq!(stopped_by(&hard, &run, &Cancel), StoppedBy::Cancelled);
     let coarse = SolveOptions { strategy: Strategy::Uniform, point_rays: Some(4), ..hard };

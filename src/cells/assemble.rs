@@ -11,6 +11,7 @@ use super::equations::{BATCH, Equations, ReflectorTerms};
 use super::view_points::{Arrival, VIEW_POINTS, view_point_count, view_points};
 use crate::geometry::{sampling, streams};
 use crate::paths::{BatchSums, Directions, Ends, LightPaths, NO_CELL, PathScratch, Place};
+use crate::progress::Stop;
 
 /// The rows of a batch of cells, while they are filled in.
 struct Rows<'a> {
@@ -32,24 +33,43 @@ struct Positions<'a> {
     places: Vec<Place>,
 }
 
+/// Bytes of the equations of so many cells with so many paths from each, and of what is needed to make them, or to solve them, whichever is more.
+pub(super) fn bytes_to_assemble(cells: usize, paths: usize, channels: usize) -> u64 {
+    let (number, weight) = (size_of::<f64>(), size_of::<f32>());
+    let equation = channels * number + paths * (size_of::<u32>() + channels * weight);
+
+    // Terms of reflectors: of next-event rays from view points, half as many as paths, and of continuations.
+    let terms = paths * (size_of::<(usize, u32)>() + channels * weight);
+
+    // The place, where paths arrive, these once more in order with their beginnings, and view points; or the iterates.
+    let arriving = paths * (size_of::<Arrival>() + size_of::<([f32; 2], f32)>()) + 2 * size_of::<u32>();
+    let making = size_of::<Option<Place>>() + arriving + size_of::<Option<[[f32; 2]; VIEW_POINTS]>>();
+    let solving = 4 * channels * number;
+    (cells * (equation + terms + making.max(solving))) as u64
+}
+
 /// The positions of some cells; first, for each, the index of its cell.
 fn indexed(cells: &[Option<Place>]) -> (Vec<usize>, Vec<Place>) {
     cells.iter().enumerate().filter_map(|(index, place)| Some((index, (*place)?))).unzip()
 }
 
 impl Equations {
-    /// Follows `count` paths from the position of each cell, and casts as many next-event rays from its view points.
-    pub fn of_paths(paths: &LightPaths<'_>, cells: &[Option<Place>], count: u32, seed: u64) -> Self {
+    /// Follows `count` paths from the position of each cell, and casts as many next-event rays from its view points. `None` if stopped before
+    /// all is done.
+    pub fn of_paths(paths: &LightPaths<'_>, cells: &[Option<Place>], count: u32, seed: u64, stop: Stop<'_>) -> Option<Self> {
         let mut equations = Self::empty(cells.len(), count as usize, paths.scene.channels());
-        let arrivals = equations.follow(paths, cells, seed);
-        let points =
-            view_points(cells.len(), view_point_count(count as usize), &arrivals, sampling::hash(seed, streams::VIEW_POINTS));
-        equations.add_next_event(paths, cells, &points);
-        equations
+        let arrivals = equations.follow(paths, cells, seed, stop);
+        if stop() {
+            return None;
+        }
+        let seed = sampling::hash(seed, streams::VIEW_POINTS);
+        let points = view_points(cells.len(), view_point_count(count as usize), arrivals, seed);
+        equations.add_next_event(paths, cells, &points, stop);
+        (!stop()).then_some(equations)
     }
 
     /// Follows the paths from all positions and fills in the rows; returns where paths arrive.
-    fn follow(&mut self, paths: &LightPaths<'_>, cells: &[Option<Place>], seed: u64) -> Vec<Vec<Arrival>> {
+    fn follow(&mut self, paths: &LightPaths<'_>, cells: &[Option<Place>], seed: u64, stop: Stop<'_>) -> Vec<Vec<Arrival>> {
         let (channels, count) = (self.channels, self.paths);
         let Self { constant, end, weight, .. } = self;
         let batches = cells
@@ -59,6 +79,9 @@ impl Equations {
             .zip(weight.par_chunks_mut(BATCH * count * channels));
         let (of_reflectors, arrivals) = batches
             .map_init(PathScratch::default, |scratch, (((batch, constant), end), weight)| {
+                if stop() {
+                    return Default::default();
+                }
                 let (indices, places) = indexed(batch);
                 let from = Positions { paths, count, cells: indices, places };
                 let directions: Vec<Directions> =
@@ -75,7 +98,13 @@ impl Equations {
     }
 
     /// Casts as many next-event rays from the view points of each cell as paths left it, and adds the light to the rows.
-    fn add_next_event(&mut self, paths: &LightPaths<'_>, cells: &[Option<Place>], points: &[Option<[[f32; 2]; VIEW_POINTS]>]) {
+    fn add_next_event(
+        &mut self,
+        paths: &LightPaths<'_>,
+        cells: &[Option<Place>],
+        points: &[Option<[[f32; 2]; VIEW_POINTS]>],
+        stop: Stop<'_>,
+    ) {
         let (channels, count) = (self.channels, self.paths);
         let of_cell = view_point_count(count);
         let Self { constant, end, weight, of_reflectors, .. } = self;
@@ -87,6 +116,9 @@ impl Equations {
             .zip(weight.par_chunks(BATCH * count * channels))
             .zip(of_reflectors);
         batches.for_each_init(PathScratch::default, |scratch, (((((batch, points), constant), end), weight), terms)| {
+            if stop() {
+                return;
+            }
             // View points.
             let (indices, places) = indexed(batch);
             let starts: Vec<Place> = indices

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::paths::NO_CELL;
+use crate::progress::Stop;
 
 /// The most that the weights in a row may sum to where terms of reflectors are in it: below 1, so that sweeps converge.
 const MOST_TAKEN: f32 = 0.99;
@@ -99,14 +100,18 @@ impl Equations {
     ///
     /// Changes that fall by a steady ratio are a geometric series, whose rest is added at once; else a reflectance of 0.999 would
     /// take some ten thousand sweeps. Two sweeps make one step: light between two facing surfaces changes the one and the other in
-    /// turn.
-    pub fn iterate(&self) -> Vec<f64> {
+    /// turn. `None` if stopped before.
+    pub fn iterate(&self, stop: Stop<'_>) -> Option<Vec<f64>> {
         let mut values = self.constant.clone();
         let (mut between, mut next) = (vec![0.0; values.len()], vec![0.0; values.len()]);
         let (mut previous, mut previous_ratio) = (f64::INFINITY, f64::INFINITY);
         let mut slowest: f64 = 0.0;
         let mut before_extrapolation: Option<(f64, Vec<f64>)> = None;
         for _ in 0..MAX_SWEEPS / 2 {
+            if stop() {
+                return None;
+            }
+
             // A step, and how much it changes.
             self.sweep(&values, &mut between);
             self.sweep(&between, &mut next);
@@ -142,7 +147,7 @@ impl Equations {
                 (previous, previous_ratio) = (change, ratio);
             }
         }
-        values
+        Some(values)
     }
 
     /// One Jacobi sweep: `next` is the right-hand side of all equations for the radiosities `values`.

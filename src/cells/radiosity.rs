@@ -16,9 +16,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::equations::Equations;
+use super::assemble::bytes_to_assemble;
+use super::equations::{BATCH, Equations};
 use super::positions::sampled_positions;
 use crate::paths::{LightPaths, Resolution};
+use crate::progress::Stop;
 use crate::scene::DistinctChannels;
 
 /// The radiosity of every cell by channel, in W/m^2, without the emission that next-event estimation brings.
@@ -30,12 +32,13 @@ pub(crate) struct CellRadiosities {
 }
 
 impl CellRadiosities {
-    /// Solves for the radiosities of all cells.
-    pub fn solve(paths: &LightPaths<'_>, resolution: &Resolution, seed: u64) -> Self {
-        let positions = sampled_positions(paths, seed);
-        let equations = Equations::of_paths(paths, &positions, resolution.rays, seed);
-        let values = equations.iterate().into_iter().map(|value| value as f32).collect();
-        Self { channels: paths.scene.channels(), values }
+    /// Solves for the radiosities of all cells; `None` if stopped before.
+    pub fn solve(paths: &LightPaths<'_>, resolution: &Resolution, seed: u64, stop: Stop<'_>) -> Option<Self> {
+        let positions = sampled_positions(paths, seed, stop);
+        let equations = Equations::of_paths(paths, &positions, resolution.rays, seed, stop)?;
+        drop(positions);
+        let values = equations.iterate(stop)?.into_iter().map(|value| value as f32).collect();
+        Some(Self { channels: paths.scene.channels(), values })
     }
 
     /// The same for all channels, from those that were solved for.
@@ -57,6 +60,16 @@ impl CellRadiosities {
     /// Bytes that this takes.
     pub fn memory_bytes(&self) -> u64 {
         (self.values.len() * size_of::<f32>()) as u64
+    }
+
+    /// How often solving for so many cells asks whether to stop, sweeps left out.
+    pub fn questions(cells: usize) -> usize {
+        2 * cells.div_ceil(BATCH)
+    }
+
+    /// Bytes that it takes to solve for so many cells with so many paths from each, beside the result.
+    pub fn bytes_to_solve(cells: usize, rays: u32, channels: usize) -> u64 {
+        bytes_to_assemble(cells, rays as usize, channels)
     }
 
     /// Bytes that so many cells take.

@@ -30,7 +30,7 @@ pub(super) struct Arrival {
 pub(super) fn view_points(
     cells: usize,
     count: usize,
-    arrivals: &[Vec<Arrival>],
+    arrivals: Vec<Vec<Arrival>>,
     seed: u64,
 ) -> Vec<Option<[[f32; 2]; VIEW_POINTS]>> {
     // The arrivals of each cell, one cell after the other.
@@ -47,6 +47,7 @@ pub(super) fn view_points(
         order[*place as usize] = (arrival.at, arrival.weight);
         *place += 1;
     }
+    drop(arrivals);
 
     // Their order along the curve, and the draws.
     let along_curve = |at: [f32; 2]| {
@@ -89,7 +90,7 @@ mod tests {
         let mut low = 0;
         let seeds = 200;
         for seed in 0..seeds {
-            let view_points = view_points(3, VIEW_POINTS, &arrivals, seed);
+            let view_points = view_points(3, VIEW_POINTS, arrivals.clone(), seed);
             assert!(view_points[0].is_none() && view_points[2].is_none());
             let view_points = view_points[1].unwrap();
             assert!(view_points.iter().all(|at| at[0] < 0.5));

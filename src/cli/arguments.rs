@@ -13,7 +13,8 @@ Exit codes:
     2  the command line asks for something impossible; nothing was done
     3  an input file is bad
     4  a limit ended the solve before the requested error was reached; results are written
-    5  the memory budget ended the solve; results are written
+    5  out of memory: the budget of --memory ended the solve, and results are written; or the budget is too small to
+       begin, or the machine has no more, and nothing is written
   130  interrupted; what there is, is written
 
 Messages go to stderr, only asked-for data to stdout.";
@@ -97,11 +98,11 @@ pub struct SettingArguments {
     /// Which sides of a face emit and receive: front or both [default: front]
     #[arg(long, value_name = "SIDES")]
     pub sides: Option<String>,
-    /// Stop when nodes and links would take more than this many GB (1e9 bytes); the process takes up to five times as much
-    /// [default: 15% of the memory that is available]
+    /// Stop when the program would take more than this many GB (1e9 bytes), by its own count: the same on every machine
+    /// [default: no budget; a run that takes nearly all memory ends with an error]
     #[arg(long, value_name = "GB")]
     pub memory: Option<String>,
-    /// Stop after this many seconds
+    /// Stop after this many seconds, those of reading included; results are written after that
     #[arg(long, value_name = "S")]
     pub time: Option<String>,
     /// Set any option by its key, as in --set error=0.01; may be repeated; --help lists the keys

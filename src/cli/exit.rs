@@ -21,7 +21,7 @@ pub enum Exit {
     BadInput = 3,
     /// A limit ended the solve before the requested error was reached. Results are written.
     Limit = 4,
-    /// The memory budget ended the solve. Results are written.
+    /// Out of memory: the budget ended the solve, and results are written; or it was too small to begin, or the machine had no more.
     Memory = 5,
     /// Interrupted. What there is, is written.
     Cancelled = 130,
@@ -77,6 +77,7 @@ impl From<PipelineError> for Failure {
         match error {
             PipelineError::Options(_) | PipelineError::Camera(_) | PipelineError::Interest(_) => Self::usage(error),
             PipelineError::Visibility(VisibilityError::UnknownBackend(_) | VisibilityError::NotBuilt { .. }) => Self::usage(error),
+            PipelineError::Memory { .. } => Self { exit: Exit::Memory, message: format!("--memory: {error}") },
             PipelineError::Visibility(VisibilityError::Native { .. } | VisibilityError::BadMesh(_))
             | PipelineError::Threads { .. } => Self::failed(error),
         }

@@ -7,6 +7,7 @@ mod exit;
 mod files;
 mod info;
 mod interrupt;
+mod memory_guard;
 mod option_help;
 mod process;
 mod progress;
@@ -33,6 +34,7 @@ pub fn run() -> ExitCode {
             return if message.use_stderr() { Exit::Usage } else { Exit::Done }.into();
         }
     };
+    memory_guard::watch();
     match execute(arguments.command) {
         Ok(exit) => exit.into(),
         Err(failure) => {

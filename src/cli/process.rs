@@ -15,29 +15,66 @@ pub fn cpu_seconds() -> Option<f64> {
 
 /// The most memory that was resident at one time, in bytes; Linux tells it in `/proc`.
 pub fn peak_resident_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let kibibytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix("kB")?.trim();
+    status_bytes("VmHWM:")
+}
+
+/// A number of `/proc/self/status`, in bytes.
+fn status_bytes(name: &str) -> Option<u64> {
+    kibibytes_of(&std::fs::read_to_string("/proc/self/status").ok()?, name)
+}
+
+/// The number of this name in a list of names and kibibytes, in bytes.
+fn kibibytes_of(list: &str, name: &str) -> Option<u64> {
+    let kibibytes = list.lines().find_map(|line| line.strip_prefix(name))?.trim().strip_suffix("kB")?.trim();
     Some(kibibytes.parse::<u64>().ok()? * 1024)
 }
 
-/// Bytes of memory that the system would give without swapping, or the limit of a control group of the process (of its container, say) if
-/// that is less; Linux tells it.
-pub fn available_memory_bytes() -> Option<u64> {
-    let meminfo = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let kibibytes = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?.trim().strip_suffix("kB")?.trim();
-    let available = kibibytes.parse::<u64>().ok()? * 1024;
-    Some(control_group_limit_bytes().map_or(available, |limit| limit.min(available)))
+/// What the process takes of something, and the most that it could have of it by now, in bytes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// Of what, in words.
+    pub of: &'static str,
+    /// What is taken.
+    pub taken: u64,
+    /// What could be.
+    pub most: u64,
 }
 
-/// The least limit of the process's control group (version 2) and of those above it, where there is one.
-fn control_group_limit_bytes() -> Option<u64> {
+/// Memory and address space, each if there is a limit and the system tells it; Linux does.
+pub fn memory_shares() -> Vec<Share> {
+    let (Some(resident), Some(size)) = (status_bytes("VmRSS:"), status_bytes("VmSize:")) else { return Vec::new() };
+    let memory = memory_left_bytes().map(|left| Share { of: "the memory", taken: resident, most: resident.saturating_add(left) });
+    let space = address_space_limit_bytes().map(|most| Share { of: "the address space (ulimit -v)", taken: size, most });
+    memory.into_iter().chain(space).collect()
+}
+
+/// What the system would still give without swapping, or a control group of the process (of its container, say) if that is less.
+fn memory_left_bytes() -> Option<u64> {
+    let available = kibibytes_of(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
+    Some(control_group_left_bytes().map_or(available, |left| left.min(available)))
+}
+
+/// What is left of the least limit of the process's control group (version 2) and of those above it, where there is one. Files that the
+/// system keeps in memory make room.
+fn control_group_left_bytes() -> Option<u64> {
     let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
     let group = Path::new(groups.lines().find_map(|line| line.strip_prefix("0::/"))?);
-    let limit_of = |group: &Path| {
-        let text = std::fs::read_to_string(Path::new("/sys/fs/cgroup").join(group).join("memory.max")).ok()?;
-        text.trim().parse::<u64>().ok() // "max" is no limit
+    let left_of = |group: &Path| {
+        let read = |name: &str| std::fs::read_to_string(Path::new("/sys/fs/cgroup").join(group).join(name)).ok();
+        let limit = read("memory.max")?.trim().parse::<u64>().ok()?; // "max" is no limit
+        let current = read("memory.current")?.trim().parse::<u64>().ok()?;
+        let stat = read("memory.stat").unwrap_or_default();
+        let files = stat.lines().find_map(|line| line.strip_prefix("inactive_file ")?.trim().parse::<u64>().ok());
+        Some(limit.saturating_sub(current.saturating_sub(files.unwrap_or(0))))
     };
-    group.ancestors().filter_map(limit_of).min()
+    group.ancestors().filter_map(left_of).min()
+}
+
+/// The limit of the address space, where there is one.
+fn address_space_limit_bytes() -> Option<u64> {
+    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    line.split_whitespace().next()?.parse().ok() // "unlimited" is no limit
 }
 
 #[cfg(test)]
@@ -52,6 +89,7 @@ mod tests {
         assert!(busy > 0.0 && cpu_seconds().unwrap() > before);
         assert!(peak_resident_bytes().unwrap() > 100_000);
         // More than nothing, and less than any machine has.
-        assert!((1 << 20..1 << 60).contains(&available_memory_bytes().unwrap()));
+        let memory = memory_shares()[0];
+        assert!(memory.taken > 1 << 20 && memory.taken < memory.most && memory.most < 1 << 60, "{memory:?}");
     }
 }

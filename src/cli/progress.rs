@@ -80,7 +80,7 @@ impl Watcher {
     /// Watches from now on; interrupts that came before were for others.
     pub fn new(voice: Voice) -> Self {
         let bar = (voice == Voice::Bar).then(|| {
-            let bar = ProgressBar::new(1000);
+            let bar = ProgressBar::new(1000).with_style(style_of(None));
             bar.enable_steady_tick(Duration::from_millis(120));
             bar
         });
@@ -108,11 +108,7 @@ impl Observer for Watcher {
         *last = Some((now, progress.stage));
         match (self.voice, &self.bar) {
             (Voice::Bar, Some(bar)) => {
-                let template =
-                    if progress.fraction.is_some() { "{spinner} {elapsed} {bar:24} {msg}" } else { "{spinner} {elapsed} {msg}" };
-                if let Ok(style) = ProgressStyle::with_template(template) {
-                    bar.set_style(style);
-                }
+                bar.set_style(style_of(progress.fraction));
                 bar.set_position((1000.0 * progress.fraction.unwrap_or(0.0)) as u64);
                 bar.set_message(describe(progress));
             }
@@ -130,12 +126,20 @@ impl Observer for Watcher {
     }
 }
 
+/// A bar where the part that is done is known, else a spinner alone.
+fn style_of(fraction: Option<f64>) -> ProgressStyle {
+    let template = if fraction.is_some() { "{spinner} {elapsed} {bar:24} {msg}" } else { "{spinner} {elapsed} {msg}" };
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner())
+}
+
 /// A progress report in words.
 fn describe(progress: &Progress) -> String {
     let mut text = match progress.stage {
+        Stage::Read => "reading",
         Stage::Build => "building",
         Stage::Refine => "refining",
         Stage::Gather => "gathering",
+        Stage::Cells => "finding cells",
         Stage::Error => "estimating the error",
         Stage::Sample => "evaluating points",
         Stage::Render => "taking the picture",

@@ -5,16 +5,7 @@ use patchlight::solve::{Interest, RunOptions, SolveOptions};
 
 use super::arguments::{RunArguments, SettingArguments};
 use super::exit::Failure;
-use super::process;
 use super::stderr::say;
-
-/// Of the memory that is available, the solution gets so much if nobody says: while it refines, the process takes up to five times what
-/// nodes and links do (measured at 3 million links), and is to stay below three quarters.
-const DEFAULT_MEMORY: f64 = 0.75 / 5.0;
-
-fn default_memory_bytes() -> Option<u64> {
-    process::available_memory_bytes().map(|available| (DEFAULT_MEMORY * available as f64) as u64)
-}
 
 /// What is asked of a solve, and how it runs.
 #[derive(Default)]
@@ -56,7 +47,6 @@ impl Settings {
             settings.set("importance", &format!("view {camera}"))?;
         }
         settings.options.validate().map_err(Failure::usage)?;
-        settings.run.memory_bytes = settings.run.memory_bytes.or_else(default_memory_bytes);
         Ok(settings)
     }
 

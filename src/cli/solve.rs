@@ -4,11 +4,12 @@ use std::time::Instant;
 
 use patchlight::bounds::Certainty;
 use patchlight::output::{CpuReport, Points, Provenance, RunReport, SceneReport, write_report};
+use patchlight::picture::Image;
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::scene::Scene;
 use patchlight::scene::import::read_scene;
-use patchlight::solve::{ErrorReport, Norm, SolveOptions, SolveReport};
-use patchlight::values::ValuesError;
+use patchlight::solve::{ErrorReport, Norm, RunOptions, SolveOptions, SolveReport};
+use patchlight::values::{Values, ValuesError};
 
 use super::exit::{Exit, Failure};
 use super::progress::{Voice, Watcher};
@@ -35,7 +36,8 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
 
     // The solve. What an interrupt or a limit leaves is a solution as well, and is written.
     let cpu_before = process::cpu_seconds();
-    let (evaluator, report) = pipeline::solve(scene, &options, &request.run, &Watcher::new(voice))?;
+    let run = within_limits(&request, points.as_ref(), load_s, scene.channels());
+    let (evaluator, report) = pipeline::solve(scene, &options, &run, &Watcher::new(voice))?;
     let cpu_solved = process::cpu_seconds();
     let provenance = Provenance::new(&options);
     let mut run_report = RunReport::of_solve(provenance.software(), scene_report, &options, &report);
@@ -63,6 +65,19 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
         ending.note(sink.write(|mut writer| write_report(&mut writer, &run_report)));
     }
     ending.finish()
+}
+
+/// How the solve runs: reading took some of the time, and points and pictures take some of the memory.
+fn within_limits(request: &SolveRequest, points: Option<&Points>, load_s: f64, channels: usize) -> RunOptions {
+    // Results are written from what the solution holds, one after the other: the largest counts.
+    let values = points.map_or(0, |points| Values::bytes_of(points.len(), channels));
+    let pictures = request.picture.as_ref().map_or(0, |picture| Image::bytes_of(picture.size.into(), channels));
+    let of_results = points.map_or(0, Points::memory_bytes) + values.max(pictures);
+    RunOptions {
+        time_s: request.run.time_s.map(|seconds| (seconds - load_s).max(0.0)),
+        memory_bytes: request.run.memory_bytes.map(|bytes| bytes.saturating_sub(of_results)),
+        ..request.run.clone()
+    }
 }
 
 /// Reads the scene, and warns of what was repaired.
@@ -183,7 +198,14 @@ fn tell_time(voice: Voice, run: &RunReport) {
     let cpu = run.cpu_s.total.map_or(String::new(), |seconds| format!(", {seconds:.2} CPU-s"));
     voice.figure(
         "time",
-        format_args!("{:.2} s{cpu}: load {:.2}, sample {:.2}, output {:.2}", time.total, time.load, time.sample, time.output),
+        format_args!(
+            "{:.2} s{cpu}: load {:.2}, solve {:.2}, sample {:.2}, output {:.2}",
+            time.total,
+            time.load,
+            time.total - time.load - time.sample - time.output,
+            time.sample,
+            time.output
+        ),
     );
 }
 

@@ -7,13 +7,11 @@ use super::pairs::{PairProducts, mean_and_variance};
 use super::replicates::{ErrorSample, REPLICATES};
 use crate::geometry::{sampling, streams};
 use crate::paths::{Place, place_at};
+use crate::progress::Stop;
 use crate::values::{Gather, Gathered, Over, RayBudget, Scratch};
 
 /// What a value says of the light at a point may differ from what replicates say by so many of their standard deviations.
 const LIGHT_SIGMAS: f64 = 2.0;
-
-/// Whether to stop working.
-pub(super) type Cancelled<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// What is known at a point in one channel, in W/m^2: the reflected radiosities of two values, which are equal where only one was taken, and
 /// by how much the replicates find them too bright.
@@ -67,18 +65,16 @@ pub(super) fn by_other_rays(budget: RayBudget) -> RayBudget {
     RayBudget { seed: sampling::hash(budget.seed, streams::VALUES_AGAIN), ..budget }
 }
 
-/// The values that `gather` gives at `places` with a budget, one by one; `None` if cancelled.
-pub(super) fn values_at(
-    places: &[Place],
-    gather: &Gather<'_>,
-    budget: RayBudget,
-    cancelled: Cancelled<'_>,
-) -> Option<Vec<Gathered>> {
+/// The values that `gather` gives at `places` with a budget, one by one; `None` if stopped before.
+pub(super) fn values_at(places: &[Place], gather: &Gather<'_>, budget: RayBudget, stop: Stop<'_>) -> Option<Vec<Gathered>> {
     let value = |scratch: &mut Scratch, place: &Place| {
+        if stop() {
+            return None;
+        }
         let mut value = Gathered::default();
         let place = place_at(place.point, place.surface, budget.seed);
         gather.values_at(&[place], budget, scratch, &mut value);
-        (!cancelled()).then_some(value)
+        Some(value)
     };
     places.par_iter().map_init(Scratch::default, value).collect()
 }

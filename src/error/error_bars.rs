@@ -3,19 +3,20 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
-use super::compared::{Cancelled, by_other_rays, compared, is_taken_twice, values_at};
+use super::compared::{by_other_rays, compared, is_taken_twice, values_at};
 use super::estimate::{AGAIN, ErrorSamples, Moments, TWICE};
 use super::norm::{ErrorNorm, NormWeights};
 use super::pairs::PairProducts;
 use crate::paths::Place;
+use crate::progress::Stop;
 use crate::values::{ErrorBars, Gather, Gathered};
 
 impl ErrorSamples {
-    /// What the errors of the values that `gather` gives hang on, relative to the light at each point; `None` if cancelled, or if there are
+    /// What the errors of the values that `gather` gives hang on, relative to the light at each point; `None` if stopped, or if there are
     /// no points.
-    pub fn error_bars(&mut self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> Option<ErrorBars> {
-        self.take_values(gather, cancelled).filter(|()| !self.is_empty())?;
-        let again = self.taken_again(gather, cancelled)?;
+    pub fn error_bars(&mut self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<ErrorBars> {
+        self.take_values(gather, stop).filter(|()| !self.is_empty())?;
+        let again = self.taken_again(gather, stop)?;
         let Some(weights) = NormWeights::new(ErrorNorm::Local, &self.lit(gather, &self.values)) else {
             return Some(ErrorBars { noise: 1.0, bias: 0.0 });
         };
@@ -46,13 +47,13 @@ impl ErrorSamples {
         Some(ErrorBars { noise, bias }).filter(ErrorBars::is_valid)
     }
 
-    /// Second values at some of the points, with their numbers; `None` if cancelled.
-    fn taken_again(&self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> Option<Vec<(usize, Gathered)>> {
+    /// Second values at some of the points, with their numbers; `None` if stopped.
+    fn taken_again(&self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<Vec<(usize, Gathered)>> {
         if is_taken_twice(gather) {
             return Some(self.values.iter().enumerate().step_by(TWICE).map(|(index, [_, again])| (index, again.clone())).collect());
         }
         let places: Vec<Place> = self.samples.iter().step_by(AGAIN).map(|sample| sample.place).collect();
-        Some((0..).step_by(AGAIN).zip(values_at(&places, gather, by_other_rays(gather.budget), cancelled)?).collect())
+        Some((0..).step_by(AGAIN).zip(values_at(&places, gather, by_other_rays(gather.budget), stop)?).collect())
     }
 }
 

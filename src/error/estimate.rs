@@ -27,13 +27,14 @@
 use rayon::prelude::*;
 
 use super::claim::{Doubts, FEW_REPLICATES, claim};
-use super::compared::{Cancelled, by_other_rays, compared, is_taken_twice, lit, values_at};
+use super::compared::{by_other_rays, compared, is_taken_twice, lit, values_at};
 use super::norm::{ErrorNorm, Lit, NormWeights};
 use super::pairs::{PairProducts, mean_and_variance, variance_by_noise};
 use super::points::{ErrorPoint, Surroundings};
 use super::replicates::{ErrorSample, REPLICATES, RayShares, ReplicateGather, Replication};
 use crate::geometry::sampling;
 use crate::paths::{PathScratch, Place};
+use crate::progress::Stop;
 use crate::values::{Gather, Gathered};
 
 /// An error with its upper confidence limit, see [`claim`]; infinite where nothing can be said.
@@ -65,6 +66,20 @@ pub(crate) struct ErrorEstimate {
     pub value_noise: Option<f64>,
     /// The part of the area of reflecting surfaces where light was found, 0 to 1.
     pub lit: f64,
+}
+
+impl ErrorEstimate {
+    /// Nothing can be said.
+    pub const UNKNOWN: Self = Self {
+        measured: f64::INFINITY,
+        claimed: f64::INFINITY,
+        energy: ErrorFigure::UNKNOWN,
+        local: ErrorFigure::UNKNOWN,
+        doubts: Doubts { replicates: 0.0, common: 0.0, noise: 0.0 },
+        ray_share: 0.0,
+        value_noise: None,
+        lit: 0.0,
+    };
 }
 
 /// Values over cells are taken twice at one of so many points.
@@ -124,6 +139,15 @@ impl ErrorSamples {
         Self { norm, samples: Vec::new(), values: Vec::new() }
     }
 
+    /// Bytes that a point takes: what replicates found, two values, and what estimates make of them.
+    pub fn bytes_of_point(channels: usize) -> u64 {
+        /// Beside what was asked for each allocation takes its header, and numbers of channels are rounded to 16 bytes.
+        const ALLOCATION: usize = 24;
+        let numbers = channels * size_of::<f64>() + ALLOCATION;
+        let values = 2 * (size_of::<Gathered>() + 3 * numbers);
+        (size_of::<ErrorSample>() + REPLICATES * numbers + values + size_of::<Lit>() + 16 * size_of::<ErrorPoint>()) as u64
+    }
+
     pub fn is_empty(&self) -> bool {
         self.samples.is_empty()
     }
@@ -139,8 +163,8 @@ impl ErrorSamples {
         self.values.clear();
     }
 
-    /// Adds points until there are `points`, and samples how noisy replicates are there. `false` if cancelled before it is done.
-    pub fn add_points(&mut self, points: usize, pilot_rays: u32, with: &Replication<'_>, cancelled: Cancelled<'_>) -> bool {
+    /// Adds points until there are `points`, and samples how noisy replicates are there. `false` if stopped before it is done.
+    pub fn add_points(&mut self, points: usize, pilot_rays: u32, with: &Replication<'_>, stop: Stop<'_>) -> bool {
         let (first, channels) = (self.samples.len(), with.scene.channels());
 
         // By energy, more points where much is reflected.
@@ -170,21 +194,21 @@ impl ErrorSamples {
 
         // Pilot rays.
         self.samples[first..].par_iter_mut().for_each_init(PathScratch::default, |scratch, sample| {
-            if !cancelled() {
+            if !stop() {
                 sample.noise = with.gathers[0].sampled_noise(sample.place, pilot_rays, with.scene, scratch);
                 sample.noisiness *= sample.noise;
             }
         });
-        !cancelled()
+        !stop()
     }
 
-    /// Predicts the noise of values, by values of few rays, and of replicates, by pilot rays. `None` if cancelled, or if nothing is
+    /// Predicts the noise of values, by values of few rays, and of replicates, by pilot rays. `None` if stopped, or if nothing is
     /// reflected.
-    pub fn pilot(&self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> Option<Pilot> {
+    pub fn pilot(&self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<Pilot> {
         let samples: Vec<&ErrorSample> = self.samples.iter().step_by(TWICE).collect();
         let places: Vec<Place> = samples.iter().map(|sample| sample.place).collect();
-        let values = values_at(&places, gather, gather.budget, cancelled)?;
-        let again = values_at(&places, gather, by_other_rays(gather.budget), cancelled)?;
+        let values = values_at(&places, gather, gather.budget, stop)?;
+        let again = values_at(&places, gather, by_other_rays(gather.budget), stop)?;
 
         // The light, and the noise of values, by the differences of two.
         let (mut lit, mut variances) = (Vec::new(), Vec::new());
@@ -207,26 +231,26 @@ impl ErrorSamples {
         Some(Pilot { noise_sq, replicate_doubt })
     }
 
-    /// Takes more rays, until each replicate has `rays` on average. `false` if cancelled before it is done.
-    pub fn take_replicates(&mut self, rays: u32, with: &Replication<'_>, cancelled: Cancelled<'_>) -> bool {
+    /// Takes more rays, until each replicate has `rays` on average. `false` if stopped before it is done.
+    pub fn take_replicates(&mut self, rays: u32, with: &Replication<'_>, stop: Stop<'_>) -> bool {
         let channels = with.scene.channels();
         let shares = RayShares::new(&self.samples);
         self.samples.par_iter_mut().for_each_init(
             || (PathScratch::default(), vec![0.0; channels]),
             |(scratch, found), sample| {
-                if !cancelled() {
+                if !stop() {
                     let wanted = (f64::from(rays) * shares.of(sample)).ceil() as u32;
                     sample.take_up_to(wanted, &with.gathers, scratch, found);
                 }
             },
         );
-        !cancelled()
+        !stop()
     }
 
     /// Estimates the error of the values that `gather` gives, 0 if no light is reflected, infinite if
-    /// nothing can be said. `None` if cancelled.
-    pub fn estimate(&mut self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> Option<ErrorEstimate> {
-        self.take_values(gather, cancelled)?;
+    /// nothing can be said. `None` if stopped.
+    pub fn estimate(&mut self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<ErrorEstimate> {
+        self.take_values(gather, stop)?;
         let lit = self.lit(gather, &self.values);
         if lit.iter().all(|point| point.light == 0.0 && point.light_sq == 0.0) {
             return Some(ErrorEstimate::default());
@@ -292,10 +316,10 @@ impl ErrorSamples {
     }
 
     /// The part of the error that is noise of the values' gathers, and falls with more rays to points: values at some of the points
-    /// are taken again by other rays. 0 if cancelled.
-    pub fn sampled_value_noise(&self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> f64 {
+    /// are taken again by other rays. 0 if stopped.
+    pub fn sampled_value_noise(&self, gather: &Gather<'_>, stop: Stop<'_>) -> f64 {
         let places: Vec<Place> = self.samples.iter().step_by(AGAIN).map(|sample| sample.place).collect();
-        let Some(again) = values_at(&places, gather, by_other_rays(gather.budget), cancelled) else { return 0.0 };
+        let Some(again) = values_at(&places, gather, by_other_rays(gather.budget), stop) else { return 0.0 };
         let Some(weights) = NormWeights::new(self.norm, &self.lit(gather, &self.values)) else { return 0.0 };
         let noise_of = |(weight, ([value, _], again)): (&f64, (&[Gathered; 2], &Gathered))| {
             let difference_sq: f64 =
@@ -305,11 +329,11 @@ impl ErrorSamples {
         weights.by_point.iter().step_by(AGAIN).zip(self.values.iter().step_by(AGAIN).zip(&again)).map(noise_of).sum::<f64>().sqrt()
     }
 
-    /// The two parts of the error, by taking all values twice; `None` if cancelled, or if nothing is reflected.
-    pub fn sampled_parts(&self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> Option<ErrorParts> {
+    /// The two parts of the error, by taking all values twice; `None` if stopped, or if nothing is reflected.
+    pub fn sampled_parts(&self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<ErrorParts> {
         let places: Vec<Place> = self.samples.iter().map(|sample| sample.place).collect();
-        let values = values_at(&places, gather, gather.budget, cancelled)?;
-        let again = values_at(&places, gather, by_other_rays(gather.budget), cancelled)?;
+        let values = values_at(&places, gather, gather.budget, stop)?;
+        let again = values_at(&places, gather, by_other_rays(gather.budget), stop)?;
         let values: Vec<[Gathered; 2]> = values.into_iter().zip(again).map(|(value, again)| [value, again]).collect();
         let weights = NormWeights::new(self.norm, &self.lit(gather, &values))?.by_point;
         let (mut bias_sq, mut noise_sq, mut all) = (Moments::default(), 0.0, PairProducts::default());
@@ -338,18 +362,17 @@ impl ErrorSamples {
             .collect()
     }
 
-    /// Takes the values at points that have none yet. `None` if cancelled.
-    pub(super) fn take_values(&mut self, gather: &Gather<'_>, cancelled: Cancelled<'_>) -> Option<()> {
+    /// Takes the values at points that have none yet. `None` if stopped.
+    pub(super) fn take_values(&mut self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<()> {
         let first = self.values.len();
         let places: Vec<Place> = self.samples[first..].iter().map(|sample| sample.place).collect();
-        let taken = values_at(&places, gather, gather.budget, cancelled)?;
+        let taken = values_at(&places, gather, gather.budget, stop)?;
+        let indices = (first..self.samples.len()).filter(|index| is_taken_twice(gather) && index % TWICE == 0);
+        let indices: Vec<usize> = indices.collect();
+        let places: Vec<Place> = indices.iter().map(|&index| self.samples[index].place).collect();
+        let again = values_at(&places, gather, by_other_rays(gather.budget), stop)?;
         self.values.extend(taken.into_iter().map(|value| [value.clone(), value]));
-        if is_taken_twice(gather) {
-            let indices: Vec<usize> = (first..self.samples.len()).filter(|index| index % TWICE == 0).collect();
-            let places: Vec<Place> = indices.iter().map(|&index| self.samples[index].place).collect();
-            let again = values_at(&places, gather, by_other_rays(gather.budget), cancelled)?;
-            indices.into_iter().zip(again).for_each(|(index, again)| self.values[index][1] = again);
-        }
+        indices.into_iter().zip(again).for_each(|(index, again)| self.values[index][1] = again);
         Some(())
     }
 }

@@ -1,6 +1,7 @@
 //! Where the error is estimated: random points; by energy, more of them where much is reflected.
 //!
-//! Locally, all area counts alike. By energy, much of the error may lie on a small bright area, so leaves are drawn in proportion to area times [`density`]. Cells may show
+//! Locally, all area counts alike; where light is on so small a part of it that hardly a point would fall there, as in a room over a wide
+//! ground, half of the points do. By energy, much of the error may lie on a small bright area, so leaves are drawn in proportion to area times [`density`]. Cells may show
 //! small areas that are much brighter than their leaf: where there are cells, more candidates are drawn than are needed, and some
 //! are kept, those on such areas with a higher probability.
 
@@ -16,6 +17,12 @@ const CANDIDATES: usize = 16;
 
 /// A candidate counts as brighter than its leaf from so many times the leaf's density on; less may be noise of the cells.
 const MUCH_BRIGHTER: f64 = 4.0;
+
+/// Of the lit part of the area less than this is rare: of the first points hardly some would lie there.
+const RARE: f64 = 1.0 / 64.0;
+
+/// A leaf that reflects less than this part of the radiosity where light is, in W/m^2, counts as dark for that.
+const DARK: f64 = 1e-3;
 
 /// A point that was drawn.
 #[derive(Clone, Copy)]
@@ -73,15 +80,27 @@ impl Surroundings<'_> {
         let Self { scene, hierarchy, radiosity } = *self;
         let surface_of = |leaf: NodeId| SurfaceId(hierarchy.node(leaf).surface);
         let mean = radiosity.reflected_rms(scene, hierarchy);
-        let density = |leaf: NodeId| {
-            let exitance = &scene.material_of(surface_of(leaf)).exitance;
-            match norm {
-                ErrorNorm::Energy => density(radiosity.of(leaf).iter().zip(exitance).map(|(b, e)| b - e).fold(0.0, f64::max), mean),
-                ErrorNorm::Local => 1.0,
-            }
-        };
         let reflects = |leaf: NodeId| scene.material_of(surface_of(leaf)).reflectance.iter().any(|&rho| rho > 0.0);
         let leaves: Vec<NodeId> = hierarchy.leaves_in_order().into_iter().filter(|&leaf| reflects(leaf)).collect();
+        let reflected = |leaf: NodeId| {
+            let exitance = &scene.material_of(surface_of(leaf)).exitance;
+            radiosity.of(leaf).iter().zip(exitance).map(|(b, e)| b - e).fold(0.0, f64::max)
+        };
+
+        // Where light is on next to nothing, as many points lie there as elsewhere.
+        let area = |is_counted: &dyn Fn(NodeId) -> bool| {
+            leaves.iter().filter(|&&leaf| is_counted(leaf)).map(|&leaf| hierarchy.area(leaf)).sum::<f64>()
+        };
+        let power = |exponent: i32| leaves.iter().map(|&leaf| hierarchy.area(leaf) * reflected(leaf).powi(exponent)).sum::<f64>();
+        let typical = power(2) / power(1).max(f64::MIN_POSITIVE);
+        let is_lit = |leaf: NodeId| typical > 0.0 && reflected(leaf) > DARK * typical;
+        let part = area(&is_lit) / area(&|_| true);
+        let of_lit = if part > 0.0 && part < RARE { (1.0 - part) / part } else { 1.0 };
+        let density = |leaf: NodeId| match norm {
+            ErrorNorm::Energy => density(reflected(leaf), mean),
+            ErrorNorm::Local if is_lit(leaf) => of_lit,
+            ErrorNorm::Local => 1.0,
+        };
         let total: f64 = leaves.iter().map(|&leaf| hierarchy.area(leaf) * density(leaf)).sum();
 
         let mut strata = SystematicSampling { count, seed, total, ..SystematicSampling::default() };
@@ -155,7 +174,7 @@ mod tests {
         let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
         let rays = Rays::new(&*visibility, &scene);
         let mut exposure = Exposure::default();
-        exposure.grow(&scene, &hierarchy, &rays, 0);
+        exposure.grow(&scene, &hierarchy, &rays, 0, &|| false);
 
         // Leaves are all as dim as each other; cells know the light.
         let mut radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
@@ -167,7 +186,7 @@ mod tests {
         }
         let resolution = Resolution { size: CellSize { side: 0.03, least_area: 0.0 }, rays: 16 };
         let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], resolution.size);
-        let [of_values, onward] = [1, 2].map(|seed| CellRadiosities::solve(&paths, &resolution, seed));
+        let [of_values, onward] = [1, 2].map(|seed| CellRadiosities::solve(&paths, &resolution, seed, &|| false).unwrap());
         let gather = ResidualGather { paths: &paths, of_values: &of_values, onward: &onward };
         let reflected = |place: &Place| gather.estimate_reflected(place);
         let around = Surroundings { scene: &scene, hierarchy: &hierarchy, radiosity: &radiosity };

@@ -208,6 +208,13 @@ impl Hierarchy {
         }
     }
 
+    /// Bytes that so many surfaces with so many corners take in so many clusters.
+    pub(crate) fn bytes_of(surfaces: usize, clusters: usize, corners: usize) -> u64 {
+        let of_surface = size_of::<Node>() + size_of::<DVec3>() + size_of::<NodeId>();
+        let of_cluster = size_of::<Node>() + size_of::<Aabb>() + size_of::<Lobes>();
+        (surfaces * of_surface + clusters * of_cluster + corners * size_of::<DVec3>()) as u64
+    }
+
     /// Bytes that the nodes take.
     pub fn memory_bytes(&self) -> u64 {
         let clusters = size_of_val(&self.cluster_bounds[..]) + size_of_val(&self.cluster_faces[..]);

@@ -3,20 +3,24 @@
 //! Limits are kept, not passed: a pair is split only if all that waits may become a link and still fits, and a pair that does not fit
 //! as it stands sleeps.
 
-use super::link_set::LinkSet;
 use crate::hierarchy::{Hierarchy, NodeId};
+use crate::progress::Stop;
 
 /// Where refinement ends.
 pub(crate) struct RefineLimits<'a> {
     /// The most links of all receivers.
     pub max_links: u64,
-    /// The most that hierarchy, links, pairs without one and radiosities may take. What the scene takes before the first link is not
-    /// asked for.
+    /// The most that hierarchy, links and pairs without one may take while refinement works. What the scene takes before the first link is
+    /// not asked for.
     pub max_bytes: u64,
-    /// Radiosities of a node.
-    pub channels: usize,
-    /// Asked once a wave, with links and elements so far.
+    /// Bytes that others need for each node.
+    pub node_bytes: u64,
+    /// Bytes of a link, or of a pair without one.
+    pub link_bytes: u64,
+    /// Asked once a wave, with links and elements so far: whether to split nothing more.
     pub stop: &'a (dyn Fn(u64, u64) -> bool + Sync),
+    /// Asked within waves: whether to leave what is undecided as it is, without a link.
+    pub halt: Stop<'a>,
 }
 
 /// How a round of refinement ended.
@@ -28,7 +32,7 @@ pub(crate) enum RefineEnd {
     MaxLinks,
     /// The memory budget was reached: the remaining pairs were linked as they stand, or left dormant.
     Memory,
-    /// `stop` said so: the remaining pairs were linked as they stand.
+    /// `stop` said so: the remaining pairs were linked as they stand, or left dormant once `halt` did.
     Stopped,
 }
 
@@ -44,10 +48,9 @@ pub(super) struct Holding {
 impl RefineLimits<'_> {
     /// The limit that such a solution exceeds, with `more_bytes` of new nodes.
     pub(super) fn exceeded(&self, hierarchy: &Hierarchy, holding: Holding, more_bytes: u64) -> Option<RefineEnd> {
-        let nodes = hierarchy.len();
-        let radiosities = (nodes * self.channels * size_of::<f64>()) as u64;
-        let links = LinkSet::bytes_of(nodes, holding.links, holding.unlinked);
-        if hierarchy.memory_bytes() + radiosities + links + more_bytes > self.max_bytes {
+        let nodes = hierarchy.memory_bytes() + hierarchy.len() as u64 * self.node_bytes;
+        let links = (holding.links + holding.unlinked) as u64 * self.link_bytes;
+        if nodes + links + more_bytes > self.max_bytes {
             Some(RefineEnd::Memory)
         } else if holding.links as u64 > self.max_links {
             Some(RefineEnd::MaxLinks)
@@ -62,7 +65,7 @@ impl RefineLimits<'_> {
             return (hierarchy.children(node).len(), 0);
         }
         let (pieces, bytes) = hierarchy.cost_of_split(node);
-        (pieces, bytes + LinkSet::bytes_of(pieces, 0, 0) + (pieces * self.channels * size_of::<f64>()) as u64)
+        (pieces, bytes + pieces as u64 * self.node_bytes)
     }
 
     /// Whether `stop` says so.

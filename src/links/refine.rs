@@ -42,6 +42,11 @@ impl<'a> Refinement<'a> {
         Self { linked, dormant, dropped }
     }
 
+    /// Links and dormant pairs.
+    pub fn len(&self) -> usize {
+        self.linked.len() + self.dormant.len()
+    }
+
     /// The links by receiver.
     pub fn into_links(self, hierarchy: &Hierarchy) -> LinkSet {
         LinkSet::new(hierarchy.len(), &self.linked, self.dormant)
@@ -63,8 +68,14 @@ impl<'a> Refinement<'a> {
 
             // What becomes of each pair; what is settled is put away.
             let may_split = end == RefineEnd::Content;
-            let outcomes: Vec<Vec<Outcome>> =
-                wave.par_chunks(CHUNK).map(|pairs| context.decide_chunk(hierarchy, pairs, may_split)).collect();
+            let decide = |pairs: &[Pair]| match (limits.halt)() {
+                true => pairs.iter().map(|_| Outcome::Dormant).collect(),
+                false => context.decide_chunk(hierarchy, pairs, may_split),
+            };
+            let outcomes: Vec<Vec<Outcome>> = wave.par_chunks(CHUNK).map(decide).collect();
+            if (limits.halt)() {
+                end = RefineEnd::Stopped;
+            }
             let mut to_split = Vec::new();
             for (pair, outcome) in wave.iter().zip(outcomes.into_iter().flatten()) {
                 match outcome {
@@ -101,22 +112,22 @@ impl<'a> Refinement<'a> {
         let decisions: Vec<Decision> = self.linked.par_iter().map(decide).collect();
         let mut wave = std::mem::take(&mut self.dormant);
         let mut end = RefineEnd::Content;
-        let linked = std::mem::take(&mut self.linked);
-        let mut left = linked.len();
-        for (placed, decision) in linked.into_iter().zip(decisions) {
-            left -= 1;
-            let pair = Pair { receiver: placed.0, source: placed.1.source };
-            match decision {
-                Decision::Link => self.linked.push(placed),
-                split => match self.exceeded_by_split(hierarchy, pair, split, left + wave.len(), limits) {
-                    Some(limit) => {
-                        end = limit;
-                        self.linked.push(placed);
-                    }
-                    None => push_children(hierarchy, pair, split, &mut wave),
-                },
+        let mut linked = std::mem::take(&mut self.linked);
+        let (mut links, mut decisions) = (linked.len(), decisions.into_iter());
+        linked.retain(|&(receiver, link)| {
+            let pair = Pair { receiver, source: link.source };
+            let Some(split) = decisions.next().filter(|decision| *decision != Decision::Link) else { return true };
+            let (children, bytes) = limits.cost_of_split(hierarchy, split_end(pair, split));
+            let holding = Holding { links: links - 1 + wave.len() + children, unlinked: 0 };
+            if let Some(limit) = limits.exceeded(hierarchy, holding, bytes) {
+                end = limit;
+                return true;
             }
-        }
+            links -= 1;
+            push_children(hierarchy, pair, split, &mut wave);
+            false
+        });
+        self.linked = linked;
         (wave, end)
     }
 

@@ -1,7 +1,7 @@
 //! Points, read from CSV.
 //!
 //! A header names the columns `x,y,z,nx,ny,nz`, in any order and in upper or lower case; then one point a line, in metres, with the unit
-//! normal of the side that is meant. Other columns are left alone. Text is read line by line, and no line is longer than
+//! normal of the side that is meant. Other columns are kept, and written again behind the values. Text is read line by line, and no line is longer than
 //! 64 KiB, so that a device that never ends is given up.
 
 use std::io::{self, BufRead, BufReader, Read};
@@ -105,6 +105,15 @@ pub enum PointsError {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points {
     pub(super) rows: Vec<[f64; 6]>,
+    pub(super) others: OtherColumns,
+}
+
+/// Columns that say nothing of the point, as they were read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct OtherColumns {
+    pub names: Vec<String>,
+    /// By point, the fields of these columns, separated by commas.
+    pub rows: Vec<Box<str>>,
 }
 
 impl Points {
@@ -116,6 +125,13 @@ impl Points {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
+    }
+
+    /// Bytes that they take, made ready for values to be taken at them.
+    pub fn memory_bytes(&self) -> u64 {
+        const ALLOCATION: usize = 24;
+        let others: usize = self.others.rows.iter().map(|row| row.len() + size_of::<Box<str>>() + ALLOCATION).sum();
+        (size_of_val(&self.rows[..]) + self.rows.len() * size_of::<SurfacePoint>() + others) as u64
     }
 
     /// The points, normals made unit length.
@@ -136,7 +152,7 @@ impl From<&[SurfacePoint]> for Points {
             let ([x, y, z], [nx, ny, nz]) = (p.position, p.normal);
             [x, y, z, nx, ny, nz]
         };
-        Self { rows: points.iter().map(row).collect() }
+        Self { rows: points.iter().map(row).collect(), others: OtherColumns::default() }
     }
 }
 
@@ -153,6 +169,9 @@ pub fn read_points(reader: impl Read, file: &str) -> Result<Points, PointsError>
     let places = places_of_columns(header).ok_or_else(|| PointsError::Header { file: file(), found: shown(header) })?;
     let expected = fields(header).count();
 
+    let other: Vec<usize> = (0..expected).filter(|place| !places.contains(place)).collect();
+    let names: Vec<&str> = header.split(',').map(str::trim).collect();
+    let mut others = OtherColumns { names: other.iter().map(|&place| names[place].to_owned()).collect(), rows: Vec::new() };
     let mut rows = Vec::new();
     while let Some((line, text)) = next_line()? {
         if text.trim().is_empty() {
@@ -176,8 +195,13 @@ pub fn read_points(reader: impl Read, file: &str) -> Result<Points, PointsError>
             return Err(PointsError::NotUnit { file: file(), line, length });
         }
         rows.push(row);
+        if !other.is_empty() {
+            let written: Vec<&str> = text.split(',').map(str::trim).collect();
+            let kept: Vec<&str> = other.iter().map(|&place| written[place]).collect();
+            others.rows.push(kept.join(",").into());
+        }
     }
-    Ok(Points { rows })
+    Ok(Points { rows, others })
 }
 
 /// Lines with their numbers, none longer than [`LONGEST_LINE`].
@@ -236,9 +260,10 @@ mod tests {
     }
 
     #[test]
-    fn columns_stand_in_any_order_and_others_are_left_alone() {
+    fn columns_stand_in_any_order_and_others_are_kept() {
         let points = read("id,NZ,Ny,nx,Z,y,\"X\",note\n7,1,0,0,3,2,1,a wall\n").unwrap();
-        assert_eq!(points, read("x,y,z,nx,ny,nz\n1,2,3,0,0,1\n").unwrap());
+        assert_eq!(points.rows, read("x,y,z,nx,ny,nz\n1,2,3,0,0,1\n").unwrap().rows);
+        assert_eq!(points.others, OtherColumns { names: vec!["id".to_owned(), "note".to_owned()], rows: vec!["7,a wall".into()] });
         assert!(matches!(read("x,y,z,nx,ny,nz,X\n"), Err(PointsError::Header { .. })));
     }
 

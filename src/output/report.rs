@@ -116,6 +116,8 @@ pub struct CpuReport {
 pub struct MemoryReport {
     /// The solution: hierarchy, links, radiosities.
     pub solution_bytes: u64,
+    /// The most that the solve takes at one time by its own count, which is what a budget limits.
+    pub accounted_bytes: u64,
     /// The most that the process held in memory at one time.
     pub peak_resident_bytes: Option<u64>,
 }
@@ -161,7 +163,11 @@ impl RunReport {
             time_s: Timing { solve: report.time_s, ..Timing::default() },
             cpu_s: CpuReport::default(),
             counts: report.counts,
-            memory: MemoryReport { solution_bytes: report.memory_bytes, peak_resident_bytes: None },
+            memory: MemoryReport {
+                solution_bytes: report.memory_bytes,
+                accounted_bytes: report.accounted_bytes,
+                peak_resident_bytes: None,
+            },
             error: ErrorFigures {
                 requested: error.requested,
                 estimate: error.estimate,

@@ -2,7 +2,8 @@
 //!
 //! The columns of the points, `x,y,z,nx,ny,nz`, then the radiosity per channel in W/m^2, `B_r,B_g,B_b` for three channels, else
 //! `B_0,B_1,...`, their standard errors with `se` for `B`, empty where they are not known, and where bounds are known the same with `lower`
-//! and `upper`; all empty for points that lie on no surface. Numbers are the shortest that read back to the same value.
+//! and `upper`; all empty for points that lie on no surface. Behind them follow the other columns that the points came with, as they were, but
+//! for those that values were written to before. Numbers are the shortest that read back to the same value.
 
 use std::fmt::{Display, LowerExp};
 use std::io::{self, Write};
@@ -10,6 +11,9 @@ use std::io::{self, Write};
 use super::points::{COLUMNS, Points};
 use crate::bounds::PointBounds;
 use crate::values::Values;
+
+/// What columns of values are called.
+const VALUE_COLUMNS: [&str; 4] = ["B", "se", "lower", "upper"];
 
 /// Writes points with their values, in the order of the points.
 ///
@@ -35,7 +39,11 @@ fn write_columns(writer: &mut impl Write, points: &Points, channels: usize, grou
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "there are more or fewer values than points and channels"));
     }
     let names: Vec<String> = groups.iter().flat_map(|(name, _)| channel_columns(name, channels)).collect();
-    writeln!(writer, "{},{}", COLUMNS.join(","), names.join(","))?;
+    let is_kept: Vec<bool> = points.others.names.iter().map(|other| !is_value(other)).collect();
+    let others = || points.others.names.iter().zip(&is_kept).filter(|(_, is_kept)| **is_kept);
+    write!(writer, "{},{}", COLUMNS.join(","), names.join(","))?;
+    others().try_for_each(|(name, _)| write!(writer, ",{name}"))?;
+    writeln!(writer)?;
     for (index, row) in points.rows.iter().enumerate() {
         let mut separator = "";
         for number in row {
@@ -49,9 +57,19 @@ fn write_columns(writer: &mut impl Write, points: &Points, channels: usize, grou
                 write_number(writer, *number, f64::from(number.abs()))?;
             }
         }
+        if let Some(others) = points.others.rows.get(index) {
+            let mut kept = others.split(',').zip(&is_kept).filter(|(_, is_kept)| **is_kept);
+            kept.try_for_each(|(field, _)| write!(writer, ",{field}"))?;
+        }
         writeln!(writer)?;
     }
     Ok(())
+}
+
+/// Whether a column bears the name of values, whatever the channel.
+fn is_value(name: &str) -> bool {
+    let channel = VALUE_COLUMNS.iter().find_map(|value| name.trim_matches('"').strip_prefix(value)?.strip_prefix('_'));
+    channel.is_some_and(|channel| matches!(channel, "r" | "g" | "b") || channel.parse::<u32>().is_ok())
 }
 
 /// The shortest decimal number that reads back to the same value, with an exponent where there would be many zeros.
@@ -95,6 +113,17 @@ mod tests {
         let expected = "x,y,z,nx,ny,nz,B_r,B_g,B_b,se_r,se_g,se_b\n\
             0.1,-2,300000,0,0,1,0.1,1e-9,2.5,0.01,0,0.5\n1,2,3,0.6,0.8,0,,,,,,\n";
         assert_eq!(String::from_utf8(text).unwrap(), expected);
+    }
+
+    #[test]
+    fn other_columns_are_repeated_and_earlier_values_are_not() {
+        let points = read("id,x,y,z,\"B_0\",nx,ny,nz, room \n7,0,0,0,99,0,0,1,hall\n8,1,0,0,98,0,0,1, \"the, hall\n").unwrap_err();
+        assert!(matches!(points, PointsError::ColumnCount { line: 3, .. }));
+        let points = read("id,x,y,z,\"B_0\",nx,ny,nz, room \n7,0,0,0,99,0,0,1,hall\n").unwrap();
+        let values = Values { channels: 1, radiosity: vec![0.5], standard_error: vec![0.25], missed: 0, error: None };
+        let mut text = Vec::new();
+        write_values(&mut text, &points, &values).unwrap();
+        assert_eq!(String::from_utf8(text).unwrap(), "x,y,z,nx,ny,nz,B_0,se_0,id,room\n0,0,0,0,0,1,0.5,0.25,7,hall\n");
     }
 
     #[test]

@@ -42,6 +42,10 @@ pub(crate) struct OpenParts<'a> {
 }
 
 impl<'a> OpenParts<'a> {
+    /// Bytes that a surface takes, and a cell, if it is not open everywhere: an entry of a table that is half full.
+    pub const BYTES_OF_SURFACE: usize = size_of::<OnceLock<HashMap<u32, Squares>>>();
+    pub const BYTES_OF_CELL: usize = 2 * (size_of::<(u32, Squares)>() + 1);
+
     pub fn new(scene: &'a Scene) -> Self {
         Self { scene, boxes: OnceLock::new(), parted: scene.surfaces().iter().map(|_| OnceLock::new()).collect() }
     }

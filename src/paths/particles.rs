@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use super::emission::Emission;
 use crate::geometry::{Frame, sampling, streams};
+use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::Ray;
@@ -62,8 +63,8 @@ impl Illumination {
         if self.reflected > 0.0 { self.reflected / (self.emitted + self.reflected) } else { 0.0 }
     }
 
-    /// Follows particles through the scene.
-    pub fn sampled(scene: &Scene, rays: &Rays<'_>, seed: u64) -> Self {
+    /// Follows particles through the scene; once stopped, those on their way are given up.
+    pub fn sampled(scene: &Scene, rays: &Rays<'_>, seed: u64, stop: Stop<'_>) -> Self {
         let area: f64 = scene.surfaces().iter().map(|surface| surface.polygon.area()).sum();
         let emission = Emission::new(scene);
         let emitted = emission.power();
@@ -84,7 +85,7 @@ impl Illumination {
         let mut power: Vec<f64> = on_way.iter().flat_map(|particle| emission.spectrum(particle.surface, PARTICLES)).collect();
         let (mut directions, mut hits, mut landings) = (Vec::new(), Vec::new(), Vec::new());
         for bounce in 0..MAX_BOUNCES {
-            if on_way.is_empty() {
+            if on_way.is_empty() || stop() {
                 break;
             }
             let seed = sampling::hash(seed, streams::PARTICLE_BOUNCES + bounce);
@@ -151,7 +152,7 @@ mod tests {
     fn illumination(materials: Vec<Material>, faces: Vec<(Polygon, u32, u32)>) -> Illumination {
         let scene = Scene::new(1, materials, faces, Sides::Front).unwrap();
         let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
-        Illumination::sampled(&scene, &Rays::new(&*visibility, &scene), 3)
+        Illumination::sampled(&scene, &Rays::new(&*visibility, &scene), 3, &|| false)
     }
 
     /// The faces of a unit cube that look inwards.

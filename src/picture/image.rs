@@ -16,6 +16,12 @@ pub struct Image {
 }
 
 impl Image {
+    /// Bytes that a picture of this width and height takes while it is taken, and written in 8 bits.
+    pub fn bytes_of([width, height]: [u32; 2], channels: usize) -> u64 {
+        let of_pixel = channels * (size_of::<[f32; 2]>() + 2 * size_of::<f32>()) + 4 * size_of::<u32>();
+        u64::from(width) * u64::from(height) * of_pixel as u64
+    }
+
     /// A picture in which nothing is hit.
     pub fn black(width: u32, height: u32, channels: usize) -> Self {
         Self { width, height, channels, radiance: vec![0.0; width as usize * height as usize * channels], standard_error: None }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::finish::{Outcome, finish};
-use super::judge::{Judge, add_time, cell_seed};
+use super::judge::{Judge, Judged, add_time, cell_seed};
 use super::linked::Linked;
 use super::next_step::next_step;
 use super::options::Strategy;
@@ -16,9 +16,9 @@ use super::step::NextStep;
 use super::strategies::{self, ErrorSearch};
 use super::way::Way;
 use crate::cells::{CellRadiosities, SolvedCells};
-use crate::error::{ErrorEstimate, ReplicateGather, ResidualGather};
+use crate::error::{ErrorEstimate, REPLICATES, ReplicateGather, ResidualGather};
 use crate::links::RefineEnd;
-use crate::paths::{LightPaths, Resolution, cell_count};
+use crate::paths::LightPaths;
 use crate::progress::Stage;
 use crate::values::{FinalGather, Gather, Over, RayBudget};
 
@@ -27,16 +27,23 @@ pub(super) struct CellsWay<'a> {
     linked: Linked<'a>,
     plan: Plan,
     /// Of the values.
-    cells: Option<SolvedCells<'a, 1>>,
+    cells: Option<Arc<SolvedCells<'a, 1>>>,
+    /// The values that were judged last, and their cells, while others are made or judged more closely.
+    judged: Option<(Judged, Option<Arc<SolvedCells<'a, 1>>>)>,
     judge: Judge<'a>,
     search: ErrorSearch,
 }
 
 impl<'a> CellsWay<'a> {
     pub fn new(mut linked: Linked<'a>, plan: Plan, search: ErrorSearch) -> Self {
-        linked.reserved_bytes = cell_bytes(&linked, plan.resolution());
+        linked.reserve_cells(&plan);
         let judge = Judge::new(linked.job.options.norm.into());
-        Self { linked, plan, cells: None, judge, search }
+        Self { linked, plan, cells: None, judged: None, judge, search }
+    }
+
+    /// In place of values over links that were judged.
+    pub fn instead_of(self, judged: Option<Judged>) -> Self {
+        Self { judged: judged.map(|judged| (judged, None)), ..self }
     }
 }
 
@@ -51,24 +58,29 @@ impl<'a> Way<'a> for CellsWay<'a> {
     fn find_cells(&mut self) {
         let Self { linked, plan, cells, judge, .. } = self;
         let job = linked.job;
-        if job.is_cancelled() {
+        if job.is_late() {
             return;
         }
         let start = Instant::now();
         let resolution = plan.resolution();
-        if cells.as_ref().is_none_or(|own| own.resolution != resolution) {
+        let own = cells.clone().filter(|own| own.resolution == resolution).or_else(|| {
             let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.size));
-            *cells = Some(SolvedCells::solve(paths, resolution, [cell_seed(job.options.seed, 0)]));
-        }
-        // Replicates have cells of the same size.
-        if let Some(own) = cells {
-            judge.find_cells(plan.replicate_resolution(), job.options.seed, || own.paths.clone());
+            let stop = linked.stop_telling(Stage::Cells, CellRadiosities::questions(paths.grids.cells()));
+            SolvedCells::solve(paths, resolution, [cell_seed(job.options.seed, 0)], &stop).map(Arc::new)
+        });
+        // Replicates have cells of the same size; those of values are not taken without them, unless there are no others.
+        if let Some(own) = own {
+            let stop = linked.stop_telling(Stage::Cells, REPLICATES * CellRadiosities::questions(own.paths.grids.cells()));
+            let are_judged = judge.find_cells(plan.replicate_resolution(), job.options.seed, || own.paths.clone(), &stop);
+            if are_judged || cells.is_none() {
+                *cells = Some(own);
+            }
         }
         add_time(&mut linked.report.time_s.resolve, start);
     }
 
     fn estimate_error(&mut self) -> Option<ErrorEstimate> {
-        let Self { linked, plan, cells, judge, .. } = self;
+        let Self { linked, plan, cells, judge, judged, .. } = self;
         let start = Instant::now();
         linked.claimed = None;
         linked.progress(Stage::Error);
@@ -84,16 +96,23 @@ impl<'a> Way<'a> for CellsWay<'a> {
             true,
         );
         linked.claimed = judge.error.map(|error| error.claimed);
+        if judge.error.is_some() {
+            *judged = None;
+        }
         add_time(&mut linked.report.time_s.error, start);
         judge.error
     }
 
     fn plan_next(&mut self, error: &ErrorEstimate) -> NextStep {
-        let Self { linked, plan, cells, judge, .. } = self;
-        let Some(own) = cells else { return NextStep::Exhausted };
-        let noise = plan
-            .begin_step(error, |rays| judge.sampled_value_noise(&user_gather(linked, own, rays), &|| linked.job.is_cancelled()));
+        let Self { linked, plan, cells, judge, judged, .. } = self;
+        let (Some(own), stop) = (cells, linked.job.stop()) else { return NextStep::Exhausted };
+        let noise = plan.begin_step(error, |rays| judge.sampled_value_noise(&user_gather(linked, own, rays), &stop));
         let step = next_step(plan, error, noise);
+        let rays = plan.point_rays();
+        *judged = match step {
+            NextStep::GoodEnough | NextStep::Exhausted => None,
+            _ => judge.judged(rays, &user_gather(linked, own, rays), &stop).map(|judged| (judged, Some(own.clone()))),
+        };
         plan.apply(step);
         if step.changes_values() {
             judge.forget_values();
@@ -101,10 +120,8 @@ impl<'a> Way<'a> for CellsWay<'a> {
         step
     }
 
-    fn has_room(&self) -> bool {
-        let most = self.linked.job.run.memory_bytes;
-        let bytes = || self.linked.memory_bytes().saturating_add(cell_bytes(&self.linked, self.plan.resolution()));
-        most.is_none_or(|most| bytes() <= most)
+    fn has_room(&mut self) -> bool {
+        self.linked.has_room_for_cells(&self.plan)
     }
 
     fn into_cells(self: Box<Self>) -> Box<dyn Way<'a> + 'a> {
@@ -112,19 +129,22 @@ impl<'a> Way<'a> for CellsWay<'a> {
     }
 
     fn finish(self: Box<Self>, stopped_by: StoppedBy) -> (Solution, SolveReport) {
-        let Self { linked, plan, cells, mut judge, .. } = *self;
-        let error_bars = cells
-            .as_ref()
-            .and_then(|own| judge.error_bars(&user_gather(&linked, own, plan.point_rays()), &|| linked.job.is_cancelled()));
-        let outcome = Outcome {
-            error_bars,
-            error: judge.error,
-            stopped_by,
-            point_rays: plan.point_rays(),
-            resolution: cells.as_ref().map_or(plan.resolution(), |own| own.resolution),
-            radiosities: cells.map(|own| own.radiosities).map(|[radiosities]| radiosities),
+        let Self { linked, plan, cells, mut judge, judged, .. } = *self;
+        let (error, point_rays, error_bars, cells) = match judged {
+            Some((Judged { error, point_rays, error_bars }, cells)) => (Some(error), point_rays, error_bars, cells),
+            None => {
+                let (rays, stop) = (plan.point_rays(), linked.job.stop());
+                let error_bars = cells.as_ref().and_then(|own| judge.error_bars(&user_gather(&linked, own, rays), &stop));
+                (judge.error, rays, error_bars, cells)
+            }
         };
-        finish(linked, outcome)
+        drop(judge);
+        let resolution = cells.as_ref().map_or(plan.resolution(), |own| own.resolution);
+        let radiosities = cells.map(|own| match Arc::try_unwrap(own) {
+            Ok(SolvedCells { radiosities: [radiosities], .. }) => radiosities,
+            Err(shared) => shared.radiosities[0].clone(),
+        });
+        finish(linked, Outcome { error_bars, error, stopped_by, point_rays, resolution, radiosities })
     }
 }
 
@@ -133,10 +153,4 @@ fn user_gather<'b>(linked: &'b Linked<'_>, cells: &'b SolvedCells<'_, 1>, rays: 
     let over = Over::Cells(FinalGather { paths: &cells.paths, radiosities: &cells.radiosities[0], bounces: 0 });
     let budget = RayBudget::of_values(rays, linked.job.options.seed);
     Gather { scene: linked.job.scene, hierarchy: &linked.hierarchy, over, budget }
-}
-
-/// What the solution keeps of cell radiosities, in bytes.
-fn cell_bytes(linked: &Linked<'_>, resolution: Resolution) -> u64 {
-    let cells = cell_count(linked.job.scene, &linked.brightness(), resolution.size);
-    cells.map_or(u64::MAX, |cells| CellRadiosities::bytes_of(cells, linked.job.kept_channels))
 }

@@ -38,7 +38,7 @@ const POSITION_RAYS: u32 = 1;
 
 /// The solver for a job, with its plan.
 pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dyn Way<'a> + 'a> {
-    let illumination = Illumination::sampled(job.scene, job.rays, particle_seed(job.options.seed));
+    let illumination = Illumination::sampled(job.scene, job.rays, particle_seed(job.options.seed), &job.stop());
     let areas = Areas::of_scene(job.scene);
     let plan = |over_cells| Plan::new(job.scene, &areas, job.options, illumination.clone(), over_cells);
     let search = ErrorSearch::new(importance);
@@ -99,7 +99,7 @@ struct Tried {
     cells_noise_sq: f64,
 }
 
-/// Tries values of few rays over the links as they are, and over cells; `None` if nothing is reflected.
+/// Tries values of few rays over the links as they are, and over cells; `None` if nothing is reflected, or if stopped.
 fn try_both(linked: &Linked<'_>, cells: &Plan) -> Option<Tried> {
     let job = linked.job;
     let side = (cells.law.illumination.lit_area / POSITIONS).sqrt();
@@ -107,20 +107,20 @@ fn try_both(linked: &Linked<'_>, cells: &Plan) -> Option<Tried> {
     let resolution = Resolution { size, rays: POSITION_RAYS };
     let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.size));
     let seeds = std::array::from_fn(|number| cell_seed(job.options.seed, (1 + REPLICATES + number) as u64));
-    let cells = SolvedCells::solve(paths, resolution, seeds);
+    let stop = job.stop();
+    let cells = SolvedCells::solve(paths, resolution, seeds, &stop)?;
     let gathers = cells
         .radiosities
         .each_ref()
         .map(|radiosities| ReplicateGather::Truth(FinalGather { paths: &cells.paths, radiosities, bounces: 0 }));
     let seed = sampling::hash(job.options.seed, streams::PILOT_POINTS);
     let with = Replication { scene: job.scene, hierarchy: &linked.hierarchy, radiosity: &linked.radiosity, gathers, seed };
-    let cancelled = || job.is_cancelled();
     let mut samples = ErrorSamples::new(job.options.norm.into());
-    let taken = samples.add_points(POINTS, 1, &with, &cancelled) && samples.take_replicates(REPLICATE_RAYS, &with, &cancelled);
+    let taken = samples.add_points(POINTS, 1, &with, &stop) && samples.take_replicates(REPLICATE_RAYS, &with, &stop);
     let budget = RayBudget::of_values(VALUE_RAYS, job.options.seed);
     let over_cells = Over::Cells(FinalGather { paths: &cells.paths, radiosities: &cells.radiosities[0], bounces: 0 });
     let over_cells = Gather { scene: job.scene, hierarchy: &linked.hierarchy, over: over_cells, budget };
-    let found = || Some((samples.sampled_parts(&linked.gather(budget), &cancelled)?, samples.pilot(&over_cells, &cancelled)?));
+    let found = || Some((samples.sampled_parts(&linked.gather(budget), &stop)?, samples.pilot(&over_cells, &stop)?));
     let (over_links, of_cells) = taken.then(found).flatten()?;
     Some(Tried { over_links, cells_noise_sq: of_cells.noise_sq })
 }

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use super::memory::MemoryLedger;
 use super::{RunOptions, SolveOptions};
 use crate::progress::Observer;
 use crate::scene::Scene;
@@ -16,6 +17,7 @@ pub(super) struct Job<'a> {
     pub options: &'a SolveOptions,
     pub run: &'a RunOptions,
     deadline: Option<Instant>,
+    pub memory: MemoryLedger,
     pub rays: &'a Rays<'a>,
     pub observer: &'a dyn Observer,
 }
@@ -31,7 +33,8 @@ impl<'a> Job<'a> {
         observer: &'a dyn Observer,
     ) -> Self {
         let deadline = run.time_s.and_then(|seconds| Instant::now().checked_add(Duration::from_secs_f64(seconds)));
-        Self { scene, kept_channels, options, run, deadline, rays, observer }
+        let memory = MemoryLedger::new(scene, kept_channels != scene.channels(), run.backend, run.memory_bytes);
+        Self { scene, kept_channels, options, run, deadline, memory, rays, observer }
     }
 
     pub fn is_over_time(&self) -> bool {
@@ -40,6 +43,23 @@ impl<'a> Job<'a> {
 
     pub fn is_cancelled(&self) -> bool {
         self.observer.cancelled()
+    }
+
+    /// [`Self::is_late`], for stages to ask.
+    pub fn stop(&self) -> impl Fn() -> bool + Sync + use<'a> {
+        let job = *self;
+        move || job.is_late()
+    }
+
+    /// The middle of the time that is left, if there is a limit.
+    pub fn half_time(&self) -> Option<Instant> {
+        let now = Instant::now();
+        self.deadline.map(|deadline| now + deadline.saturating_duration_since(now) / 2)
+    }
+
+    /// Whether what takes so long, or longer, would be over time.
+    pub fn has_no_time_for(&self, duration: Duration) -> bool {
+        self.deadline.is_some_and(|deadline| deadline.saturating_duration_since(Instant::now()) < duration)
     }
 
     /// Whether work is cancelled or over its time by now.

@@ -9,7 +9,16 @@ use crate::cells::SolvedCells;
 use crate::error::{ErrorEstimate, ErrorNorm, ErrorSamples, Pilot, REPLICATES, ReplicateGather, Replication};
 use crate::geometry::{sampling, streams};
 use crate::paths::{LightPaths, Resolution};
+use crate::progress::{Stage, Stop};
 use crate::values::{ErrorBars, Gather};
+
+/// Values that were judged, to go back to where the time ends before better ones are judged as well.
+#[derive(Clone, Copy)]
+pub(super) struct Judged {
+    pub error: ErrorEstimate,
+    pub point_rays: u32,
+    pub error_bars: Option<ErrorBars>,
+}
 
 /// Samples of the error, the cells in which the paths of their replicates end, and what was estimated last.
 pub(super) struct Judge<'a> {
@@ -29,13 +38,22 @@ impl<'a> Judge<'a> {
         self.samples.forget_values();
     }
 
-    /// Finds the cell radiosities of the replicates, if they are not known so finely; `paths` end in cells of that size.
-    pub fn find_cells(&mut self, resolution: Resolution, seed: u64, paths: impl FnOnce() -> Arc<LightPaths<'a>>) {
+    /// Finds the cell radiosities of the replicates, if they are not known so finely; `paths` end in cells of that size. `false` if stopped
+    /// before: then those that were known stay.
+    pub fn find_cells(
+        &mut self,
+        resolution: Resolution,
+        seed: u64,
+        paths: impl FnOnce() -> Arc<LightPaths<'a>>,
+        stop: Stop<'_>,
+    ) -> bool {
         if self.cells.as_ref().is_none_or(|own| own.resolution != resolution) {
-            self.cells =
-                Some(SolvedCells::solve(paths(), resolution, std::array::from_fn(|number| cell_seed(seed, 1 + number as u64))));
+            let seeds = std::array::from_fn(|number| cell_seed(seed, 1 + number as u64));
+            let Some(cells) = SolvedCells::solve(paths(), resolution, seeds, stop) else { return false };
+            self.cells = Some(cells);
             self.samples.clear();
         }
+        true
     }
 
     /// Estimates the error of the values that `gather` gives for so many rays. What replicates find, `replicate` tells by number, their paths
@@ -51,8 +69,8 @@ impl<'a> Judge<'a> {
         let Self { cells, samples, error } = self;
         *error = None;
         let job = linked.job;
-        let Some(cells) = cells.as_ref().filter(|_| !job.is_cancelled()) else { return };
-        let cancelled = || job.is_cancelled();
+        let Some(cells) = cells.as_ref().filter(|_| !job.is_late()) else { return };
+        let stop = linked.stop_telling(Stage::Error, 3 * plan.error_points());
         let with = Replication {
             scene: job.scene,
             hierarchy: &linked.hierarchy,
@@ -61,25 +79,37 @@ impl<'a> Judge<'a> {
             seed: sampling::hash(job.options.seed, streams::ERROR),
         };
         let is_first = samples.is_empty();
-        let is_spread = samples.add_points(plan.error_points(), plan.replicate_pilot_rays(), &with, &cancelled);
+        let is_spread = samples.add_points(plan.error_points(), plan.replicate_pilot_rays(), &with, &stop);
         if is_spread && is_first && pilots {
-            let pilot: Option<Pilot> = samples.pilot(&gather(plan.pilot_rays()), &cancelled);
+            let pilot: Option<Pilot> = samples.pilot(&gather(plan.pilot_rays()), &stop);
             pilot.iter().for_each(|pilot| plan.fit_rays(pilot));
         }
-        if is_spread && samples.take_replicates(plan.replicate_rays(), &with, &cancelled) {
-            *error = samples.estimate(&gather(plan.point_rays()), &cancelled);
+        if is_spread && samples.take_replicates(plan.replicate_rays(), &with, &stop) {
+            *error = samples.estimate(&gather(plan.point_rays()), &stop);
+        }
+
+        // Light that no point has found is somewhere all the same.
+        let is_reflected = linked.landings.iter().any(|landing| landing.power > 0.0);
+        if is_reflected && let Some(found) = error.as_mut().filter(|found| found.lit == 0.0) {
+            *found = ErrorEstimate::UNKNOWN;
         }
     }
 
-    /// What the errors of the values that `gather` gives hang on; `None` where no error was estimated.
-    pub fn error_bars(&mut self, gather: &Gather<'_>, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<ErrorBars> {
+    /// What the errors of the values that `gather` gives hang on; `None` where no error was estimated, or if stopped.
+    pub fn error_bars(&mut self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<ErrorBars> {
         self.error?;
-        self.samples.error_bars(gather, cancelled)
+        self.samples.error_bars(gather, stop)
+    }
+
+    /// The values that `gather` gives as they were judged last, if they were.
+    pub fn judged(&mut self, point_rays: u32, gather: &Gather<'_>, stop: Stop<'_>) -> Option<Judged> {
+        let error = self.error?;
+        Some(Judged { error, point_rays, error_bars: self.samples.error_bars(gather, stop) })
     }
 
     /// The part of the error estimated last that is noise of the values that `gather` gives.
-    pub fn sampled_value_noise(&self, gather: &Gather<'_>, cancelled: &(dyn Fn() -> bool + Sync)) -> f64 {
-        self.samples.sampled_value_noise(gather, cancelled)
+    pub fn sampled_value_noise(&self, gather: &Gather<'_>, stop: Stop<'_>) -> f64 {
+        self.samples.sampled_value_noise(gather, stop)
     }
 }
 

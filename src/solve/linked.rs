@@ -2,20 +2,21 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use rayon::prelude::*;
 
 use super::Sweep;
 use super::job::Job;
+use super::memory::{CellDemand, Holdings, LINK_AT_WORK, MemoryLedger};
 use super::plan::{COARSE_TOLERANCE, Plan};
 use super::report::{SkippedWork, SolveReport};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
 use crate::links::{Dropped, LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
-use crate::paths::{Brightness, Landing};
-use crate::progress::{Progress, Stage};
+use crate::paths::{Brightness, Landing, cell_count};
+use crate::progress::{Progress, Stage, Stop};
 use crate::scene::SurfaceId;
 use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, Reflections, sampled_exposed_point, sweep_in_place};
 use crate::values::{Gather, Gathered, LinkGather, Over, RayBudget, Scratch};
@@ -41,6 +42,8 @@ pub(super) struct Linked<'a> {
     cluster_reflectance: Vec<f64>,
     /// Bytes that others take of the memory.
     pub reserved_bytes: u64,
+    /// Until then links are made and leaves gathered anew, where there is a time limit: what is left of the time is for the error.
+    links_until: Option<Instant>,
     /// The error that was claimed last.
     pub claimed: Option<f64>,
     pub report: SolveReport,
@@ -50,9 +53,11 @@ impl<'a> Linked<'a> {
     pub fn new(job: Job<'a>, landings: Arc<[Landing]>, clusters: bool) -> Self {
         let start = Instant::now();
         let Job { scene, rays, options, .. } = job;
+        let (links, elements) = (0, scene.surfaces().len() as u64);
+        job.observer.progress(&Progress { stage: Stage::Build, round: 0, fraction: None, links, elements, error: None });
         let hierarchy = Hierarchy::new(scene);
         let mut exposure = Exposure::default();
-        exposure.grow(scene, &hierarchy, rays, options.seed);
+        exposure.grow(scene, &hierarchy, rays, options.seed, &job.stop());
         let radiosity = Radiosity::emitted(scene, &hierarchy, &exposure);
         let mut report = SolveReport { backend: rays.description(), ..SolveReport::default() };
         report.time_s.build = start.elapsed().as_secs_f64();
@@ -69,6 +74,7 @@ impl<'a> Linked<'a> {
             clusters,
             cluster_reflectance,
             reserved_bytes: 0,
+            links_until: job.half_time(),
             claimed: None,
             report,
         }
@@ -81,28 +87,56 @@ impl<'a> Linked<'a> {
         self.job.observer.progress(&Progress { stage, round, fraction: None, links, elements, error });
     }
 
-    /// Tells how far a refinement is, and whether to end it now: on cancellation, or after the deadline.
-    pub fn refinement_stop(&self) -> impl Fn(u64, u64) -> bool + Sync + use<'a> {
-        let (job, round) = (self.job, self.report.counts.rounds as u32);
-        move |links, elements| {
-            job.observer.progress(&Progress { stage: Stage::Refine, round, fraction: None, links, elements, error: None });
+    /// Asks whether to end a stage, and tells how far it is: about so many times it is asked.
+    pub fn stop_telling(&self, stage: Stage, questions: usize) -> impl Fn() -> bool + Sync + use<'a> {
+        let (job, round, claimed) = (self.job, self.report.counts.rounds as u32, self.claimed);
+        let elements = (self.hierarchy.len() - self.hierarchy.cluster_count()) as u64;
+        let (links, asked) = (self.links.len() as u64, AtomicU64::new(0));
+        move || {
+            let part = asked.fetch_add(1, Ordering::Relaxed) as f64 / questions.max(1) as f64;
+            let fraction = Some(part.min(1.0));
+            job.observer.progress(&Progress { stage, round, fraction, links, elements, error: claimed });
             job.is_late()
         }
     }
 
+    /// Gives links half of the time that is left.
+    pub fn begin_round(&mut self) {
+        self.links_until = self.job.half_time();
+    }
+
+    /// Whether links are to be left as they are: on cancellation, or after their part of the time.
+    pub fn ends_links(&self) -> impl Fn() -> bool + Sync + use<'a> {
+        let (job, until) = (self.job, self.links_until);
+        move || job.is_cancelled() || until.is_some_and(|until| Instant::now() >= until)
+    }
+
+    /// Tells how far a refinement is, and whether to end it now.
+    pub fn refinement_stop(&self) -> impl Fn(u64, u64) -> bool + Sync + use<'a> {
+        let (job, round, ends) = (self.job, self.report.counts.rounds as u32, self.ends_links());
+        move |links, elements| {
+            job.observer.progress(&Progress { stage: Stage::Refine, round, fraction: None, links, elements, error: None });
+            ends()
+        }
+    }
+
     /// Where refinement ends, content or not.
-    pub fn refine_limits<'s>(&self, stop: &'s (dyn Fn(u64, u64) -> bool + Sync)) -> RefineLimits<'s> {
-        let left = |bytes: u64| bytes.saturating_sub(self.reserved_bytes);
+    pub fn refine_limits<'s>(&self, stop: &'s (dyn Fn(u64, u64) -> bool + Sync), halt: Stop<'s>) -> RefineLimits<'s> {
         RefineLimits {
             max_links: self.job.options.max_links.unwrap_or(u64::from(u32::MAX)),
-            max_bytes: self.job.run.memory_bytes.map_or(u64::MAX, left),
-            channels: self.job.kept_channels,
+            max_bytes: self.job.memory.left_for_refinement(self.holdings(), self.reserved_bytes),
+            node_bytes: MemoryLedger::bytes_of_new_node(self.job.kept_channels),
+            link_bytes: LINK_AT_WORK as u64,
             stop,
+            halt,
         }
     }
 
     /// Refines with one oracle and sweeps until no pair is left that slept because its source was dark, and has light now.
     pub fn refine_and_sweep(&mut self, oracle: &dyn RefinementOracle, splits: &HashMap<Pair, Decision>) -> RefineEnd {
+        if self.job.is_late() {
+            return RefineEnd::Stopped;
+        }
         let none = HashMap::new();
         let mut ended = self.refine(oracle, splits);
         self.sweep();
@@ -139,12 +173,14 @@ impl<'a> Linked<'a> {
             seed: options.seed,
             form_factor_nanoseconds: AtomicU64::new(0),
         };
-        let stop = self.refinement_stop();
-        let limits = self.refine_limits(&stop);
+        let (stop, halt) = (self.refinement_stop(), self.job.stop());
+        let limits = self.refine_limits(&stop, &halt);
         let mut refinement = Refinement::of(std::mem::take(&mut self.links), &mut self.dropped);
         let end = refinement.refine(&mut self.hierarchy, splits, &context, &limits);
+        let at_work = (refinement.len() * LINK_AT_WORK) as u64;
         self.links = refinement.into_links(&self.hierarchy);
         self.report.time_s.form_factor += context.form_factor_nanoseconds.into_inner() as f64 * 1e-9;
+        self.account(self.job.memory.with_sweeps(self.holdings()) + at_work);
         self.grow();
         self.closure = Closure::needed(scene, &self.hierarchy, &self.links, &self.exposure, self.clusters);
         self.report.time_s.refine += start.elapsed().as_secs_f64();
@@ -153,7 +189,7 @@ impl<'a> Linked<'a> {
 
     /// Makes room for nodes that are new.
     pub fn grow(&mut self) {
-        self.exposure.grow(self.job.scene, &self.hierarchy, self.job.rays, self.job.options.seed);
+        self.exposure.grow(self.job.scene, &self.hierarchy, self.job.rays, self.job.options.seed, &self.job.stop());
         self.radiosity.grow(&self.hierarchy);
     }
 
@@ -206,7 +242,8 @@ impl<'a> Linked<'a> {
     /// Defect correction: takes the radiosity of every leaf anew, by a gather of so many rays at its centre, or where it is exposed, and
     /// follows what that changes over the links.
     pub fn regather_leaves(&mut self, rays: u32) {
-        if rays == 0 || self.job.is_late() {
+        let stop = self.ends_links();
+        if rays == 0 || stop() {
             return;
         }
         let start = Instant::now();
@@ -220,6 +257,10 @@ impl<'a> Linked<'a> {
             <(Scratch, Gathered)>::default,
             |(scratch, gathered), (value, &leaf)| {
                 let surface = SurfaceId(self.hierarchy.node(leaf).surface);
+                if stop() {
+                    value.copy_from_slice(self.radiosity.of(leaf));
+                    return;
+                }
                 match sampled_exposed_point(&self.hierarchy, &by_plane, &self.exposure, self.job.rays, leaf, options.seed) {
                     Some(point) => {
                         gather.values_at(&[gather.place_at(point, surface)], gather.budget, scratch, gathered);
@@ -234,8 +275,8 @@ impl<'a> Linked<'a> {
             change.of_mut(leaf).iter_mut().zip(value).for_each(|(old, new)| *old = new - *old);
             self.radiosity.of_mut(leaf).copy_from_slice(value);
         }
-        let Self { job, hierarchy, links, exposure, closure, radiosity, .. } = self;
-        Reflections { scene, hierarchy, links, exposure, closure: closure.as_ref() }.add(change, radiosity, &|| job.is_late());
+        let Self { hierarchy, links, exposure, closure, radiosity, .. } = self;
+        Reflections { scene, hierarchy, links, exposure, closure: closure.as_ref() }.add(change, radiosity, &stop);
         radiosity.pull(hierarchy, exposure);
         self.report.time_s.gather += start.elapsed().as_secs_f64();
     }
@@ -258,10 +299,44 @@ impl<'a> Linked<'a> {
         self.hierarchy.ids().filter(|&node| self.hierarchy.is_leaf(node))
     }
 
-    /// Bytes that nodes and links take in a solution.
-    pub fn memory_bytes(&self) -> u64 {
-        let radiosities = self.hierarchy.len() * self.job.kept_channels * size_of::<f64>();
-        self.hierarchy.memory_bytes() + radiosities as u64 + self.links.memory_bytes()
+    /// Keeps memory for the cells of a plan, and its error points. Those that cannot be counted are never found.
+    pub fn reserve_cells(&mut self, plan: &Plan) {
+        let has_budget = self.job.run.memory_bytes.is_some();
+        let demand = if has_budget { self.cell_demand(plan) } else { None };
+        self.reserved_bytes = demand.map_or(0, |demand| demand.bytes(self.job.scene));
+    }
+
+    /// Whether cells as fine as is planned can be found within the memory.
+    pub fn has_room_for_cells(&mut self, plan: &Plan) -> bool {
+        if self.job.is_late() {
+            // None will be found.
+            return true;
+        }
+        let Some(demand) = self.cell_demand(plan) else { return false };
+        let bytes = self.job.memory.kept(self.holdings()) + demand.bytes(self.job.scene);
+        let is_allowed = self.job.memory.allows(bytes);
+        if is_allowed {
+            self.account(bytes);
+        }
+        is_allowed
+    }
+
+    /// The cells that a plan asks for; `None` if they are more than can be counted.
+    fn cell_demand(&self, plan: &Plan) -> Option<CellDemand> {
+        let (resolution, replicates) = (plan.resolution(), plan.replicate_resolution());
+        let are_of_values = plan.has_cells();
+        let rays = if are_of_values { resolution.rays.max(replicates.rays) } else { replicates.rays };
+        let cells = cell_count(self.job.scene, &self.brightness(), resolution.size)?;
+        Some(CellDemand { cells, channels: self.job.kept_channels, rays, are_of_values, error_points: plan.error_points() })
+    }
+
+    fn holdings(&self) -> Holdings<'_> {
+        Holdings { hierarchy: &self.hierarchy, links: &self.links, channels: self.job.kept_channels }
+    }
+
+    /// Notes that so much is taken by the ledger.
+    pub fn account(&mut self, bytes: u64) {
+        self.report.accounted_bytes = self.report.accounted_bytes.max(bytes);
     }
 
     /// What refinement left out.

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::cells_way::CellsWay;
 use super::finish::{Outcome, finish};
-use super::judge::{Judge, add_time};
+use super::judge::{Judge, Judged, add_time};
 use super::linked::Linked;
 use super::next_step::next_step;
 use super::plan::Plan;
@@ -14,9 +14,10 @@ use super::solution::Solution;
 use super::step::NextStep;
 use super::strategies::{self, ErrorSearch};
 use super::way::Way;
-use crate::error::{ErrorEstimate, ReplicateGather};
+use crate::cells::CellRadiosities;
+use crate::error::{ErrorEstimate, REPLICATES, ReplicateGather};
 use crate::links::RefineEnd;
-use crate::paths::LightPaths;
+use crate::paths::{LightPaths, cell_count};
 use crate::progress::Stage;
 use crate::values::{FinalGather, Gather, RayBudget};
 
@@ -26,13 +27,16 @@ pub(super) struct LinksWay<'a> {
     plan: Plan,
     judge: Judge<'a>,
     search: ErrorSearch,
+    /// The values over these links that were judged last, while they take other rays or are judged more closely.
+    judged: Option<Judged>,
     /// What cells would take, where they may be taken instead.
     over_cells: Option<Plan>,
 }
 
 impl<'a> LinksWay<'a> {
-    pub fn new(linked: Linked<'a>, plan: Plan, search: ErrorSearch) -> Self {
-        Self { plan, judge: Judge::new(linked.job.options.norm.into()), linked, search, over_cells: None }
+    pub fn new(mut linked: Linked<'a>, plan: Plan, search: ErrorSearch) -> Self {
+        linked.reserve_cells(&plan);
+        Self { plan, judge: Judge::new(linked.job.options.norm.into()), linked, search, judged: None, over_cells: None }
     }
 
     /// Cells are taken where they are predicted to take less.
@@ -50,24 +54,28 @@ impl<'a> LinksWay<'a> {
 
 impl<'a> Way<'a> for LinksWay<'a> {
     fn advance(&mut self) -> RefineEnd {
+        self.judged = None;
         strategies::advance(&mut self.linked, &self.plan, &mut self.search)
     }
 
     fn find_cells(&mut self) {
         let Self { linked, plan, judge, .. } = self;
         let job = linked.job;
-        if job.is_cancelled() {
+        if job.is_late() {
             return;
         }
         let start = Instant::now();
         let resolution = plan.replicate_resolution();
-        let paths = || Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.size));
-        judge.find_cells(resolution, job.options.seed, paths);
+        let brightness = linked.brightness();
+        let cells = cell_count(job.scene, &brightness, resolution.size).unwrap_or(0);
+        let stop = linked.stop_telling(Stage::Cells, REPLICATES * CellRadiosities::questions(cells));
+        let paths = || Arc::new(LightPaths::new(job.scene, job.rays, &brightness, &linked.landings, resolution.size));
+        judge.find_cells(resolution, job.options.seed, paths, &stop);
         add_time(&mut linked.report.time_s.resolve, start);
     }
 
     fn estimate_error(&mut self) -> Option<ErrorEstimate> {
-        let Self { linked, plan, judge, .. } = self;
+        let Self { linked, plan, judge, judged, .. } = self;
         let start = Instant::now();
         linked.claimed = None;
         linked.progress(Stage::Error);
@@ -83,6 +91,9 @@ impl<'a> Way<'a> for LinksWay<'a> {
             false,
         );
         linked.claimed = judge.error.map(|error| error.claimed);
+        if judge.error.is_some() {
+            *judged = None;
+        }
         add_time(&mut linked.report.time_s.error, start);
         judge.error
     }
@@ -90,42 +101,48 @@ impl<'a> Way<'a> for LinksWay<'a> {
     fn plan_next(&mut self, error: &ErrorEstimate) -> NextStep {
         let Self { linked, plan, judge, .. } = self;
         let start = Instant::now();
-        let noise =
-            plan.begin_step(error, |rays| judge.sampled_value_noise(&user_gather(linked, rays), &|| linked.job.is_cancelled()));
-        add_time(&mut linked.report.time_s.error, start);
+        let stop = linked.job.stop();
+        let noise = plan.begin_step(error, |rays| judge.sampled_value_noise(&user_gather(linked, rays), &stop));
         let step = match next_step(&self.plan, error, noise) {
             NextStep::Refine(factor) if self.had_better_take_cells(factor) => NextStep::TakeCells,
             NextStep::FindCells(_) if self.had_better_take_cells(1.0) => NextStep::TakeCells,
             step => step,
         };
-        self.plan.apply(step);
+        let Self { linked, plan, judge, judged, .. } = self;
+        *judged = match step {
+            NextStep::GoodEnough | NextStep::Exhausted => None,
+            // What error bars hang on takes rays: these are spent where the time may end.
+            _ if linked.job.run.time_s.is_none() => None,
+            _ => judge.judged(plan.point_rays(), &user_gather(linked, plan.point_rays()), &stop),
+        };
+        plan.apply(step);
         if step.changes_values() {
-            self.judge.forget_values();
+            judge.forget_values();
         }
+        add_time(&mut linked.report.time_s.error, start);
         step
     }
 
-    fn has_room(&self) -> bool {
-        true
+    fn has_room(&mut self) -> bool {
+        self.linked.has_room_for_cells(&self.plan)
     }
 
     fn into_cells(self: Box<Self>) -> Box<dyn Way<'a> + 'a> {
-        let Self { linked, plan, search, over_cells, .. } = *self;
-        Box::new(CellsWay::new(linked, over_cells.unwrap_or(plan), search))
+        let Self { linked, plan, search, judged, over_cells, .. } = *self;
+        Box::new(CellsWay::new(linked, over_cells.unwrap_or(plan), search).instead_of(judged))
     }
 
     fn finish(self: Box<Self>, stopped_by: StoppedBy) -> (Solution, SolveReport) {
-        let Self { linked, plan, mut judge, .. } = *self;
-        let error_bars = judge.error_bars(&user_gather(&linked, plan.point_rays()), &|| linked.job.is_cancelled());
-        let outcome = Outcome {
-            error_bars,
-            error: judge.error,
-            stopped_by,
-            point_rays: plan.point_rays(),
-            resolution: plan.resolution(),
-            radiosities: None,
+        let Self { linked, plan, mut judge, judged, .. } = *self;
+        let (error, point_rays, error_bars) = match judged {
+            Some(Judged { error, point_rays, error_bars }) => (Some(error), point_rays, error_bars),
+            None => {
+                let (rays, stop) = (plan.point_rays(), linked.job.stop());
+                let error_bars = judge.error_bars(&user_gather(&linked, rays), &stop);
+                (judge.error, rays, error_bars)
+            }
         };
-        finish(linked, outcome)
+        finish(linked, Outcome { error_bars, error, stopped_by, point_rays, resolution: plan.resolution(), radiosities: None })
     }
 }
 

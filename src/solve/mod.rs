@@ -12,6 +12,7 @@ mod job;
 mod judge;
 mod linked;
 mod links_way;
+mod memory;
 mod next_step;
 mod options;
 mod plan;
@@ -36,8 +37,11 @@ pub use report::{
 };
 pub use solution::Solution;
 
+use std::time::Instant;
+
 use choice::choose;
 use job::Job;
+use memory::MemoryLedger;
 use step::NextStep;
 
 use crate::error::ErrorEstimate;
@@ -45,6 +49,12 @@ use crate::links::RefineEnd;
 use crate::progress::Observer;
 use crate::scene::{DistinctChannels, Scene};
 use crate::transmittance::Rays;
+use crate::visibility::Backend;
+
+/// The least memory that a solve of a scene takes, in bytes, by the ledger.
+pub(crate) fn least_bytes(scene: &Scene, backend: Backend) -> u64 {
+    MemoryLedger::new(scene, false, backend, None).least(scene)
+}
 
 /// Solves `scene` in the current rayon pool; `importance` is looked at by error-driven refinement alone.
 ///
@@ -79,17 +89,25 @@ pub(crate) fn solve(
 fn solve_all_channels(job: &Job<'_>, importance: InitialImportance) -> (Solution, SolveReport) {
     let mut way = choose(job, importance);
     let stopped_by = 'solve: loop {
+        let round = Instant::now();
         let ended = way.advance();
         loop {
+            let cells = Instant::now();
+            if !way.has_room() {
+                break 'solve StoppedBy::Memory;
+            }
             way.find_cells();
             let error = way.estimate_error();
             if let Some(limit) = limit(job, error, ended) {
                 break 'solve limit;
             }
+
+            // What comes next takes longer than what it takes the place of: it is not begun if that would not end in time.
             match error.map_or(NextStep::Exhausted, |error| way.plan_next(&error)) {
                 NextStep::GoodEnough => break 'solve StoppedBy::Error,
                 NextStep::Exhausted => break 'solve StoppedBy::Exhausted,
-                NextStep::FindCells(_) if !way.has_room() => break 'solve StoppedBy::Memory,
+                NextStep::FindCells(_) if job.has_no_time_for(cells.elapsed()) => break 'solve StoppedBy::Time,
+                NextStep::Refine(_) if job.has_no_time_for(round.elapsed()) => break 'solve StoppedBy::Time,
                 NextStep::MoreReplicateRays | NextStep::MorePoints | NextStep::MoreRays(_) | NextStep::FindCells(_) => {}
                 NextStep::Refine(_) => break,
                 NextStep::TakeCells => {

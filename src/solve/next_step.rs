@@ -37,6 +37,12 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64) ->
         return NextStep::Exhausted;
     }
 
+    if error.lit == 0.0 && !error.claimed.is_finite() {
+        // No point has found the light that there is: more of them may.
+        let more = Choice { points: 1.5, ..Choice::NOTHING };
+        return if plan.may_know_closer(&more) { NextStep::MorePoints } else { NextStep::Exhausted };
+    }
+
     // The least work that should do. Where nothing is known of the work of better links, replicates are worth some.
     let doubtful = Doubtful::new(error, value_noise, plan.has_cells());
     let will_do = |choice: &Choice| doubtful.estimate_claim(choice) <= SAFETY * requested;

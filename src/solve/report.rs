@@ -89,15 +89,18 @@ pub struct ErrorReport {
     pub skipped: f64,
 }
 
-/// Where the power goes, in W, all channels added, by the links and the radiosities of the elements.
+/// Where the power goes, in W, all channels added, by the links and the radiosities of the elements, which over cells are those of a coarse
+/// pass: `emitted = absorbed + escaped + unaccounted`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     /// Emitted by all surfaces.
     pub emitted: f64,
     /// Absorbed by all surfaces.
     pub absorbed: f64,
-    /// Left through openings: what no form factor accounts for.
+    /// Left through openings: what arrives nowhere; 0 if rays from all surfaces find that nothing leaves the scene.
     pub escaped: f64,
+    /// What the elements lose, or make if negative, because form factors are estimates and pairs sleep.
+    pub unaccounted: f64,
     /// What the last iteration still changed at most, in W/m^2.
     pub residual: f64,
     /// Sent by all surfaces: emitted and reflected.
@@ -115,11 +118,12 @@ pub struct Energy {
 impl Energy {
     /// Of so many channels like these.
     pub(super) fn times(self, copies: f64) -> Self {
-        let Self { emitted, absorbed, escaped, residual, sent, imbalance, held_back, held_back_unseen } = self;
+        let Self { emitted, absorbed, escaped, unaccounted, residual, sent, imbalance, held_back, held_back_unseen } = self;
         Self {
             emitted: copies * emitted,
             absorbed: copies * absorbed,
             escaped: copies * escaped,
+            unaccounted: copies * unaccounted,
             residual,
             sent: copies * sent,
             imbalance,
@@ -242,6 +246,9 @@ pub struct SolveReport {
     pub energy_balance: Option<EnergyBalance>,
     /// Bytes of the solution: hierarchy, links, radiosities.
     pub memory_bytes: u64,
+    /// The most that the solve takes at one time by its own count, in bytes: scene, visibility and all; what
+    /// [`RunOptions::memory_bytes`](super::RunOptions::memory_bytes) limits.
+    pub accounted_bytes: u64,
     /// Work that was not done.
     pub skipped: Vec<SkippedWork>,
     /// Whether the requested error is reached.
@@ -261,7 +268,7 @@ pub(super) struct Powers<'a> {
 }
 
 impl Powers<'_> {
-    /// Where the power goes in one more gather: what arrives nowhere has escaped.
+    /// Where the power goes in one more gather, as sweeps close it: what arrives nowhere has escaped, if anything can.
     pub fn energy(&self) -> Energy {
         let Self { scene, hierarchy, links, exposure, closure, radiosity } = *self;
         let channels = scene.channels();
@@ -271,19 +278,18 @@ impl Powers<'_> {
             let material = scene.material_of(SurfaceId(hierarchy.node(leaf).surface));
             let exposed = hierarchy.area(leaf) * exposure.of(leaf);
             let arriving = &mut irradiance[leaf.index() * channels..][..channels];
+            if let Some(closure) = closure {
+                closure.close(leaf, arriving);
+            }
             for (channel, arriving) in arriving.iter().enumerate() {
                 energy.emitted += exposed * material.exitance[channel];
                 energy.absorbed += (1.0 - material.reflectance[channel]) * exposed * arriving;
                 energy.sent += exposed * radiosity.of(leaf)[channel];
-                energy.escaped += exposed * (radiosity.of(leaf)[channel] - arriving);
-            }
-
-            // What sweeps make of it, where links are estimates.
-            if let Some(closure) = closure {
-                closure.close(leaf, arriving);
             }
             arrived += exposed * arriving.iter().sum::<f64>();
         }
+        energy.escaped = if exposure.is_closed() { 0.0 } else { (energy.sent - arrived).max(0.0) };
+        energy.unaccounted = energy.emitted - energy.absorbed - energy.escaped;
         energy.imbalance = (exposure.is_closed() && energy.sent > 0.0).then(|| 1.0 - arrived / energy.sent);
         energy
     }

@@ -9,6 +9,7 @@ use crate::cells::CellRadiosities;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::paths::{Brightness, Illumination, LightPaths, Resolution, cell_count};
+use crate::progress::Stop;
 use crate::scene::{DistinctChannels, Scene};
 use crate::sweep::{Adjoint, Closure, Exposure, Importance, Radiosity};
 use crate::transmittance::Rays;
@@ -85,9 +86,9 @@ impl Solution {
     }
 
     /// The light paths that values at points take, where these end in cells.
-    pub(crate) fn light_paths<'a>(&'a self, rays: &'a Rays<'a>) -> Option<LightPaths<'a>> {
+    pub(crate) fn light_paths<'a>(&'a self, rays: &'a Rays<'a>, stop: Stop<'_>) -> Option<LightPaths<'a>> {
         self.cell_radiosities.as_ref()?;
-        let Illumination { landings, .. } = Illumination::sampled(&self.scene, rays, particle_seed(self.options.seed));
+        let Illumination { landings, .. } = Illumination::sampled(&self.scene, rays, particle_seed(self.options.seed), stop);
         Some(LightPaths::new(&self.scene, rays, &self.brightness(), &landings, self.resolution.size))
     }
 

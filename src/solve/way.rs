@@ -24,7 +24,7 @@ pub(super) trait Way<'a> {
     fn into_cells(self: Box<Self>) -> Box<dyn Way<'a> + 'a>;
 
     /// Whether the memory allows cells as fine as is planned by now.
-    fn has_room(&self) -> bool;
+    fn has_room(&mut self) -> bool;
 
     /// The solution so far, with its report.
     fn finish(self: Box<Self>, stopped_by: StoppedBy) -> (Solution, SolveReport);

@@ -80,7 +80,7 @@ mod tests {
         let links = LinkSet::new(hierarchy.len(), &plates.iter().flat_map(others).collect::<Vec<_>>(), Vec::new());
         let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
         let mut exposure = Exposure::default();
-        exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), 0);
+        exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), 0, &|| false);
 
         let before = Radiosity::emitted(&scene, &hierarchy, &exposure);
         let mut change = before.clone();

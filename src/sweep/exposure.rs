@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use super::PARALLEL;
 use crate::geometry::{Facet, Frame, sampling, streams};
 use crate::hierarchy::{Hierarchy, NodeId};
+use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::{Hit, NO_PLANE, Ray, Segment};
@@ -76,8 +77,8 @@ impl Exposure {
         self.by_node.iter().all(|exposure| (0.0..=1.0).contains(exposure)) && self.outside <= self.rays
     }
 
-    /// Samples the exposure of new nodes. Pieces of a surface that is wholly exposed are exposed.
-    pub(crate) fn grow(&mut self, scene: &Scene, hierarchy: &Hierarchy, rays: &Rays<'_>, seed: u64) {
+    /// Samples the exposure of new nodes. Pieces of a surface that is wholly exposed are exposed; once stopped, so is what is left.
+    pub(crate) fn grow(&mut self, scene: &Scene, hierarchy: &Hierarchy, rays: &Rays<'_>, seed: u64, stop: Stop<'_>) {
         let known = self.by_node.len();
         if known == hierarchy.len() {
             return;
@@ -96,7 +97,8 @@ impl Exposure {
                 .map(|node| {
                     let node = NodeId(node as u32);
                     let surface = hierarchy.node_of(SurfaceId(hierarchy.node(node).surface));
-                    if surface == node && hierarchy.area(surface) < least_area {
+                    let is_small = surface == node && hierarchy.area(surface) < least_area;
+                    if stop() || is_small {
                         Sampled::EXPOSED
                     } else if surface == node {
                         sampled_exposure(hierarchy, &by_plane, rays, surface, surface_samples, seed)

@@ -101,7 +101,7 @@ mod tests {
         let hierarchy = Hierarchy::new(&scene);
         let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
         let mut exposure = Exposure::default();
-        exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), 0);
+        exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), 0, &|| false);
         let radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
 
         let (mut checked, mut clear) = (0, 0);

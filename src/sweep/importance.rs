@@ -284,7 +284,7 @@ mod tests {
             let (scene, hierarchy) = scene(&mut random);
             let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
             let mut exposure = Exposure::default();
-            exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), seed);
+            exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), seed, &|| false);
             let links = any_links(&mut random, &hierarchy);
             let with_closure = Closure::of_estimates(&scene, &hierarchy, &links, &exposure);
             let initial: Vec<f64> = (0..2 * hierarchy.len()).map(|_| random.unit()).collect();

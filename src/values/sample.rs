@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::budget::RayBudget;
 use super::error_bars::ErrorBars;
 use super::gather::{Gather, Gathered, Over, Scratch};
-use super::irradiance_cache::{CacheBuilder, IrradianceCache};
+use super::irradiance_cache::{CacheBuilder, Fitted, IrradianceCache};
 use crate::paths::Place;
 use crate::progress::{Observer, Progress, Stage};
 use crate::scene::SurfacePoint;
@@ -39,6 +39,17 @@ pub struct ValuesError {
     /// Over the lit points, relative to the reflected light at each, or to its median where it is darker.
     pub local: f64,
 }
+
+impl Values {
+    /// Bytes that so many take, with all that is needed to take them: places, cached irradiance, radiosities and squares of errors.
+    pub fn bytes_of(points: usize, channels: usize) -> u64 {
+        let of_channel = size_of::<[f32; 2]>() + 2 * size_of::<f32>() + size_of::<Fitted>();
+        (points * (size_of::<Option<Place>>() + CROWDED + size_of::<[f64; 4]>() + channels * of_channel)) as u64
+    }
+}
+
+/// Bytes that it takes to find out where points crowd: their cells and numbers, sorted.
+const CROWDED: usize = 96;
 
 impl ValuesError {
     /// Of values with these squares of the reflected light and of the standard errors, point by point, channels added.

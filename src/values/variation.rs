@@ -132,7 +132,7 @@ mod tests {
         hierarchy.split(split);
         let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
         let mut exposure = Exposure::default();
-        exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), 0);
+        exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), 0, &|| false);
         let mut radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
         let at = |x: DVec3| 2.0 + x.dot(DVec3::new(0.3, -0.2, 0.7));
         for child in hierarchy.children(split) {

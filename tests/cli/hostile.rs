@@ -121,6 +121,17 @@ fn a_disk_that_is_full_is_called_so() {
     assert!(place.new_files().is_empty(), "{:?}", place.new_files());
 }
 
+/// A pipe that nobody writes to is not waited for.
+#[test]
+fn a_pipe_is_no_scene_and_no_solution() {
+    let place = Place::new();
+    let ran = place.run_in_shell(&format!(
+        "mkfifo a.obj b; timeout 20 {0} info a.obj; echo $?; timeout 20 {0} info b; echo $?",
+        env!("CARGO_BIN_EXE_patchlight")
+    ));
+    assert_eq!(ran.stdout, "3\n3\n", "{}", ran.stderr);
+}
+
 #[test]
 fn one_sigterm_ends_it_and_the_solution_is_written() {
     let place = Place::new();

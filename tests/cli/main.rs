@@ -54,6 +54,12 @@ impl Place {
         fs::read_to_string(self.path(name)).unwrap()
     }
 
+    /// Runs a line in a shell.
+    #[cfg(unix)]
+    fn run_in_shell(&self, line: &str) -> Ran {
+        Ran::new(Command::new("sh").args(["-c", line]).current_dir(self.0.path()).output().unwrap())
+    }
+
     /// Runs `patchlight` in this directory, with arguments separated by blanks.
     fn run(&self, arguments: &str) -> Ran {
         self.run_with(&arguments.split_whitespace().collect::<Vec<_>>(), "")

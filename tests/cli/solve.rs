@@ -119,12 +119,34 @@ fn a_limit_ends_with_4_and_results_are_written() {
 #[test]
 fn the_memory_budget_ends_with_5_and_results_are_written() {
     let place = Place::new();
-    let ran = place.run("solve room.obj --error 0.001 --memory 0.000001 -o s.solution --image s.png --size 16x12 --report r.json");
+    let ran = place.run("solve room.obj --error 0.001 --memory 0.03 -o s.solution --image s.png --size 16x12 --report r.json");
     assert_eq!(ran.code, 5, "{}", ran.stderr);
     assert_eq!(place.new_files(), ["r.json", "s.png", "s.solution"]);
     let report: serde_json::Value = serde_json::from_str(&place.read("r.json")).unwrap();
     assert_eq!((&report["converged"], &report["stopped_by"]), (&false.into(), &"memory".into()));
     assert_eq!(place.run("info s.solution").code, 0);
+}
+
+#[test]
+fn a_memory_budget_that_is_too_small_to_begin_is_told_before() {
+    let place = Place::new();
+    let ran = place.run("solve room.obj --memory 0.001 -o s.solution");
+    assert_eq!(ran.code, 5, "{}", ran.stderr);
+    assert!(ran.stderr.contains("--memory") && ran.stderr.contains("0.001 GB"), "{}", ran.stderr);
+    assert!(place.new_files().is_empty());
+}
+
+/// The address space is what a test can limit.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_that_takes_too_much_ends_with_5_and_writes_nothing() {
+    let place = Place::new();
+    let solve = "solve room.obj --threads 1 --set solver=links --error 0.0005 -o s.solution";
+    let limited = format!("ulimit -v 600000; exec {} {solve}", env!("CARGO_BIN_EXE_patchlight"));
+    let ran = place.run_in_shell(&limited);
+    assert_eq!(ran.code, 5, "{}", ran.stderr);
+    assert!(ran.stderr.contains("out of memory: the program takes") && ran.stderr.contains("--memory"), "{}", ran.stderr);
+    assert!(place.new_files().is_empty());
 }
 
 /// For so small an error the solver takes long.

@@ -5,16 +5,25 @@
 
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
 
 use glam::DVec3;
 
 use super::cut::{Cut, Pieces, convex_pieces};
 use super::obj::ObjFile;
-use super::{Diagnostic, DiagnosticKind, Diagnostics};
+use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
 use crate::geometry::{Aabb, Polygon};
+use crate::progress::Stop;
 
 /// Corners off their plane by no more than this fraction of the scene's diagonal are there by rounding: files give six or seven digits.
 const PLANE_TOLERANCE: f64 = 1e-6;
+
+/// Faces of so many corners are cut aside: some take seconds, and the cut itself cannot be interrupted.
+const MANY_CORNERS: usize = 1 << 10;
+
+/// Meanwhile it is asked so often whether to stop.
+const BETWEEN_QUESTIONS: Duration = Duration::from_millis(20);
 
 /// Polygons with the index of their material and the 0-based number of their face, and how many faces were dropped here.
 pub(super) struct Assembled {
@@ -23,7 +32,12 @@ pub(super) struct Assembled {
 }
 
 /// Makes convex planar polygons of the faces, in their order.
-pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics) -> Assembled {
+pub(super) fn assemble(
+    obj: &ObjFile,
+    file: &Path,
+    diagnostics: &mut Diagnostics,
+    stop: Stop<'_>,
+) -> Result<Assembled, ImportError> {
     let mut ids: HashMap<[u64; 3], u32> = HashMap::with_capacity(obj.vertices);
     let mut polygons = Vec::with_capacity(obj.faces.len());
     let mut dropped = 0;
@@ -44,7 +58,7 @@ pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics
         }
 
         let (key, side) = unwound(&corners);
-        let pieces = pieces_of(&corners, &key, side, rounding);
+        let pieces = pieces_or_stop(&corners, &key, side, rounding, stop).ok_or(ImportError::Cancelled)?;
         if pieces.polygons.is_empty() {
             dropped += 1;
             note(DiagnosticKind::DegenerateFace, "dropped: it has no area".to_owned());
@@ -74,11 +88,47 @@ pub(super) fn assemble(obj: &ObjFile, file: &Path, diagnostics: &mut Diagnostics
         polygons.extend(pieces.polygons.into_iter().map(|polygon| (polygon, face.material, face.number)));
     }
 
-    if flattened.0 > 0 {
-        let text = format!("{} faces were flattened, by at most {:.1e}: rounded digits", flattened.0, flattened.1);
+    note_flattened(flattened, file, diagnostics);
+    Ok(Assembled { polygons, dropped })
+}
+
+/// Notes how many faces were flattened, and by how much at most.
+fn note_flattened((count, most): (usize, f64), file: &Path, diagnostics: &mut Diagnostics) {
+    if count > 0 {
+        let text = format!("{count} faces were flattened, by at most {most:.1e}: rounded digits");
         diagnostics.push(Diagnostic::new(DiagnosticKind::Flattened, text).at(file, 0));
     }
-    Assembled { polygons, dropped }
+}
+
+/// [`pieces_of`] a face; `None` if stopped before.
+fn pieces_or_stop(corners: &[(u32, DVec3)], key: &[u32], side: usize, rounding: f64, stop: Stop<'_>) -> Option<Pieces> {
+    if stop() {
+        return None;
+    }
+    if corners.len() < MANY_CORNERS {
+        return Some(pieces_of(corners, key, side, rounding));
+    }
+    let (corners, key) = (corners.to_vec(), key.to_vec());
+    aside(move || pieces_of(&corners, &key, side, rounding), stop)
+}
+
+/// What `work` finds on a thread of its own; `None` if stopped before: the thread is left alone and ends by itself. On this thread where no
+/// other can be started.
+fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Clone + Send + 'static, stop: Stop<'_>) -> Option<T> {
+    let (sender, receiver) = mpsc::channel();
+    let on_thread = work.clone();
+    let started = std::thread::Builder::new().spawn(move || sender.send(on_thread()));
+    if started.is_err() {
+        return Some(work());
+    }
+    loop {
+        match receiver.recv_timeout(BETWEEN_QUESTIONS) {
+            Ok(found) => return Some(found),
+            Err(RecvTimeoutError::Timeout) if stop() => return None,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return Some(work()),
+        }
+    }
 }
 
 /// The corners of a face with the ids of their positions; corners that follow themselves add nothing.

@@ -9,6 +9,9 @@ use crate::scene::SceneError;
 /// Why a file could not be read: fatal, exit code 3. Each names the file, and the line and face where there is one, and what to do.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ImportError {
+    /// The observer cancelled.
+    #[error("reading was cancelled")]
+    Cancelled,
     /// The name ends in no extension that a reader is for.
     #[error("{}: unknown kind of file; a scene is an .obj file", file.display())]
     UnknownExtension {

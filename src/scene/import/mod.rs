@@ -20,6 +20,7 @@ pub use diagnostics::{Diagnostic, DiagnosticKind, Diagnostics, Severity};
 pub use error::ImportError;
 
 use super::{Scene, Sides};
+use crate::progress::{Observer, Progress, Silent, Stage};
 
 /// What the reader may decide.
 #[derive(Clone, Debug, Default)]
@@ -56,6 +57,14 @@ pub struct Imported {
 /// # Errors
 /// See [`ImportError`].
 pub fn read_scene(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
+    read_scene_observed(path, options, &Silent)
+}
+
+/// Like [`read_scene`], but tells `observer` that it reads, and ends with [`ImportError::Cancelled`] soon after that says so.
+///
+/// # Errors
+/// See [`ImportError`].
+pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn Observer) -> Result<Imported, ImportError> {
     let file = || path.to_owned();
     let is_obj = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"));
     if !is_obj {
@@ -63,14 +72,19 @@ pub fn read_scene(path: &Path, options: &ImportOptions) -> Result<Imported, Impo
     }
 
     let mut diagnostics = Diagnostics::default();
-    let mut obj = obj::read(path, options.allow_any_path, &mut diagnostics)?;
-    let assembled = assemble::assemble(&obj, path, &mut diagnostics);
+    observer.progress(&Progress { stage: Stage::Read, round: 0, fraction: None, links: 0, elements: 0, error: None });
+    let stop = || observer.cancelled();
+    let mut obj = obj::read(path, options.allow_any_path, &mut diagnostics, &stop)?;
+    let assembled = assemble::assemble(&obj, path, &mut diagnostics, &stop)?;
     if assembled.polygons.is_empty() {
         // Faces of fewer than three corners never came as far as the assembly.
         let dropped = assembled.dropped + obj.lines.len() - obj.faces.len();
         return Err(ImportError::NoFaces { file: file(), read: obj.lines.len(), dropped });
     }
 
+    if stop() {
+        return Err(ImportError::Cancelled);
+    }
     let materials = std::mem::take(&mut obj.materials);
     let scene = Scene::new(3, materials, assembled.polygons, options.sides)
         .map_err(|source| ImportError::Scene { file: file(), source })?;

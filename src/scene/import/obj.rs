@@ -14,6 +14,7 @@
 
 use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write as _;
+use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -22,6 +23,7 @@ use super::mtl::{self, Libraries};
 use super::structure::{Structure, bad_vertex, read_structure};
 use super::text::{decode, read_regular_file};
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
+use crate::progress::Stop;
 use crate::scene::Material;
 
 /// A face as it was read: three or more corners.
@@ -53,7 +55,12 @@ pub(super) struct ObjFile {
 }
 
 /// Reads an OBJ file and its material libraries: those beside or below it, or any.
-pub(super) fn read(file: &Path, allow_any_path: bool, diagnostics: &mut Diagnostics) -> Result<ObjFile, ImportError> {
+pub(super) fn read(
+    file: &Path,
+    allow_any_path: bool,
+    diagnostics: &mut Diagnostics,
+    stop: Stop<'_>,
+) -> Result<ObjFile, ImportError> {
     let bytes = read_regular_file(file).map_err(|reason| ImportError::Unreadable { file: file.to_owned(), reason })?;
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         let reason = "the file is UTF-16; save it as UTF-8".to_owned();
@@ -65,7 +72,7 @@ pub(super) fn read(file: &Path, allow_any_path: bool, diagnostics: &mut Diagnost
     }
 
     // Structure first, then the libraries that it names, then the values.
-    let structure = read_structure(&text, file, diagnostics)?;
+    let structure = read_structure(&text, file, diagnostics, stop)?;
     let mut libraries = Libraries::default();
     let mut named = HashSet::new();
     for (line, argument) in &structure.libraries {
@@ -77,7 +84,7 @@ pub(super) fn read(file: &Path, allow_any_path: bool, diagnostics: &mut Diagnost
             }
         }
     }
-    read_values(structure, libraries, file, diagnostics)
+    read_values(structure, libraries, file, diagnostics, stop)
 }
 
 /// The files of one `mtllib`: one name that may hold spaces, else several names.
@@ -105,20 +112,51 @@ fn lies_below(library: &Path, scene: &Path) -> bool {
     }
 }
 
+/// A text that cannot be read any more once it is to stop.
+struct Stoppable<'a> {
+    text: &'a [u8],
+    stop: Stop<'a>,
+}
+
+/// Bytes that are read between two questions whether to stop.
+const READ_AT_ONCE: usize = 1 << 16;
+
+impl Read for Stoppable<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        self.text.read(into)
+    }
+}
+
+impl BufRead for Stoppable<'_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if (self.stop)() {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        Ok(&self.text[..self.text.len().min(READ_AT_ONCE)])
+    }
+
+    fn consume(&mut self, bytes: usize) {
+        self.text.consume(bytes);
+    }
+}
+
 /// The second pass: tobj reads numbers, faces and materials from the prepared text.
 fn read_values(
     mut structure: Structure<'_>,
     mut libraries: Libraries,
     file: &Path,
     diagnostics: &mut Diagnostics,
+    stop: Stop<'_>,
 ) -> Result<ObjFile, ImportError> {
     let material_of = materials_of_names(&structure, &mut libraries, file, diagnostics)?;
     let (text, order) = prepared_text(&mut structure, &material_of);
     let prepared = libraries.prepared();
     let (models, read_materials) =
-        tobj::load_obj_buf(&mut text.as_bytes(), &tobj::LoadOptions::default(), |_| tobj::load_mtl_buf(&mut prepared.as_bytes()))
-            .and_then(|(models, materials)| Ok((models, materials?)))
-            .map_err(|error| locate(&text, &structure.vertex_lines, error, file))?;
+        tobj::load_obj_buf(&mut Stoppable { text: text.as_bytes(), stop }, &tobj::LoadOptions::default(), |_| {
+            tobj::load_mtl_buf(&mut prepared.as_bytes())
+        })
+        .and_then(|(models, materials)| Ok((models, materials?)))
+        .map_err(|error| if stop() { ImportError::Cancelled } else { locate(&text, &structure.vertex_lines, error, file) })?;
 
     // Put the faces back into the order of the file.
     let (faces, corners) = collect_faces(&models, &structure, &order, file)?;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::mtl;
 use super::statements::{Statement, statements};
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
+use crate::progress::Stop;
 
 /// What the first pass finds.
 #[derive(Default)]
@@ -34,13 +35,24 @@ pub(super) struct PreparedFace {
     pub end: usize,
 }
 
+/// Lines that are read between two questions whether to stop.
+const LINES_AT_ONCE: u32 = 1 << 12;
+
 /// The first pass: everything but the values of numbers.
-pub(super) fn read_structure<'a>(text: &'a str, file: &Path, diagnostics: &mut Diagnostics) -> Result<Structure<'a>, ImportError> {
+pub(super) fn read_structure<'a>(
+    text: &'a str,
+    file: &Path,
+    diagnostics: &mut Diagnostics,
+    stop: Stop<'_>,
+) -> Result<Structure<'a>, ImportError> {
     let mut structure = Structure::default();
     let mut name = None;
     let mut highest = (0, 0, 0);
     for statement in statements(text) {
         let line = statement.line;
+        if line % LINES_AT_ONCE == 0 && stop() {
+            return Err(ImportError::Cancelled);
+        }
         match &*statement.keyword {
             "v" => structure.vertex(&statement, file)?,
             "f" | "fo" => structure.face(&statement, name, &mut highest, file, diagnostics)?,

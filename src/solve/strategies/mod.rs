@@ -16,6 +16,10 @@ use crate::links::RefineEnd;
 /// Makes links as finely as is planned by now, by the strategy that the options name, and finds the radiosities over them.
 pub(super) fn advance(linked: &mut Linked<'_>, plan: &Plan, search: &mut ErrorSearch) -> RefineEnd {
     let strategy = linked.job.options.strategy;
+    if linked.job.is_late() {
+        return RefineEnd::Stopped;
+    }
+    linked.begin_round();
     if strategy.links_once() {
         return chang_shih98::link_once(linked);
     }

@@ -7,3 +7,4 @@ mod plane_cells;
 mod record;
 
 pub(super) use build::{CacheBuilder, IrradianceCache};
+pub(super) use record::Fitted;
