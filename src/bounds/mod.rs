@@ -28,12 +28,12 @@ mod input;
 mod iteration;
 mod knapsack;
 mod link_gaps;
-mod overlap;
 mod pairs;
 mod point_bounds;
 mod radiosity_bounds;
 mod ranges;
 mod report;
+mod stacks;
 mod system;
 
 pub use evidence::{Certainty, Evidence};

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::evidence::{Certainty, Evidence};
 use super::form_factors::{BoundedPair, FormFactorBounds};
 use super::input::BoundsInput;
-use super::overlap::has_overlap;
+use super::stacks::overlaps;
 use super::system::{Iterate, System};
 use crate::hierarchy::NodeId;
 
@@ -102,7 +102,7 @@ pub(super) fn report(
 /// How far all pairs together can be trusted.
 pub(super) fn certainty(input: &BoundsInput<'_>, pairs: &[BoundedPair]) -> Certainty {
     let weakest = pairs.iter().map(|(.., f)| f.certainty).max().unwrap_or(Certainty::Guaranteed);
-    if has_overlap(input.scene) { Certainty::Estimate } else { weakest }
+    if !overlaps(input.scene).is_empty() { Certainty::Estimate } else { weakest }
 }
 
 /// Adds up the power that arrives over pairs, channels together, by what their bounds rest on.
