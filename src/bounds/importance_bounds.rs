@@ -54,7 +54,7 @@ impl ImportanceBounds {
 /// for any number of threads.
 pub(crate) fn bound_importance(input: &BoundsInput<'_>, initial: &[f64]) -> ImportanceBounds {
     let pairs = bounded_pairs(input);
-    let lit = assemble(input, &pairs);
+    let lit = assemble(input.scene, input.hierarchy, &pairs);
     let channels = lit.channels;
 
     // The system of w: leaves emit rho r.
@@ -98,5 +98,5 @@ pub(crate) fn bound_importance(input: &BoundsInput<'_>, initial: &[f64]) -> Impo
     let widened = rounding(emitting.len());
     let wanted = wanted.into_iter().map(|[least, most]| [least * (1.0 - widened), most * (1.0 + widened)]).collect();
     let Iterate { lower, upper } = importance;
-    ImportanceBounds { channels, lower, upper, wanted, certainty: certainty(input, &pairs) }
+    ImportanceBounds { channels, lower, upper, wanted, certainty: certainty(input.scene, &pairs) }
 }

@@ -62,7 +62,7 @@ pub(crate) fn link_gaps(input: &BoundsInput<'_>, known: &mut KnownPairs, initial
     pairs.sort_by_key(|(receiver, source, _)| (*receiver, *source));
 
     // Both systems, and what each pair adds to the gap between them.
-    let system = assemble(input, &pairs);
+    let system = assemble(input.scene, input.hierarchy, &pairs);
     let (iterate, _) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
     let shares = attribute(&system, &iterate, initial);
     let of_source =

@@ -18,8 +18,10 @@
 //! After Lischinski 1994, chapter 5, from which it departs: form factors are bounded by a theorem instead of samples, and the upper
 //! system is approached from above, under the condition that form factors add up to at most 1.
 
+mod adaptive;
 mod assembly;
 mod attribution;
+mod element_bounds;
 mod enclosure;
 mod evidence;
 mod form_factors;
@@ -30,6 +32,7 @@ mod knapsack;
 mod link_gaps;
 mod pairs;
 mod point_bounds;
+mod point_gather;
 mod radiosity_bounds;
 mod ranges;
 mod report;
@@ -45,7 +48,7 @@ pub(crate) use link_gaps::{KnownPairs, LinkGap, LinkGaps, link_gaps};
 pub(crate) use pairs::{Light, bound_held_back};
 pub use point_bounds::PointBounds;
 pub use radiosity_bounds::RadiosityBounds;
-pub(crate) use radiosity_bounds::bound_radiosities;
+pub(crate) use radiosity_bounds::{bound_over_links, bound_radiosities};
 pub(crate) use ranges::estimate_ranges;
 pub use report::{BoundsReport, ChannelError, EvidenceShare};
 

@@ -4,10 +4,10 @@ use serde::Serialize;
 
 use super::evidence::{Certainty, Evidence};
 use super::form_factors::{BoundedPair, FormFactorBounds};
-use super::input::BoundsInput;
 use super::stacks::overlaps;
 use super::system::{Iterate, System};
-use crate::hierarchy::NodeId;
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::scene::Scene;
 
 /// How far apart the bounds of one channel are, over all surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -59,16 +59,15 @@ pub struct BoundsReport {
     pub sweeps: u32,
 }
 
-/// What an iterate says, the last of so many sweeps over the system of `pairs`.
+/// What an iterate says, the last of so many sweeps over the system of `pairs`, which are of nodes of `hierarchy`.
 pub(super) fn report(
-    input: &BoundsInput<'_>,
+    (scene, hierarchy): (&Scene, &Hierarchy),
     system: &System<'_>,
     pairs: &[BoundedPair],
     iterate: &Iterate,
     sweeps: u32,
 ) -> BoundsReport {
     // Norms over the leaves.
-    let hierarchy = input.hierarchy;
     let mut channels = vec![ChannelError::default(); system.channels];
     let (mut area, mut enclosed_area, mut width_sq, mut reflected_sq) = (0.0, 0.0, 0.0, 0.0);
     for leaf in &system.leaves {
@@ -90,29 +89,33 @@ pub(super) fn report(
     channels.iter_mut().for_each(|error| error.l2 = error.l2.sqrt());
 
     BoundsReport {
-        certainty: certainty(input, pairs),
+        certainty: certainty(scene, pairs),
         relative_error: if width_sq == 0.0 { 0.0 } else { (width_sq / reflected_sq).sqrt() },
         channels,
-        evidence: evidence_shares(input, pairs, iterate),
+        evidence: evidence_shares((scene, hierarchy), pairs, iterate),
         enclosed_share: enclosed_area / area,
         sweeps,
     }
 }
 
 /// How far all pairs together can be trusted.
-pub(super) fn certainty(input: &BoundsInput<'_>, pairs: &[BoundedPair]) -> Certainty {
+pub(super) fn certainty(scene: &Scene, pairs: &[BoundedPair]) -> Certainty {
     let weakest = pairs.iter().map(|(.., f)| f.certainty).max().unwrap_or(Certainty::Guaranteed);
-    if !overlaps(input.scene).is_empty() { Certainty::Estimate } else { weakest }
+    if !overlaps(scene).is_empty() { Certainty::Estimate } else { weakest }
 }
 
 /// Adds up the power that arrives over pairs, channels together, by what their bounds rest on.
-fn evidence_shares(input: &BoundsInput<'_>, pairs: &[BoundedPair], iterate: &Iterate) -> Vec<EvidenceShare> {
+fn evidence_shares(
+    (scene, hierarchy): (&Scene, &Hierarchy),
+    pairs: &[BoundedPair],
+    iterate: &Iterate,
+) -> Vec<EvidenceShare> {
     // Powers in W, of each kind.
-    let channels = input.scene.channels();
+    let channels = scene.channels();
     let mut shares: Vec<EvidenceShare> = Vec::new();
     for &(receiver, source, FormFactorBounds { lower, upper, certainty, evidence }) in pairs {
         let sum = |values: &[f64]| values[source.index() * channels..][..channels].iter().sum::<f64>();
-        let area = input.hierarchy.area(receiver);
+        let area = hierarchy.area(receiver);
         let (most, least) = (area * upper * sum(&iterate.upper), area * lower * sum(&iterate.lower));
         let is_same = |share: &&mut EvidenceShare| (share.evidence, share.certainty) == (evidence, certainty);
         let share = match shares.iter_mut().find(is_same) {

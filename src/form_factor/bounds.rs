@@ -83,6 +83,22 @@ pub(crate) fn bound_unoccluded(receiver: &Facet<'_>, source: &Facet<'_>, search:
     }
 }
 
+/// Between these lies the form factor from a point with unit normal `normal` to `source`, if nothing is in between: as far apart as rounding
+/// may take them. For points that do not touch the source.
+pub(crate) fn bound_at_point(x: DVec3, normal: DVec3, source: &Facet<'_>) -> [f64; 2] {
+    let source_part = clip_to_front(source, x, normal);
+    let source = match &source_part {
+        Clip::Nothing => return [0.0, 0.0],
+        Clip::Whole => *source,
+        Clip::Part(part) => part.facet(),
+    };
+    if source.height(x) <= plane_noise(x, source.vertices[0]) {
+        return [0.0, 0.0];
+    }
+    let PointFactor { value, value_noise, .. } = point_factor(x, normal, source.vertices);
+    [(value - value_noise).max(0.0), (value + value_noise).clamp(0.0, 1.0)]
+}
+
 /// The range of the form factor over the receiver's centroid and vertices (Lischinski 1994, section 5.2): no bound, because the
 /// largest may lie elsewhere.
 pub(crate) fn estimate_unoccluded_range(receiver: &Facet<'_>, source: &Facet<'_>) -> [f64; 2] {

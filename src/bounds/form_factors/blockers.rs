@@ -33,6 +33,7 @@ pub(super) enum Sight {
 }
 
 /// The shadows of all that is in the way between a receiver and a source.
+#[derive(Default)]
 pub(in crate::bounds) struct Shadows {
     /// Outside of each of these one blocker hides nothing from any point of the receiver.
     penumbras: Vec<Region>,
@@ -40,6 +41,8 @@ pub(in crate::bounds) struct Shadows {
     umbras: Vec<ClippedFacet>,
     /// The same, a little smaller.
     umbra_regions: Vec<Region>,
+    /// Whether one blocker hides all of the source from the whole receiver.
+    hide_all: bool,
     /// Whether these are the shadows of all that is in the way.
     is_complete: bool,
 }
@@ -77,13 +80,18 @@ impl<'a> Blockers<'a> {
         Self { scene, hierarchy, stacks: Stacks::find(scene), contact: CONTACT_OF_SIZE * scene.bounds().diagonal() }
     }
 
-    /// Surfaces that lie over others of their plane.
-    pub fn stacks(&self) -> &Stacks {
-        &self.stacks
+    /// Whether no light travels between two surfaces because they lie side by side in one plane.
+    pub fn share_a_plane(&self, a: SurfaceId, b: SurfaceId) -> bool {
+        self.scene.surface(a).plane == self.scene.surface(b).plane && !self.stacks.are_stacked(a, b)
+    }
+
+    /// The polygon of a surface.
+    pub fn facet(&self, surface: SurfaceId) -> Facet<'_> {
+        self.scene.surface(surface).polygon.facet()
     }
 
     /// What all of `receiver` sees of `source`, two surfaces or elements, as far as they are in front of each other.
-    pub fn sight(&self, receiver: NodeId, source: NodeId) -> Sight {
+    pub(super) fn sight(&self, receiver: NodeId, source: NodeId) -> Sight {
         let [receiver_surface, source_surface] = [receiver, source].map(|node| SurfaceId(self.hierarchy.node(node).surface));
         let (receiver, source) = (self.hierarchy.facet(receiver), self.hierarchy.facet(source));
         let (receiver_part, source_part) = (in_front(&receiver, &source), in_front(&source, &receiver));
@@ -94,14 +102,13 @@ impl<'a> Blockers<'a> {
 
     /// The shadows that a point of a surface sees on a source; `None` if nothing is in the way.
     pub fn shadows_at(&self, x: DVec3, on: SurfaceId, source: SurfaceId) -> Option<Shadows> {
-        let facet = self.scene.surface(source).polygon.facet();
-        let point = point_facet(&x, self.scene.surface(on).polygon.facet().normal);
-        let part = in_front(&facet, &point)?;
+        let point = point_facet(&x, self.facet(on).normal);
+        let part = in_front(&self.facet(source), &point)?;
         self.shadows(&Pair { receiver: &point, source: &part.facet() }, [on, source])
     }
 
     /// What `points` of `receiver` see of `source`, two surfaces or elements.
-    pub fn views(&self, receiver: NodeId, source: NodeId, points: &[DVec3]) -> Views {
+    pub(super) fn views(&self, receiver: NodeId, source: NodeId, points: &[DVec3]) -> Views {
         let shadows = match self.sight(receiver, source) {
             Sight::Whole => return Views::Whole,
             Sight::Shadowed(shadows) if !shadows.is_complete => return Views::Unknown,
@@ -128,7 +135,7 @@ impl<'a> Blockers<'a> {
             return None;
         }
         let mut shadows =
-            Shadows { penumbras: Vec::new(), umbras: Vec::new(), umbra_regions: Vec::new(), is_complete: blockers.len() < MAX_BLOCKERS };
+            Shadows { is_complete: blockers.len() < MAX_BLOCKERS, ..Shadows::default() };
         for blocker in &blockers {
             let in_the_way = InTheWay {
                 receiver: pair.receiver.vertices,
@@ -140,6 +147,7 @@ impl<'a> Blockers<'a> {
                 shadows.penumbras.push(in_the_way.penumbra());
             }
             if let Some(umbra) = in_the_way.umbra() {
+                shadows.hide_all |= umbra.facet().vertices == pair.source.vertices;
                 shadows.umbra_regions.push(Region::inside(&umbra.facet(), self.contact));
                 shadows.umbras.push(umbra);
             }
@@ -163,9 +171,7 @@ impl<'a> Blockers<'a> {
             let id = SurfaceId(self.hierarchy.node(node).surface);
             let surface = self.scene.surface(id);
             let is_second_side = surface.twin.is_some_and(|twin| twin.0 < id.0);
-            let is_in_plane = |end: SurfaceId| {
-                end == id || (self.scene.surface(end).plane == surface.plane && !self.stacks.are_stacked(end, id))
-            };
+            let is_in_plane = |end: SurfaceId| end == id || self.share_a_plane(end, id);
             if is_second_side || ends.into_iter().any(is_in_plane) || self.is_beside(pair, &around, &surface.polygon.bounds()) {
                 continue;
             }
@@ -216,6 +222,9 @@ impl Shadows {
         }
         if !self.is_complete || certain.len() > MAX_PARTS {
             certain.clear();
+        }
+        if self.hide_all {
+            return Lit { certain: Vec::new(), possible: Vec::new(), shaded };
         }
         for umbra in &self.umbra_regions {
             if possible.len() > MAX_PARTS {

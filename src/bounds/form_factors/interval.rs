@@ -33,4 +33,10 @@ impl FormFactorBounds {
     pub(in crate::bounds) fn guaranteed(lower: f64, upper: f64, evidence: Evidence) -> Self {
         Self { lower, upper, certainty: Certainty::Guaranteed, evidence }
     }
+
+    /// What holds if `other` holds as well.
+    pub(in crate::bounds) fn and(self, other: Self) -> Self {
+        let lower = self.lower.max(other.lower);
+        Self { lower, upper: self.upper.min(other.upper).max(lower), ..self }
+    }
 }

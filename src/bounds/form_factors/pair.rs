@@ -30,7 +30,6 @@ pub fn bound_pair(
 
 /// Bounds pairs of nodes of one scene.
 pub(in crate::bounds) struct PairBounds<'a> {
-    scene: &'a Scene,
     hierarchy: &'a Hierarchy,
     rule: FormFactorRule,
     search: Search,
@@ -41,7 +40,7 @@ pub(in crate::bounds) struct PairBounds<'a> {
 impl<'a> PairBounds<'a> {
     pub fn new(scene: &'a Scene, hierarchy: &'a Hierarchy, rule: FormFactorRule) -> Self {
         let (blockers, boxes) = (Blockers::new(scene, hierarchy), Boxes::new(hierarchy));
-        Self { scene, hierarchy, rule, search: Search::CLOSE, blockers, boxes }
+        Self { hierarchy, rule, search: Search::CLOSE, blockers, boxes }
     }
 
     /// The same, for so many pairs that each can have little time.
@@ -78,7 +77,7 @@ impl<'a> PairBounds<'a> {
             Sight::Shadowed(shadows) => shadows,
         };
         let bounds_of = |part: &ClippedFacet| bound_unoccluded(&receiver_facet, &part.facet(), self.search);
-        let sum = |parts: &[ClippedFacet], end: usize| parts.iter().map(|part| bounds_of(part)[end]).sum::<f64>();
+        let sum = |parts: &[ClippedFacet], end: usize| parts.iter().map(|part| bounds_of(part)[end]).sum::<f64>() + 0.0;
 
         // At least what is certainly visible; or all, less what any blocker hides from any point.
         let lit = shadows.lit(&source_facet);
@@ -159,8 +158,7 @@ impl<'a> PairBounds<'a> {
     /// Whether no light travels between two polygons because they lie side by side in one plane.
     fn share_a_plane(&self, receiver: NodeId, source: NodeId) -> bool {
         let [receiver, source] = [receiver, source].map(|node| SurfaceId(self.hierarchy.node(node).surface));
-        let plane = |surface| self.scene.surface(surface).plane;
-        plane(receiver) == plane(source) && !self.blockers.stacks().are_stacked(receiver, source)
+        self.blockers.share_a_plane(receiver, source)
     }
 
     fn has_cluster(&self, receiver: NodeId, source: NodeId) -> bool {
