@@ -30,6 +30,10 @@ impl ElementBounds {
         &self.hierarchy
     }
 
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
     /// The lower radiosities of a node, by channel.
     pub fn lower(&self, node: NodeId) -> &[f64] {
         &self.lower[node.index() * self.channels..][..self.channels]
@@ -38,6 +42,25 @@ impl ElementBounds {
     /// The upper ones.
     pub fn upper(&self, node: NodeId) -> &[f64] {
         &self.upper[node.index() * self.channels..][..self.channels]
+    }
+
+    /// How far apart the bounds of leaves below each node are in the mean over their area, by node and channel.
+    pub fn mean_widths(&self) -> Vec<f64> {
+        let hierarchy = &self.hierarchy;
+        let mut widths = vec![0.0; self.lower.len()];
+        for node in hierarchy.ids().rev() {
+            let at = node.index() * self.channels;
+            for channel in 0..self.channels {
+                if hierarchy.is_leaf(node) {
+                    widths[at + channel] = self.upper[at + channel] - self.lower[at + channel];
+                }
+                if let Some(parent) = hierarchy.parent(node) {
+                    let share = hierarchy.area(node) / hierarchy.area(parent);
+                    widths[parent.index() * self.channels + channel] += share * widths[at + channel];
+                }
+            }
+        }
+        widths
     }
 
     /// Lower and upper radiosities of the nodes of another hierarchy over the same scene. Both split polygons in the same way, so of two

@@ -21,8 +21,11 @@ use crate::geometry::Facet;
 use crate::hierarchy::NodeId;
 use crate::scene::{Scene, SurfaceId};
 
-/// Elements are followed down until what their leaves differ in adds less than this part of what the point may receive at most.
-const NEGLIGIBLE: f64 = 1.0 / 4096.0;
+/// Elements are followed down while their bounds are farther apart than so many times those of their leaves are in the mean.
+const WIDER: f64 = 1.25;
+
+/// But no farther than to where that adds this part of what the point may reflect at most.
+const NEGLIGIBLE: f64 = 1.0 / (1 << 16) as f64;
 
 /// Gathers bounds at points.
 pub(super) struct PointGather<'a> {
@@ -30,6 +33,8 @@ pub(super) struct PointGather<'a> {
     elements: &'a ElementBounds,
     blockers: Blockers<'a>,
     enclosure: Option<Enclosure<'a>>,
+    /// See [`ElementBounds::mean_widths`].
+    mean_widths: Vec<f64>,
 }
 
 /// An element that a point sees, with the range of its form factor.
@@ -42,7 +47,7 @@ struct Seen {
 impl<'a> PointGather<'a> {
     pub fn new(scene: &'a Scene, elements: &'a ElementBounds) -> Self {
         let blockers = Blockers::new(scene, elements.hierarchy());
-        Self { scene, elements, blockers, enclosure: Enclosure::find(scene) }
+        Self { scene, elements, blockers, enclosure: Enclosure::find(scene), mean_widths: elements.mean_widths() }
     }
 
     /// Lower and upper radiosities, by channel, at the point of a surface that is nearest to `near` in its plane.
@@ -86,19 +91,22 @@ impl<'a> PointGather<'a> {
             PointSight::Touching => return false,
             PointSight::Some(sight) => sight,
         };
-        let hierarchy = self.elements.hierarchy();
-        let mut waiting = vec![hierarchy.node_of(source)];
-        while let Some(node) = waiting.pop() {
-            let [lower, upper] = sight.form_factor(&hierarchy.facet(node));
+        let (hierarchy, exitance) = (self.elements.hierarchy(), &self.scene.material_of(on).exitance);
+        let mut waiting = vec![(hierarchy.node_of(source), false)];
+        while let Some((node, is_clear)) = waiting.pop() {
+            let is_clear = is_clear || sight.is_clear(&hierarchy.facet(node));
+            let [lower, upper] = sight.form_factor(&hierarchy.facet(node), is_clear);
             if upper == 0.0 {
                 continue;
             }
             let differs = |channel: usize| {
-                let open = upper * (self.elements.upper(node)[channel] - self.elements.lower(node)[channel]);
-                open > NEGLIGIBLE * self.elements.upper(leaf)[channel]
+                let width = self.elements.upper(node)[channel] - self.elements.lower(node)[channel];
+                let of_leaves = self.mean_widths[node.index() * self.elements.channels() + channel];
+                let most = self.elements.upper(leaf)[channel] - exitance[channel];
+                width > WIDER * of_leaves && upper * (width - of_leaves) > NEGLIGIBLE * most
             };
             if !hierarchy.is_leaf(node) && (0..self.scene.channels()).any(differs) {
-                waiting.extend(hierarchy.children(node));
+                waiting.extend(hierarchy.children(node).map(|child| (child, is_clear)));
             } else {
                 seen.push(Seen { node, lower, upper });
             }

@@ -25,7 +25,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::gradient::{PointFactor, point_factor};
+use super::gradient::{PointFactor, point_factor, point_value};
 use super::lambert::point_to_polygon;
 use crate::geometry::{Clip, ClippedFacet, Facet, clip_to_front, halves, plane_noise};
 
@@ -95,8 +95,8 @@ pub(crate) fn bound_at_point(x: DVec3, normal: DVec3, source: &Facet<'_>) -> [f6
     if source.height(x) <= plane_noise(x, source.vertices[0]) {
         return [0.0, 0.0];
     }
-    let PointFactor { value, value_noise, .. } = point_factor(x, normal, source.vertices);
-    [(value - value_noise).max(0.0), (value + value_noise).clamp(0.0, 1.0)]
+    let [value, noise] = point_value(x, normal, source.vertices);
+    [(value - noise).max(0.0), (value + noise).clamp(0.0, 1.0)]
 }
 
 /// The range of the form factor over the receiver's centroid and vertices (Lischinski 1994, section 5.2): no bound, because the

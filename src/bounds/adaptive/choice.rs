@@ -82,6 +82,26 @@ pub(super) fn choose(
         splits.push((GAINED * by_receiver, pieces * entries.len() as u64, Split::Receiver(receiver)));
     }
 
+    if std::env::var("DBG").is_ok() {
+        let mut counts = std::collections::BTreeMap::new();
+        for leaf in &system.leaves {
+            let s = hierarchy.node(NodeId(leaf.node)).surface;
+            let e: &mut (usize, usize, f64, f64, f64) = counts.entry(s).or_default();
+            e.0 += 1;
+            let r = system.starts[leaf.node as usize] as usize..system.starts[leaf.node as usize + 1] as usize;
+            e.1 += r.len();
+            e.2 += hierarchy.area(NodeId(leaf.node)) * (iterate.upper[leaf.node as usize] - iterate.lower[leaf.node as usize]);
+            for at in r {
+                let entry = &system.entries[at];
+                let sum = |values: &[f64]| values[entry.source as usize * system.channels..][..system.channels].iter().sum::<f64>();
+                let (brightest, dimmest) = (sum(&iterate.upper), sum(&dimmest));
+                let (range, variation) = ((entry.upper - entry.lower) * brightest, entry.upper * (brightest - dimmest).max(0.0));
+                e.3 += shares[at] * range / (range + variation).max(1e-300);
+                e.4 += shares[at] * variation / (range + variation).max(1e-300);
+            }
+        }
+        eprintln!("work {} width {:.4} total {:.4} by surface (leaves, entries, W, range share, variation share) {:?}", refinement.work(), weights.mean_width(system, iterate, refinement), total, counts);
+    }
     // The best first, as far as the work of a round goes.
     splits.retain(|&(gained, cost, _)| cost > 0 && gained > NEGLIGIBLE * total);
     splits.sort_by(|a, b| (b.0 / b.1 as f64).total_cmp(&(a.0 / a.1 as f64)));
@@ -144,9 +164,31 @@ impl Weights {
     /// The initial importance of which that is the product with the width, by node and channel.
     fn initial(&self, system: &System<'_>, refinement: &Refinement<'_>) -> Vec<f64> {
         let mut initial = vec![0.0; system.parents.len() * system.channels];
+        let mut sent = initial.clone();
         for (leaf, scale) in system.leaves.iter().zip(&self.scale) {
             let of_leaf = refinement.hierarchy().area(NodeId(leaf.node)) / scale;
-            initial[leaf.node as usize * system.channels..][..system.channels].fill(of_leaf);
+            let lambda: f64 = std::env::var("LAMBDA").map_or(1.0, |s| s.parse().unwrap());
+            for channel in 0..system.channels {
+                initial[leaf.node as usize * system.channels + channel] += lambda * of_leaf;
+                for entry in &system.entries[system.starts[leaf.node as usize] as usize..system.starts[leaf.node as usize + 1] as usize] {
+                    sent[entry.source as usize * system.channels + channel] += of_leaf * leaf.reflectance[channel] * entry.upper;
+                }
+            }
+        }
+        // Sources give to their parts by area.
+        let hierarchy = refinement.hierarchy();
+        for node in hierarchy.ids().filter(|&node| !hierarchy.is_cluster(node)) {
+            for child in hierarchy.children(node) {
+                for channel in 0..system.channels {
+                    sent[child.index() * system.channels + channel] +=
+                        sent[node.index() * system.channels + channel] * hierarchy.area(child) / hierarchy.area(node);
+                }
+            }
+        }
+        for leaf in &system.leaves {
+            for at in leaf.node as usize * system.channels..(leaf.node as usize + 1) * system.channels {
+                initial[at] += sent[at];
+            }
         }
         initial
     }

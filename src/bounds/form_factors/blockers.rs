@@ -207,6 +207,11 @@ impl Shadows {
         self.is_complete && self.penumbras.iter().all(|penumbra| penumbra.misses(part))
     }
 
+    /// Whether a part of the source is hidden from the whole receiver, by one blocker.
+    pub fn hide(&self, part: &Facet<'_>) -> bool {
+        self.hide_all || self.umbra_regions.iter().any(|umbra| umbra.holds(part))
+    }
+
     /// What is left of a part of the source.
     pub fn lit(&self, part: &Facet<'_>) -> Lit {
         let whole = || vec![ClippedFacet::copy_of(part)];

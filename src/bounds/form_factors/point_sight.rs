@@ -48,13 +48,21 @@ impl Blockers<'_> {
 }
 
 impl Sighted {
-    /// The least and the largest form factor to a part of the surface.
-    pub fn form_factor(&self, part: &Facet<'_>) -> [f64; 2] {
+    /// Whether all of a part of the surface is visible, but for what is below the horizon.
+    pub fn is_clear(&self, part: &Facet<'_>) -> bool {
+        self.shadows.as_ref().is_none_or(|shadows| shadows.miss(part))
+    }
+
+    /// The least and the largest form factor to a part of the surface that is known to be clear, or not known to be.
+    pub fn form_factor(&self, part: &Facet<'_>, is_clear: bool) -> [f64; 2] {
         let of = |part: &Facet<'_>| bound_at_point(self.x, self.normal, part);
         let unoccluded = of(part);
-        let Some(shadows) = self.shadows.as_ref().filter(|shadows| unoccluded[1] > 0.0 && !shadows.miss(part)) else {
+        let Some(shadows) = self.shadows.as_ref().filter(|_| unoccluded[1] > 0.0 && !is_clear) else {
             return unoccluded;
         };
+        if shadows.hide(part) {
+            return [0.0, 0.0];
+        }
         let Lit { certain, possible, .. } = shadows.lit(part);
         let sum = |parts: &[ClippedFacet], end: usize| parts.iter().map(|part| of(&part.facet())[end]).sum::<f64>() + 0.0;
         let lower = sum(&certain, 0).min(unoccluded[1]);

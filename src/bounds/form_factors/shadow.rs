@@ -158,6 +158,11 @@ impl Region {
         })
     }
 
+    /// Whether a polygon lies inside.
+    pub fn holds(&self, facet: &Facet<'_>) -> bool {
+        self.0.iter().all(|&(origin, inward)| facet.vertices.iter().all(|&vertex| inward.dot(vertex - origin) >= 0.0))
+    }
+
     /// The part of a polygon that lies inside.
     pub fn keep(&self, polygon: ClippedFacet) -> Option<ClippedFacet> {
         self.0.iter().try_fold(polygon, |left, &(origin, inward)| front_part(&left.facet(), origin, inward))
