@@ -207,15 +207,20 @@ impl Evaluator {
     /// share their indirect light, so that a value depends on which others are asked, by less than its noise in the mean square.
     /// Cancelled by the observer, it returns `None`.
     pub fn values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Values> {
+        Some(self.bounded_values_at(points, observer)?.0)
+    }
+
+    /// The same, with [`Evaluator::bounds_at`] the points.
+    pub fn bounded_values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<(Values, Option<PointBounds>)> {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
         let paths = self.solution.light_paths(&rays);
         let gather = self.solution.gather_at_points(&rays, paths.as_ref());
         let values = self.pool.install(|| values::values_at(&gather, self.solution.error_bars, points, observer));
-        let mut values = values?;
-        if let Some(bounds) = self.bounds_at(points) {
+        let (mut values, bounds) = (values?, self.bounds_at(points));
+        if let Some(bounds) = &bounds {
             bounds.confine(&mut values.radiosity);
         }
-        Some(values)
+        Some((values, bounds))
     }
 
     /// A picture of linear radiance. Cancelled by the observer, it returns `None`.

@@ -32,5 +32,6 @@ pub(super) fn assemble<'a>(scene: &'a Scene, hierarchy: &Hierarchy, pairs: &[Bou
         starts,
         entries: pairs.iter().map(|(_, source, f)| Entry { source: source.0, lower: f.lower, upper: f.upper }).collect(),
         leaves: leaves.par_iter().with_min_len(LEAVES_A_TASK).map(leaf).collect(),
+        plans: None,
     }
 }

@@ -67,8 +67,8 @@ pub(crate) fn bound_importance(input: &BoundsInput<'_>, initial: &[f64]) -> Impo
         .flat_map(|leaf| (0..channels).map(move |channel| leaf.reflectance[channel] * density(leaf, channel)))
         .collect();
     let leaves = lit.leaves.iter().zip(sent.chunks(channels)).map(|(leaf, exitance)| Leaf { exitance, ..*leaf }).collect();
-    let System { parents, starts, entries, leaves: emitting, .. } = lit;
-    let system = System { channels, parents, starts, entries, leaves };
+    let System { parents, starts, entries, leaves: emitting, plans, .. } = lit;
+    let system = System { channels, parents, starts, entries, leaves, plans };
     let (reflected, _) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
 
     // z = r + K w.

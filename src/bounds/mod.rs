@@ -21,10 +21,12 @@
 mod adaptive;
 mod assembly;
 mod attribution;
+mod conditions;
 mod element_bounds;
 mod enclosure;
 mod evidence;
 mod form_factors;
+mod groups;
 mod importance_bounds;
 mod input;
 mod iteration;
@@ -39,6 +41,7 @@ mod report;
 mod stacks;
 mod system;
 
+pub use conditions::{Condition, ConditionKind};
 pub use evidence::{Certainty, Evidence};
 pub use form_factors::{FormFactorBounds, FormFactorRule, bound_pair};
 pub use importance_bounds::ImportanceBounds;

@@ -25,7 +25,7 @@ use crate::scene::{Scene, SurfaceId};
 const WIDER: f64 = 1.25;
 
 /// But no farther than to where that adds this part of what the point may reflect at most.
-const NEGLIGIBLE: f64 = 1.0 / (1 << 16) as f64;
+const NEGLIGIBLE: f64 = 1.0 / (1 << 13) as f64;
 
 /// Gathers bounds at points.
 pub(super) struct PointGather<'a> {

@@ -61,7 +61,7 @@ pub(crate) fn bound_radiosities(input: &BoundsInput<'_>) -> (RadiosityBounds, Bo
     }
     let Adapted { bounds, pairs, sweeps } = bound_adaptively(input);
     let system = assemble(input.scene, bounds.hierarchy(), &pairs);
-    let report = report((input.scene, bounds.hierarchy()), &system, &pairs, &bounds.iterate(), sweeps);
+    let report = report((input.scene, bounds.hierarchy()), &system, &pairs, &bounds.iterate(), (sweeps, false));
     let [lower, upper] = bounds.of_nodes(input.hierarchy);
     (RadiosityBounds { channels: input.scene.channels(), lower, upper, elements: Some(bounds) }, report)
 }
@@ -71,7 +71,7 @@ pub(crate) fn bound_over_links(input: &BoundsInput<'_>) -> (RadiosityBounds, Bou
     let pairs = bounded_pairs(input);
     let system = assemble(input.scene, input.hierarchy, &pairs);
     let (iterate, sweeps) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
-    let report = report((input.scene, input.hierarchy), &system, &pairs, &iterate, sweeps);
+    let report = report((input.scene, input.hierarchy), &system, &pairs, &iterate, (sweeps, true));
     let Iterate { lower, upper } = iterate;
     (RadiosityBounds { channels: input.scene.channels(), lower, upper, elements: None }, report)
 }

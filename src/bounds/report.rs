@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::evidence::{Certainty, Evidence};
 use super::form_factors::{BoundedPair, FormFactorBounds};
-use super::stacks::overlaps;
+use super::conditions::{Condition, conditions};
 use super::system::{Iterate, System};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::Scene;
@@ -42,12 +42,13 @@ pub struct EvidenceShare {
 /// What the bounds say about the whole.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BoundsReport {
-    /// The weakest of all pairs. An estimate where surfaces overlap in one plane: both are seen there, and form factors may exceed
-    /// 1 in all.
+    /// The weakest of all pairs; an estimate where a condition could matter.
     pub certainty: Certainty,
-    /// A bound of the error of any values within the bounds, in the norm of
-    /// [`SolveOptions::error`](crate::solve::SolveOptions::error): `||upper - lower|| / ||lower - E||`; infinite where the lower
-    /// bounds prove no reflection.
+    /// What the proof rests on.
+    pub conditions: Vec<Condition>,
+    /// A bound of the error of any values within the bounds of elements, in the mean over all area, by energy:
+    /// `||upper - lower|| / ||lower - E||`. It says nothing of single points, each of which has bounds of its own. Infinite where the
+    /// lower bounds prove no reflection.
     pub relative_error: f64,
     /// By channel.
     pub channels: Vec<ChannelError>,
@@ -65,7 +66,7 @@ pub(super) fn report(
     system: &System<'_>,
     pairs: &[BoundedPair],
     iterate: &Iterate,
-    sweeps: u32,
+    (sweeps, over_links): (u32, bool),
 ) -> BoundsReport {
     // Norms over the leaves.
     let mut channels = vec![ChannelError::default(); system.channels];
@@ -88,8 +89,10 @@ pub(super) fn report(
     }
     channels.iter_mut().for_each(|error| error.l2 = error.l2.sqrt());
 
+    let conditions = conditions(scene, over_links);
     BoundsReport {
-        certainty: certainty(scene, pairs),
+        certainty: if conditions.iter().any(|condition| condition.could_matter) { Certainty::Estimate } else { weakest(pairs) },
+        conditions,
         relative_error: if width_sq == 0.0 { 0.0 } else { (width_sq / reflected_sq).sqrt() },
         channels,
         evidence: evidence_shares((scene, hierarchy), pairs, iterate),
@@ -98,10 +101,13 @@ pub(super) fn report(
     }
 }
 
-/// How far all pairs together can be trusted.
+/// How far all pairs over the links of a scene can be trusted together.
 pub(super) fn certainty(scene: &Scene, pairs: &[BoundedPair]) -> Certainty {
-    let weakest = pairs.iter().map(|(.., f)| f.certainty).max().unwrap_or(Certainty::Guaranteed);
-    if !overlaps(scene).is_empty() { Certainty::Estimate } else { weakest }
+    if conditions(scene, true).iter().any(|condition| condition.could_matter) { Certainty::Estimate } else { weakest(pairs) }
+}
+
+fn weakest(pairs: &[BoundedPair]) -> Certainty {
+    pairs.iter().map(|(.., f)| f.certainty).max().unwrap_or(Certainty::Guaranteed)
 }
 
 /// Adds up the power that arrives over pairs, channels together, by what their bounds rest on.

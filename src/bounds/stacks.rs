@@ -6,7 +6,7 @@
 //! gap, and both face the same way, both are visible at the same place: they **overlap**, form factors to all surfaces may add up to more
 //! than 1, and the bounds rest on a sum of at most 1.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 use glam::DVec3;
 
@@ -42,24 +42,10 @@ impl Stacks {
     }
 }
 
-/// A surface that lies on another, without a gap, with the same front.
-pub(super) fn overlaps(scene: &Scene) -> Vec<SurfaceId> {
-    let normal = |id| scene.surface(id).polygon.facet().normal;
-    let mut found = Vec::new();
-    for_each_overlap(scene, |a, b, gap| {
-        if gap == 0.0 && normal(a).dot(normal(b)) > 0.0 {
-            found.push(b);
-        }
-    });
-    found.sort_unstable();
-    found.dedup();
-    found
-}
-
 /// Calls `visit` for every two surfaces of one plane number that lie over each other, with the largest distance of a vertex of either
 /// from the plane of the other: 0 where rounding alone can have made it.
-fn for_each_overlap(scene: &Scene, mut visit: impl FnMut(SurfaceId, SurfaceId, f64)) {
-    let mut groups: HashMap<u32, Vec<SurfaceId>> = HashMap::new();
+pub(super) fn for_each_overlap(scene: &Scene, mut visit: impl FnMut(SurfaceId, SurfaceId, f64)) {
+    let mut groups: BTreeMap<u32, Vec<SurfaceId>> = BTreeMap::new();
     for (index, surface) in scene.surfaces().iter().enumerate() {
         groups.entry(surface.plane()).or_default().push(SurfaceId(index as u32));
     }

@@ -1,7 +1,7 @@
 //! What is split next: what narrows the bounds most for the work that it takes.
 
-use crate::bounds::attribution::attribute;
-use crate::bounds::system::{Iterate, System};
+use crate::bounds::attribution::{Share, attribute};
+use crate::bounds::system::{Iterate, Leaf, System};
 use crate::hierarchy::NodeId;
 
 use super::WORK_OF_POLYGONS;
@@ -53,55 +53,26 @@ pub(super) fn choose(
         return Choice::default();
     }
     let shares = attribute(system, iterate, &weights.initial(system, refinement));
-    let total: f64 = shares.iter().map(|share| share.abs()).sum();
+    let total: f64 = system.leaves.iter().map(|leaf| open_of(system, &shares, leaf).abs()).sum();
 
     // What splitting each receiver, and each source, would bring.
     let hierarchy = refinement.hierarchy();
-    let dimmest = dimmest_upper(system, iterate);
     let mut splits: Vec<(f64, u64, Split)> = Vec::new();
     for leaf in &system.leaves {
-        let entries = system.starts[leaf.node as usize] as usize..system.starts[leaf.node as usize + 1] as usize;
         let receiver = NodeId(leaf.node);
-        let mut by_receiver = 0.0;
+        let entries = system.entries_of(leaf.node);
         for at in entries.clone() {
-            let entry = &system.entries[at];
-            let sum = |values: &[f64]| values[entry.source as usize * system.channels..][..system.channels].iter().sum::<f64>();
-            let (brightest, dimmest) = (sum(&iterate.upper), sum(&dimmest));
-            let (range, variation) = ((entry.upper - entry.lower) * brightest, entry.upper * (brightest - dimmest).max(0.0));
-            if range + variation <= 0.0 || shares[at] <= 0.0 {
-                continue;
-            }
-            by_receiver += shares[at] * range / (range + variation);
-            let children = hierarchy.children(NodeId(entry.source)).len() as u64;
-            if children > 0 && variation > 0.0 {
-                let gained = GAINED * shares[at] * variation / (range + variation);
-                splits.push((gained, children, Split::Source(receiver, NodeId(entry.source))));
+            let source = NodeId(system.entries[at].source);
+            let children = hierarchy.children(source).len() as u64;
+            if children > 0 {
+                splits.push((GAINED * shares[at].by_source, children, Split::Source(receiver, source)));
             }
         }
+        let by_receiver: f64 = shares[entries.clone()].iter().map(|share| share.by_form_factor).sum();
         let pieces = hierarchy.facet(receiver).vertices.len().max(4) as u64;
-        splits.push((GAINED * by_receiver, pieces * entries.len() as u64, Split::Receiver(receiver)));
+        splits.push((GAINED * by_receiver, pieces * refinement.sources_of(receiver) as u64, Split::Receiver(receiver)));
     }
 
-    if std::env::var("DBG").is_ok() {
-        let mut counts = std::collections::BTreeMap::new();
-        for leaf in &system.leaves {
-            let s = hierarchy.node(NodeId(leaf.node)).surface;
-            let e: &mut (usize, usize, f64, f64, f64) = counts.entry(s).or_default();
-            e.0 += 1;
-            let r = system.starts[leaf.node as usize] as usize..system.starts[leaf.node as usize + 1] as usize;
-            e.1 += r.len();
-            e.2 += hierarchy.area(NodeId(leaf.node)) * (iterate.upper[leaf.node as usize] - iterate.lower[leaf.node as usize]);
-            for at in r {
-                let entry = &system.entries[at];
-                let sum = |values: &[f64]| values[entry.source as usize * system.channels..][..system.channels].iter().sum::<f64>();
-                let (brightest, dimmest) = (sum(&iterate.upper), sum(&dimmest));
-                let (range, variation) = ((entry.upper - entry.lower) * brightest, entry.upper * (brightest - dimmest).max(0.0));
-                e.3 += shares[at] * range / (range + variation).max(1e-300);
-                e.4 += shares[at] * variation / (range + variation).max(1e-300);
-            }
-        }
-        eprintln!("work {} width {:.4} total {:.4} by surface (leaves, entries, W, range share, variation share) {:?}", refinement.work(), weights.mean_width(system, iterate, refinement), total, counts);
-    }
     // The best first, as far as the work of a round goes.
     splits.retain(|&(gained, cost, _)| cost > 0 && gained > NEGLIGIBLE * total);
     splits.sort_by(|a, b| (b.0 / b.1 as f64).total_cmp(&(a.0 / a.1 as f64)));
@@ -131,7 +102,7 @@ struct Weights {
 impl Weights {
     fn new(system: &System<'_>, iterate: &Iterate, refinement: &Refinement<'_>) -> Self {
         let hierarchy = refinement.hierarchy();
-        let reflected = |leaf: &crate::bounds::system::Leaf<'_>| -> f64 {
+        let reflected = |leaf: &Leaf<'_>| -> f64 {
             let at = leaf.node as usize * system.channels;
             (0..system.channels)
                 .map(|channel| 0.5 * (iterate.lower[at + channel] + iterate.upper[at + channel]) - leaf.exitance[channel])
@@ -143,7 +114,7 @@ impl Weights {
             sum += hierarchy.area(NodeId(leaf.node)) * reflected(leaf);
         }
         let mean = sum / area;
-        let scale = |leaf: &crate::bounds::system::Leaf<'_>| {
+        let scale = |leaf: &Leaf<'_>| {
             let own = reflected(leaf).max(mean);
             if refinement.reflects(NodeId(leaf.node)) && own > 0.0 { own } else { f64::INFINITY }
         };
@@ -152,7 +123,7 @@ impl Weights {
 
     /// The mean over the area that reflects of the width of leaves, relative to what they reflect.
     fn mean_width(&self, system: &System<'_>, iterate: &Iterate, refinement: &Refinement<'_>) -> f64 {
-        let width = |leaf: &crate::bounds::system::Leaf<'_>| -> f64 {
+        let width = |leaf: &Leaf<'_>| -> f64 {
             let at = leaf.node as usize * system.channels;
             (at..at + system.channels).map(|at| iterate.upper[at] - iterate.lower[at]).sum()
         };
@@ -161,52 +132,38 @@ impl Weights {
         if self.area > 0.0 { sum / self.area } else { 0.0 }
     }
 
-    /// The initial importance of which that is the product with the width, by node and channel.
+    /// The initial importance by which that is found, by node and channel: each leaf for itself, and as much for what points gather from
+    /// it, whose bounds are apart by `rho sum_j F_j (U_j - L_j)`.
     fn initial(&self, system: &System<'_>, refinement: &Refinement<'_>) -> Vec<f64> {
-        let mut initial = vec![0.0; system.parents.len() * system.channels];
-        let mut sent = initial.clone();
+        // What sources are worth to the points of the leaves that gather from them.
+        let (hierarchy, channels) = (refinement.hierarchy(), system.channels);
+        let mut importance = vec![0.0; system.parents.len() * channels];
         for (leaf, scale) in system.leaves.iter().zip(&self.scale) {
-            let of_leaf = refinement.hierarchy().area(NodeId(leaf.node)) / scale;
-            let lambda: f64 = std::env::var("LAMBDA").map_or(1.0, |s| s.parse().unwrap());
-            for channel in 0..system.channels {
-                initial[leaf.node as usize * system.channels + channel] += lambda * of_leaf;
-                for entry in &system.entries[system.starts[leaf.node as usize] as usize..system.starts[leaf.node as usize + 1] as usize] {
-                    sent[entry.source as usize * system.channels + channel] += of_leaf * leaf.reflectance[channel] * entry.upper;
-                }
+            let of_leaf = hierarchy.area(NodeId(leaf.node)) / scale;
+            for entry in &system.entries[system.entries_of(leaf.node)] {
+                let sent = &mut importance[entry.source as usize * channels..][..channels];
+                sent.iter_mut().zip(leaf.reflectance).for_each(|(sent, rho)| *sent += of_leaf * rho * entry.upper);
             }
         }
-        // Sources give to their parts by area.
-        let hierarchy = refinement.hierarchy();
+
+        // Sources give it to their parts, by area.
         for node in hierarchy.ids().filter(|&node| !hierarchy.is_cluster(node)) {
             for child in hierarchy.children(node) {
-                for channel in 0..system.channels {
-                    sent[child.index() * system.channels + channel] +=
-                        sent[node.index() * system.channels + channel] * hierarchy.area(child) / hierarchy.area(node);
+                let share = hierarchy.area(child) / hierarchy.area(node);
+                for channel in 0..channels {
+                    importance[child.index() * channels + channel] += share * importance[node.index() * channels + channel];
                 }
             }
         }
-        for leaf in &system.leaves {
-            for at in leaf.node as usize * system.channels..(leaf.node as usize + 1) * system.channels {
-                initial[at] += sent[at];
-            }
+        for (leaf, scale) in system.leaves.iter().zip(&self.scale) {
+            let own = &mut importance[leaf.node as usize * channels..][..channels];
+            own.iter_mut().for_each(|importance| *importance += hierarchy.area(NodeId(leaf.node)) / scale);
         }
-        initial
+        importance
     }
 }
 
-/// The least upper radiosity of any leaf below each node, by channel.
-fn dimmest_upper(system: &System<'_>, iterate: &Iterate) -> Vec<f64> {
-    let mut found = vec![f64::INFINITY; iterate.upper.len()];
-    let channels = system.channels;
-    for leaf in &system.leaves {
-        let at = leaf.node as usize * channels;
-        found[at..at + channels].copy_from_slice(&iterate.upper[at..at + channels]);
-    }
-    for node in (0..system.parents.len()).rev() {
-        let parent = system.parents[node] as usize;
-        for channel in (0..channels).filter(|_| parent != node) {
-            found[parent * channels + channel] = found[parent * channels + channel].min(found[node * channels + channel]);
-        }
-    }
-    found
+/// What a leaf's entries leave open.
+fn open_of(system: &System<'_>, shares: &[Share], leaf: &Leaf<'_>) -> f64 {
+    shares[system.entries_of(leaf.node)].iter().map(Share::total).sum()
 }

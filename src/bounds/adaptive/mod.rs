@@ -16,7 +16,7 @@ use super::element_bounds::ElementBounds;
 use super::form_factors::BoundedPair;
 use super::input::BoundsInput;
 use super::iteration::{MOST_SWEEPS, SWEEP_TOLERANCE};
-use super::system::Iterate;
+use super::system::{Iterate, System};
 use crate::scene::{DistinctChannels, Scene};
 use refinement::Refinement;
 
@@ -59,7 +59,7 @@ pub(super) fn bound_adaptively(input: &BoundsInput<'_>) -> Adapted {
     loop {
         // Bounds over the elements so far; those of before hold for their parts.
         let pairs = refinement.pairs();
-        let system = assemble(scene, refinement.hierarchy(), &pairs);
+        let system = System { plans: Some(refinement.plans()), ..assemble(scene, refinement.hierarchy(), &pairs) };
         let begin = match iterate.take() {
             Some(before) => refinement.inherited(before, system.channels),
             None => system.trivial(),

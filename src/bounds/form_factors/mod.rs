@@ -7,7 +7,7 @@ mod pair;
 mod point_sight;
 mod shadow;
 
-pub(super) use blockers::Blockers;
+pub(super) use blockers::{Blockers, CONTACT_OF_SIZE};
 pub(super) use interval::BoundedPair;
 pub use interval::{FormFactorBounds, FormFactorRule};
 pub(super) use pair::PairBounds;
