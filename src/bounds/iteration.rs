@@ -45,13 +45,7 @@ impl System<'_> {
     }
 
     /// The same, from bounds that are known already.
-    pub fn solve_from(
-        &self,
-        mut iterate: Iterate,
-        tolerance: f64,
-        most_sweeps: u32,
-        stop: &dyn Fn() -> bool,
-    ) -> (Iterate, u32) {
+    pub fn solve_from(&self, mut iterate: Iterate, tolerance: f64, most_sweeps: u32, stop: &dyn Fn() -> bool) -> (Iterate, u32) {
         let mut knapsacks = Knapsack::of_channels(self);
         for sweep in 1..=most_sweeps {
             let change = self.sweep(&mut iterate, &mut knapsacks);

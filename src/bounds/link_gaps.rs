@@ -68,7 +68,9 @@ pub(crate) fn link_gaps(input: &BoundsInput<'_>, known: &mut KnownPairs, initial
     let of_source =
         |values: &[f64], source: NodeId| -> f64 { values[source.index() * system.channels..][..system.channels].iter().sum() };
     let mut gaps = LinkGaps { links: Vec::with_capacity(pairs.len()), gap: 0.0, unlinked: 0.0 };
-    for (&(receiver, source, FormFactorBounds { lower, upper, evidence, .. }), share) in pairs.iter().zip(shares.iter().map(Share::total)) {
+    for (&(receiver, source, FormFactorBounds { lower, upper, evidence, .. }), share) in
+        pairs.iter().zip(shares.iter().map(Share::total))
+    {
         gaps.gap += share;
         if evidence == Evidence::Unlinked {
             gaps.unlinked += share;

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
+use super::conditions::{Condition, conditions};
 use super::evidence::{Certainty, Evidence};
 use super::form_factors::{BoundedPair, FormFactorBounds};
-use super::conditions::{Condition, conditions};
 use super::system::{Iterate, System};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::Scene;
@@ -111,11 +111,7 @@ fn weakest(pairs: &[BoundedPair]) -> Certainty {
 }
 
 /// Adds up the power that arrives over pairs, channels together, by what their bounds rest on.
-fn evidence_shares(
-    (scene, hierarchy): (&Scene, &Hierarchy),
-    pairs: &[BoundedPair],
-    iterate: &Iterate,
-) -> Vec<EvidenceShare> {
+fn evidence_shares((scene, hierarchy): (&Scene, &Hierarchy), pairs: &[BoundedPair], iterate: &Iterate) -> Vec<EvidenceShare> {
     // Powers in W, of each kind.
     let channels = scene.channels();
     let mut shares: Vec<EvidenceShare> = Vec::new();

@@ -312,7 +312,10 @@ fn what_entries_add_is_the_gap() {
         }
         if !enclosed {
             let parts = attribute(&system, &iterate, &[1.0; 32]);
-            assert!(parts.iter().all(|part| part.by_form_factor >= 0.0 && part.by_source >= 0.0), "each entry gets at least its lower bound");
+            assert!(
+                parts.iter().all(|part| part.by_form_factor >= 0.0 && part.by_source >= 0.0),
+                "each entry gets at least its lower bound"
+            );
         }
     }
 }

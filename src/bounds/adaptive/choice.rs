@@ -41,13 +41,7 @@ enum Split {
 }
 
 /// Chooses splits, none if the mean relative width is no more than `enough`.
-pub(super) fn choose(
-    system: &System<'_>,
-    iterate: &Iterate,
-    refinement: &Refinement<'_>,
-    enough: f64,
-    most_work: u64,
-) -> Choice {
+pub(super) fn choose(system: &System<'_>, iterate: &Iterate, refinement: &Refinement<'_>, enough: f64, most_work: u64) -> Choice {
     let weights = Weights::new(system, iterate, refinement);
     if weights.mean_width(system, iterate, refinement) <= enough {
         return Choice::default();

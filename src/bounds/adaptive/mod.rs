@@ -26,7 +26,7 @@ const WORK_OF_POLYGONS: u64 = 4;
 /// The work if none is asked for: some tenths of a second where little is in the way.
 const DEFAULT_WORK: u64 = 1 << 17;
 
-/// All pairs of surfaces, with which the loop starts, may take this part of the work at most: else little would be left to split.
+/// All pairs of surfaces, with which the loop starts, may take this part of the default work at most: else little would be left to split.
 const MOST_AT_FIRST: f64 = 0.25;
 
 /// While elements are split, sweeps end when they change bounds by less than this part of the widest gap.
@@ -47,7 +47,7 @@ fn work_of(input: &BoundsInput<'_>) -> u64 {
 /// Whether a scene has so few surfaces that all pairs of them can be bounded, with work left to split them.
 pub(super) fn is_small(input: &BoundsInput<'_>) -> bool {
     let pairs = (input.scene.surfaces().len() as u64).saturating_pow(2);
-    (pairs.saturating_mul(WORK_OF_POLYGONS) as f64) <= MOST_AT_FIRST * work_of(input) as f64
+    (pairs.saturating_mul(WORK_OF_POLYGONS) as f64) <= MOST_AT_FIRST * DEFAULT_WORK as f64
 }
 
 /// Bounds the elements of a small scene.

@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::WORK_OF_POLYGONS;
-use crate::bounds::groups::{Plans, Step};
 use crate::bounds::form_factors::{BoundedPair, FormFactorBounds, FormFactorRule, PairBounds};
+use crate::bounds::groups::{Plans, Step};
 use crate::bounds::input::BoundsInput;
 use crate::bounds::system::Iterate;
 use crate::hierarchy::{Hierarchy, NodeId};
@@ -42,8 +42,7 @@ impl<'a> Refinement<'a> {
         let hierarchy = Hierarchy::new(scene);
         let gathered = vec![Vec::new(); hierarchy.len()];
         let mut refinement = Self { scene, hierarchy, rule: input.rule, gathered, work: 0 };
-        let surfaces: Vec<NodeId> =
-            refinement.hierarchy.ids().filter(|&node| !refinement.hierarchy.is_cluster(node)).collect();
+        let surfaces: Vec<NodeId> = refinement.hierarchy.ids().filter(|&node| !refinement.hierarchy.is_cluster(node)).collect();
         let pairs = surfaces.iter().filter(|&&receiver| refinement.reflects(receiver)).flat_map(|&receiver| {
             let gathered = |&source| Gathered { source, bounds: FormFactorBounds::ANYTHING, is_opened: false };
             surfaces.iter().filter(move |&&source| source != receiver).map(move |source| (receiver, gathered(source)))
@@ -177,7 +176,11 @@ impl<'a> Refinement<'a> {
         let pair_bounds = PairBounds::new(self.scene, &self.hierarchy, self.rule).fairly();
         let bound = |&(receiver, gathered): &(NodeId, Gathered)| {
             let late = stop();
-            let found = if late { pair_bounds.bounds_unoccluded(receiver, gathered.source) } else { pair_bounds.bounds(receiver, gathered.source) };
+            let found = if late {
+                pair_bounds.bounds_unoccluded(receiver, gathered.source)
+            } else {
+                pair_bounds.bounds(receiver, gathered.source)
+            };
             (receiver, Gathered { bounds: found.and(gathered.bounds), ..gathered })
         };
         let found: Vec<(NodeId, Gathered)> = pairs.par_iter().with_min_len(PAIRS_A_TASK).map(bound).collect();

@@ -134,8 +134,7 @@ impl<'a> Blockers<'a> {
         if blockers.is_empty() {
             return None;
         }
-        let mut shadows =
-            Shadows { is_complete: blockers.len() < MAX_BLOCKERS, ..Shadows::default() };
+        let mut shadows = Shadows { is_complete: blockers.len() < MAX_BLOCKERS, ..Shadows::default() };
         for blocker in &blockers {
             let in_the_way = InTheWay {
                 receiver: pair.receiver.vertices,

@@ -20,7 +20,6 @@ pub use table::{
     CellOptions, ChangShih98Options, Holzschuch94Options, LinkOptions, OptionEntry, OptionGroup, SolveOptions, UniformOptions,
 };
 
-
 impl SolveOptions {
     /// All options, group after group.
     pub fn entries() -> impl Iterator<Item = &'static OptionEntry> {

@@ -40,7 +40,7 @@ options! {
 
         /// How much is done to tighten guaranteed bounds: 1 for a pair that is taken apart, 4 for a pair of polygons of which all is
         /// proved that can be. The more, the narrower. If not given, 131072 in scenes of few surfaces; else it follows from error and
-        /// the number of surfaces. Scenes have few surfaces if all pairs of them take a quarter of it.
+        /// the number of surfaces. Few are 90.
         bounds_work: Option<u64> = None, between(0, MOST_BOUNDS_WORK);
 
         /// What the answer is wanted for: where errors count, with strategy error-driven. 'view' is what the camera of the picture sees.
