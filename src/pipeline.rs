@@ -56,8 +56,6 @@ pub enum PipelineError {
 /// A solution with what is needed to look at it: visibility and a pool of threads.
 pub struct Evaluator {
     solution: Solution,
-    /// If it was solved with [`Bounds::Guaranteed`].
-    bounds: Option<RadiosityBounds>,
     visibility: Box<dyn Visibility>,
     pool: rayon::ThreadPool,
 }
@@ -124,12 +122,14 @@ fn solve_in(
     let rays = if options.links.skips.rays { rays } else { rays.asking_in_clear_scenes() };
     let rays = if options.links.skips.clear { rays } else { rays.asking_between_clear_planes() };
     let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, importance, &rays, observer));
-    let mut evaluator = Evaluator { solution, bounds: None, visibility, pool };
+    let mut evaluator = Evaluator { solution, visibility, pool };
     if options.bounds == Bounds::Guaranteed {
         let solved = Instant::now();
         let late = || run.time_s.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds);
-        let (bounds, bounds_report) = evaluator.bound_until(FormFactorRule::QuasiConcave, &|| observer.cancelled() || late());
-        (evaluator.bounds, report.bounds) = (Some(bounds), Some(bounds_report));
+        let stop = || observer.cancelled() || late();
+        let input = evaluator.bounds_input(FormFactorRule::QuasiConcave, &stop);
+        let (bounds, bounds_report) = evaluator.pool.install(|| bounds::bound_radiosities(&input));
+        (evaluator.solution.bounds, report.bounds) = (Some(bounds), Some(bounds_report));
         report.time_s.bounds += solved.elapsed().as_secs_f64();
     }
     Ok((evaluator, report))
@@ -156,11 +156,7 @@ impl Evaluator {
         let pool = thread_pool(run)?;
         let mesh = visibility::OccluderMesh::of_scene(&solution.scene);
         let visibility = pool.install(|| visibility::build(run.backend, &mesh))?;
-        let mut evaluator = Self { solution, bounds: None, visibility, pool };
-        if evaluator.solution.options().bounds == Bounds::Guaranteed {
-            evaluator.bounds = Some(evaluator.bound(FormFactorRule::QuasiConcave).0);
-        }
-        Ok(evaluator)
+        Ok(Self { solution, visibility, pool })
     }
 
     /// The solution.
@@ -170,25 +166,20 @@ impl Evaluator {
 
     /// Lower and upper radiosities of every node, if it was solved with [`Bounds::Guaranteed`].
     pub fn bounds(&self) -> Option<&RadiosityBounds> {
-        self.bounds.as_ref()
+        self.solution.bounds.as_ref()
     }
 
     /// Bounds the radiosities of every node over the links of the solution, whatever it was solved with. Of clusters less is known
     /// than of surfaces, so bounds are wide where these are linked. The links of the strategies of 1994 do not account for all
     /// pairs, so theirs prove nothing.
     pub fn bound(&self, rule: FormFactorRule) -> (RadiosityBounds, BoundsReport) {
-        self.bound_until(rule, &|| false)
-    }
-
-    /// Once `stop` says so, the rest is bounded as cheaply as can be.
-    fn bound_until(&self, rule: FormFactorRule, stop: &(dyn Fn() -> bool + Sync)) -> (RadiosityBounds, BoundsReport) {
-        self.pool.install(|| bounds::bound_radiosities(&self.bounds_input(rule, stop)))
+        self.pool.install(|| bounds::bound_over_links(&self.bounds_input(rule, &|| false)))
     }
 
     fn bounds_input<'a>(&'a self, rule: FormFactorRule, stop: &'a (dyn Fn() -> bool + Sync)) -> BoundsInput<'a> {
         let Solution { scene, hierarchy, links, radiosity, .. } = &self.solution;
-        let work = self.solution.options().bounds_work_of(scene.surfaces().len());
-        BoundsInput { scene, hierarchy, links, radiosity: radiosity.values(), rule, work, stop }
+        let SolveOptions { bounds_work: work, error, .. } = *self.solution.options();
+        BoundsInput { scene, hierarchy, links, radiosity: radiosity.values(), rule, work, error, stop }
     }
 
     /// The range of the radiosities of every node over its centre and vertices, by light that travels once from the radiosities as they
@@ -222,8 +213,8 @@ impl Evaluator {
 
     /// Lower and upper radiosities at points, in their order, if it was solved with [`Bounds::Guaranteed`].
     pub fn bounds_at(&self, points: &[SurfacePoint]) -> Option<PointBounds> {
-        let bounds = self.bounds.as_ref()?;
-        Some(bounds.at(&self.solution.scene, &self.solution.hierarchy, points))
+        let Solution { scene, hierarchy, bounds, .. } = &self.solution;
+        Some(self.pool.install(|| bounds.as_ref().map(|bounds| bounds.at(scene, hierarchy, points)))?)
     }
 
     /// Name and version of the visibility backend.
@@ -240,15 +231,20 @@ impl Evaluator {
     /// share their indirect light, so that a value depends on which others are asked, by less than its noise in the mean square.
     /// Cancelled by the observer, it returns `None`.
     pub fn values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Values> {
+        Some(self.bounded_values_at(points, observer)?.0)
+    }
+
+    /// The same, with [`Evaluator::bounds_at`] the points.
+    pub fn bounded_values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<(Values, Option<PointBounds>)> {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
         let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
         let gather = self.solution.gather_at_points(&rays, paths.as_ref());
         let values = self.pool.install(|| values::values_at(&gather, self.solution.error_bars, points, observer));
-        let mut values = values?;
-        if let Some(bounds) = self.bounds_at(points) {
+        let (mut values, bounds) = (values?, self.bounds_at(points));
+        if let Some(bounds) = &bounds {
             bounds.confine(&mut values.radiosity);
         }
-        Some(values)
+        Some((values, bounds))
     }
 
     /// A picture of linear radiance. Cancelled by the observer, it returns `None`.
@@ -272,7 +268,7 @@ impl Evaluator {
     /// As [`Evaluator::render`].
     pub fn render_width(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
         camera.validate()?;
-        let Some(bounds) = &self.bounds else { return Ok(None) };
+        let Some(bounds) = &self.solution.bounds else { return Ok(None) };
         let Solution { scene, hierarchy, .. } = &self.solution;
         let rays = Rays::new(&*self.visibility, scene);
         Ok(self.pool.install(|| picture::render_width(bounds, scene, hierarchy, &rays, camera, observer))?)

@@ -125,13 +125,13 @@ fn profile(configuration: Configuration, tolerance: f64, reference: &[f64]) -> P
     options.links.tolerance = Some(tolerance);
     options.links.min_element = MIN_ELEMENT;
     let (evaluator, report) = solve(configuration, &options);
-    let bounds = evaluator.bounds().expect("they were asked for");
+    let (bounds, found) = evaluator.bound(FormFactorRule::QuasiConcave);
     let under = leaves_under_probes(evaluator.solution().hierarchy());
     Profile {
         links: report.counts.links,
-        sweeps: report.bounds.as_ref().map_or(0, |bounds| bounds.sweeps),
+        sweeps: found.sweeps,
         bounds: under[PROBES / 2 * PROBES..][..PROBES].iter().map(|&leaf| [bounds.lower(leaf)[0], bounds.upper(leaf)[0]]).collect(),
-        outside: violations(evaluator.solution(), bounds, reference),
+        outside: violations(evaluator.solution(), &bounds, reference),
     }
 }
 

@@ -4,17 +4,15 @@ use rayon::prelude::*;
 
 use super::enclosure::Enclosure;
 use super::form_factors::BoundedPair;
-use super::input::BoundsInput;
 use super::system::{Entry, Leaf, System};
-use crate::hierarchy::NodeId;
-use crate::scene::SurfaceId;
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::scene::{Scene, SurfaceId};
 
 /// Leaves of which one task asks whether they are enclosed.
 const LEAVES_A_TASK: usize = 64;
 
-/// The system of all leaves that gather over `pairs`, which are ordered by receiver.
-pub(super) fn assemble<'a>(input: &BoundsInput<'a>, pairs: &[BoundedPair]) -> System<'a> {
-    let BoundsInput { scene, hierarchy, .. } = *input;
+/// The system of all leaves of a hierarchy that gather over `pairs`, which are ordered by receiver.
+pub(super) fn assemble<'a>(scene: &'a Scene, hierarchy: &Hierarchy, pairs: &[BoundedPair]) -> System<'a> {
     let enclosure = Enclosure::find(scene);
     let leaves: Vec<NodeId> = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)).collect();
     let leaf = |&node: &NodeId| {
@@ -34,5 +32,6 @@ pub(super) fn assemble<'a>(input: &BoundsInput<'a>, pairs: &[BoundedPair]) -> Sy
         starts,
         entries: pairs.iter().map(|(_, source, f)| Entry { source: source.0, lower: f.lower, upper: f.upper }).collect(),
         leaves: leaves.par_iter().with_min_len(LEAVES_A_TASK).map(leaf).collect(),
+        plans: None,
     }
 }

@@ -27,7 +27,7 @@ const MOST_SWEEPS: u32 = 3000;
 const LEAVES_A_TASK: usize = 16;
 
 /// The form factors of an entry in the two rows of a leaf, the lower one first.
-struct Share {
+struct Pair {
     entry: u32,
     form_factor: [f64; 2],
 }
@@ -36,17 +36,33 @@ struct Share {
 struct Row {
     node: usize,
     reflectance: f64,
-    shares: Vec<Share>,
+    pairs: Vec<Pair>,
+}
+
+/// Why an entry leaves something open.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Share {
+    /// Because its form factor is not known: `Z rho (F* - F_) U_brightest`. Negative where another entry gets more in the lower row.
+    pub by_form_factor: f64,
+    /// Because the radiosity varies over its source: `Z rho F_ (U_brightest - U_dimmest)`.
+    pub by_source: f64,
+}
+
+impl Share {
+    /// All that it adds.
+    pub fn total(&self) -> f64 {
+        self.by_form_factor + self.by_source
+    }
 }
 
 /// What each entry adds to `<R, U - L>`, all channels together. `initial` is R, by node and channel; only that of leaves counts.
-pub(super) fn attribute(system: &System<'_>, iterate: &Iterate, initial: &[f64]) -> Vec<f64> {
+pub(super) fn attribute(system: &System<'_>, iterate: &Iterate, initial: &[f64]) -> Vec<Share> {
     let channels = system.channels;
-    let mut found = vec![0.0; system.entries.len()];
+    let mut found = vec![Share::default(); system.entries.len()];
     for channel in 0..channels {
         let rows = rows(system, iterate, channel);
         let dimmest = dimmest_leaves(system, iterate, channel);
-        let source = |share: &Share| system.entries[share.entry as usize].source as usize;
+        let source = |pair: &Pair| system.entries[pair.entry as usize].source as usize;
 
         // The lower importance: R, and what each bounce adds to it.
         let mut importance = vec![0.0; system.parents.len()];
@@ -58,7 +74,7 @@ pub(super) fn attribute(system: &System<'_>, iterate: &Iterate, initial: &[f64])
             let mut next = vec![0.0; term.len()];
             for row in rows.iter().filter(|row| term[row.node] > 0.0) {
                 let worth = row.reflectance * term[row.node];
-                row.shares.iter().for_each(|share| next[dimmest[source(share)] as usize] += worth * share.form_factor[0]);
+                row.pairs.iter().for_each(|pair| next[dimmest[source(pair)] as usize] += worth * pair.form_factor[0]);
             }
             term = next;
             importance.iter_mut().zip(&term).for_each(|(z, term)| *z += term);
@@ -71,10 +87,13 @@ pub(super) fn attribute(system: &System<'_>, iterate: &Iterate, initial: &[f64])
         let upper = |node: usize| iterate.upper[node * channels + channel];
         for row in &rows {
             let worth = row.reflectance * importance[row.node];
-            for share in &row.shares {
-                let [least, most] = share.form_factor;
-                let source = source(share);
-                found[share.entry as usize] += worth * (most * upper(source) - least * upper(dimmest[source] as usize));
+            for pair in &row.pairs {
+                let [least, most] = pair.form_factor;
+                let source = source(pair);
+                let (bright, dim) = (upper(source), upper(dimmest[source] as usize));
+                let found = &mut found[pair.entry as usize];
+                found.by_form_factor += worth * (most - least) * bright;
+                found.by_source += worth * least * (bright - dim);
             }
         }
     }
@@ -91,14 +110,14 @@ fn rows(system: &System<'_>, iterate: &Iterate, channel: usize) -> Vec<Row> {
         let mut entries = Vec::new();
         system.for_each_list(leaf.node, |list| entries.extend(list.map(|entry| entry as u32)));
         entries.sort_unstable();
-        let least = |&entry: &u32| Share { entry, form_factor: [system.entries[entry as usize].lower; 2] };
-        let mut shares: Vec<Share> = entries.iter().map(least).collect();
+        let least = |&entry: &u32| Pair { entry, form_factor: [system.entries[entry as usize].lower; 2] };
+        let mut pairs: Vec<Pair> = entries.iter().map(least).collect();
         knapsack.irradiance(leaf.node, leaf.enclosed, iterate, |side, entry, more| {
             if let Ok(place) = entries.binary_search(&entry) {
-                shares[place].form_factor[side as usize] += more;
+                pairs[place].form_factor[side as usize] += more;
             }
         });
-        Row { node: leaf.node as usize, reflectance: leaf.reflectance[channel], shares }
+        Row { node: leaf.node as usize, reflectance: leaf.reflectance[channel], pairs }
     };
     reflecting.par_iter().with_min_len(LEAVES_A_TASK).map(row).collect()
 }

@@ -23,6 +23,7 @@ pub(super) struct Enclosure<'a> {
     bodies: Vec<Body>,
     room: usize,
     tolerance: f64,
+    gap: f64,
 }
 
 /// Surfaces that close up edge by edge.
@@ -35,7 +36,7 @@ impl<'a> Enclosure<'a> {
     /// Finds the room and the solids; `None` if the scene is not made like that.
     pub fn find(scene: &'a Scene) -> Option<Self> {
         let tolerance = CONTACT_OF_SIZE * scene.bounds().diagonal();
-        let body_of = closed_bodies(scene, tolerance)?;
+        let (body_of, gap) = closed_bodies(scene, tolerance)?;
         let count = body_of.iter().max().map_or(0, |most| most + 1);
         let mut bodies: Vec<Body> = (0..count).map(|_| Body { surfaces: Vec::new(), bounds: Aabb::EMPTY }).collect();
         for (index, &body) in body_of.iter().enumerate() {
@@ -65,7 +66,7 @@ impl<'a> Enclosure<'a> {
             }
         }
         let room = room?;
-        Some(Self { scene, body_of, bodies, room, tolerance })
+        Some(Self { scene, body_of, bodies, room, tolerance, gap })
     }
 
     /// Whether all points just in front of an element of `surface` are in the room and in no solid.
@@ -97,11 +98,17 @@ impl<'a> Enclosure<'a> {
     }
 }
 
+/// How far apart vertices are, in metres, that are taken for one so that a scene is closed; `None` if it is not.
+pub(super) fn closed_gap(scene: &Scene) -> Option<f64> {
+    Enclosure::find(scene).map(|enclosure| enclosure.gap)
+}
+
 /// The number of the closed body of each surface. A body is made of surfaces that share edges, each edge traversed once in either direction;
 /// `None` if an edge is left over.
-fn closed_bodies(scene: &Scene, tolerance: f64) -> Option<Vec<usize>> {
+/// And the largest distance between vertices that count as one.
+fn closed_bodies(scene: &Scene, tolerance: f64) -> Option<(Vec<usize>, f64)> {
     let count = scene.surfaces().len();
-    let mut corners = Corners { tolerance, known: Vec::new(), cells: HashMap::new() };
+    let mut corners = Corners { tolerance, gap: 0.0, known: Vec::new(), cells: HashMap::new() };
     let numbers: Vec<Vec<usize>> = (scene.surfaces().iter())
         .map(|surface| surface.polygon.facet().vertices.iter().map(|&vertex| corners.find_or_add(vertex)).collect())
         .collect();
@@ -138,12 +145,13 @@ fn closed_bodies(scene: &Scene, tolerance: f64) -> Option<Vec<usize>> {
         }
         next += 1;
     }
-    Some(body_of)
+    Some((body_of, corners.gap))
 }
 
 /// Numbers vertices; those within the tolerance of each other count as one.
 struct Corners {
     tolerance: f64,
+    gap: f64,
     known: Vec<DVec3>,
     cells: HashMap<[i64; 3], Vec<usize>>,
 }
@@ -158,6 +166,7 @@ impl Corners {
                 for z in low[2]..=high[2] {
                     let near = self.cells.get(&[x, y, z]).into_iter().flatten();
                     if let Some(&found) = near.into_iter().find(|&&known| self.known[known].distance(vertex) <= self.tolerance) {
+                        self.gap = self.gap.max(self.known[found].distance(vertex));
                         return found;
                     }
                 }

@@ -54,7 +54,7 @@ impl ImportanceBounds {
 /// for any number of threads.
 pub(crate) fn bound_importance(input: &BoundsInput<'_>, initial: &[f64]) -> ImportanceBounds {
     let pairs = bounded_pairs(input);
-    let lit = assemble(input, &pairs);
+    let lit = assemble(input.scene, input.hierarchy, &pairs);
     let channels = lit.channels;
 
     // The system of w: leaves emit rho r.
@@ -67,8 +67,8 @@ pub(crate) fn bound_importance(input: &BoundsInput<'_>, initial: &[f64]) -> Impo
         .flat_map(|leaf| (0..channels).map(move |channel| leaf.reflectance[channel] * density(leaf, channel)))
         .collect();
     let leaves = lit.leaves.iter().zip(sent.chunks(channels)).map(|(leaf, exitance)| Leaf { exitance, ..*leaf }).collect();
-    let System { parents, starts, entries, leaves: emitting, .. } = lit;
-    let system = System { channels, parents, starts, entries, leaves };
+    let System { parents, starts, entries, leaves: emitting, plans, .. } = lit;
+    let system = System { channels, parents, starts, entries, leaves, plans };
     let (reflected, _) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
 
     // z = r + K w.
@@ -98,5 +98,5 @@ pub(crate) fn bound_importance(input: &BoundsInput<'_>, initial: &[f64]) -> Impo
     let widened = rounding(emitting.len());
     let wanted = wanted.into_iter().map(|[least, most]| [least * (1.0 - widened), most * (1.0 + widened)]).collect();
     let Iterate { lower, upper } = importance;
-    ImportanceBounds { channels, lower, upper, wanted, certainty: certainty(input, &pairs) }
+    ImportanceBounds { channels, lower, upper, wanted, certainty: certainty(input.scene, &pairs) }
 }

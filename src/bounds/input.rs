@@ -14,7 +14,9 @@ pub(crate) struct BoundsInput<'a> {
     pub radiosity: &'a [f64],
     pub rule: FormFactorRule,
     /// See [`SolveOptions::bounds_work`](crate::solve::SolveOptions::bounds_work).
-    pub work: u64,
+    pub work: Option<u64>,
+    /// The error that was asked for: bounds that are no farther apart, relative to what is reflected, are close enough.
+    pub error: f64,
     /// From when it returns true, pairs are bounded in the cheapest way.
     pub stop: &'a (dyn Fn() -> bool + Sync),
 }

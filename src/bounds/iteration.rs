@@ -41,7 +41,12 @@ impl System<'_> {
     /// Sweeps until a sweep changes bounds by no more than `tolerance` times the widest gap, `most_sweeps` times, or until `stop`; returns
     /// the bounds and the number of sweeps.
     pub fn solve(&self, tolerance: f64, most_sweeps: u32, stop: &dyn Fn() -> bool) -> (Iterate, u32) {
-        let (mut iterate, mut knapsacks) = (self.trivial(), Knapsack::of_channels(self));
+        self.solve_from(self.trivial(), tolerance, most_sweeps, stop)
+    }
+
+    /// The same, from bounds that are known already.
+    pub fn solve_from(&self, mut iterate: Iterate, tolerance: f64, most_sweeps: u32, stop: &dyn Fn() -> bool) -> (Iterate, u32) {
+        let mut knapsacks = Knapsack::of_channels(self);
         for sweep in 1..=most_sweeps {
             let change = self.sweep(&mut iterate, &mut knapsacks);
             let gap = iterate.upper.iter().zip(&iterate.lower).map(|(upper, lower)| upper - lower).fold(0.0, f64::max);

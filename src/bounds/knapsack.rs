@@ -11,7 +11,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::system::{Iterate, System, rounding};
+use super::groups::{self, Plans};
+use super::system::{Entry, Iterate, System, rounding};
 
 /// Nodes whose entries one task sorts.
 const NODES_A_TASK: usize = 64;
@@ -65,6 +66,9 @@ impl<'s, 'a> Knapsack<'s, 'a> {
     /// Sorts the entries by the radiosities of an iterate, and adds up what they bring at their lower bounds.
     pub fn sort(&mut self, iterate: &Iterate) {
         let (system, channel) = (self.system, self.channel);
+        if system.plans.is_some() {
+            return;
+        }
         let radiosity = |values: &[f64], entry: u32| system.radiosity(values, entry, channel);
         let by_source = |a: u32, b: u32| {
             let (a, b) = (&system.entries[a as usize], &system.entries[b as usize]);
@@ -101,6 +105,9 @@ impl<'s, 'a> Knapsack<'s, 'a> {
     /// each entry that gets `more` than its lower bound; for the least only where the leaf is enclosed, since elsewhere what is left may
     /// go to no surface at all.
     pub fn irradiance(&self, leaf: u32, enclosed: bool, iterate: &Iterate, mut visit: impl FnMut(Side, u32, f64)) -> [f64; 2] {
+        if let Some(plans) = &self.system.plans {
+            return self.planned_irradiance(plans, (leaf, enclosed), iterate, visit);
+        }
         let Sums { terms, form_factor, irradiance: [mut least, mut most] } = self.sums[leaf as usize];
         let widened = rounding(terms);
         let left = (1.0 - form_factor).max(0.0) + widened;
@@ -109,6 +116,23 @@ impl<'s, 'a> Knapsack<'s, 'a> {
             least += self.fill(leaf, (left - 2.0 * widened).max(0.0), Side::Least, &iterate.lower, &mut visit);
         }
         [least * (1.0 - widened), most * (1.0 + widened)]
+    }
+
+    /// The same, where groups of sources are known.
+    fn planned_irradiance(
+        &self,
+        plans: &Plans,
+        (leaf, enclosed): (u32, bool),
+        iterate: &Iterate,
+        mut visit: impl FnMut(Side, u32, f64),
+    ) -> [f64; 2] {
+        [(Side::Least, &iterate.lower), (Side::Most, &iterate.upper)].map(|(side, values)| {
+            let range = |entry: u32| {
+                let Entry { lower, upper, .. } = self.system.entries[entry as usize];
+                groups::Range { lower, upper, radiosity: self.system.radiosity(values, entry, self.channel) }
+            };
+            plans.irradiance(leaf, side, enclosed, range, |entry, more| visit(side, entry, more))
+        })
     }
 
     /// Gives what is left to the entries of a leaf and of all its ancestors; returns the irradiance that it brings.

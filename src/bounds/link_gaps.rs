@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::assembly::assemble;
-use super::attribution::attribute;
+use super::attribution::{Share, attribute};
 use super::evidence::Evidence;
 use super::form_factors::{BoundedPair, FormFactorBounds, PairBounds};
 use super::input::BoundsInput;
@@ -62,13 +62,15 @@ pub(crate) fn link_gaps(input: &BoundsInput<'_>, known: &mut KnownPairs, initial
     pairs.sort_by_key(|(receiver, source, _)| (*receiver, *source));
 
     // Both systems, and what each pair adds to the gap between them.
-    let system = assemble(input, &pairs);
+    let system = assemble(input.scene, input.hierarchy, &pairs);
     let (iterate, _) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
     let shares = attribute(&system, &iterate, initial);
     let of_source =
         |values: &[f64], source: NodeId| -> f64 { values[source.index() * system.channels..][..system.channels].iter().sum() };
     let mut gaps = LinkGaps { links: Vec::with_capacity(pairs.len()), gap: 0.0, unlinked: 0.0 };
-    for (&(receiver, source, FormFactorBounds { lower, upper, evidence, .. }), share) in pairs.iter().zip(shares) {
+    for (&(receiver, source, FormFactorBounds { lower, upper, evidence, .. }), share) in
+        pairs.iter().zip(shares.iter().map(Share::total))
+    {
         gaps.gap += share;
         if evidence == Evidence::Unlinked {
             gaps.unlinked += share;

@@ -1,7 +1,9 @@
-//! Bounds at points: those of the leaf that each lies on.
+//! Bounds at points: gathered there where that is possible, else those of the leaf that each lies on.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
+use super::point_gather::PointGather;
 use super::radiosity_bounds::RadiosityBounds;
 use crate::hierarchy::Hierarchy;
 use crate::scene::{Scene, SurfacePoint};
@@ -21,22 +23,25 @@ pub struct PointBounds {
 }
 
 impl RadiosityBounds {
-    /// The bounds at points, in their order.
+    /// The bounds at points, in their order: in the current rayon pool.
     pub(crate) fn at(&self, scene: &Scene, hierarchy: &Hierarchy, points: &[SurfacePoint]) -> PointBounds {
         let channels = self.channels();
         let tolerance = TOLERANCE * scene.bounds().diagonal();
         let unknown = vec![f32::NAN; channels * points.len()];
         let mut bounds = PointBounds { channels, lower: unknown.clone(), upper: unknown };
-        for (index, point) in points.iter().enumerate() {
+        let gather = self.elements.as_ref().map(|elements| PointGather::new(scene, elements));
+        let at_point = |((lower, upper), point): ((&mut [f32], &mut [f32]), &SurfacePoint)| {
             let position = DVec3::from(point.position);
-            let Some(surface) = hierarchy.surface_at(position, DVec3::from(point.normal), tolerance) else { continue };
+            let Some(surface) = hierarchy.surface_at(position, DVec3::from(point.normal), tolerance) else { return };
             let leaf = hierarchy.leaf_at(surface, position);
-            for channel in 0..channels {
-                let at = index * channels + channel;
-                bounds.lower[at] = rounded_down(self.lower(leaf)[channel]);
-                bounds.upper[at] = rounded_up(self.upper(leaf)[channel]);
+            let of_leaf = || self.lower(leaf).iter().zip(self.upper(leaf)).map(|(&lower, &upper)| [lower, upper]).collect();
+            let found: Vec<[f64; 2]> = gather.as_ref().map_or_else(of_leaf, |gather| gather.at(surface, position));
+            for (channel, [least, most]) in found.into_iter().enumerate() {
+                (lower[channel], upper[channel]) = (rounded_down(least), rounded_up(most));
             }
-        }
+        };
+        let by_point = bounds.lower.par_chunks_mut(channels).zip(bounds.upper.par_chunks_mut(channels));
+        by_point.zip(points).for_each(at_point);
         bounds
     }
 }

@@ -30,6 +30,7 @@ pub(crate) fn estimate_ranges(scene: &Scene, hierarchy: &Hierarchy, links: &Link
         channels,
         lower: vec![f64::INFINITY; channels * hierarchy.len()],
         upper: vec![f64::NEG_INFINITY; channels * hierarchy.len()],
+        elements: None,
     };
     for (leaf, range) in leaves.iter().zip(&found) {
         for (channel, &[lower, upper]) in range.iter().enumerate() {

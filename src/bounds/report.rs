@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 
+use super::conditions::{Condition, conditions};
 use super::evidence::{Certainty, Evidence};
 use super::form_factors::{BoundedPair, FormFactorBounds};
-use super::input::BoundsInput;
-use super::overlap::has_overlap;
 use super::system::{Iterate, System};
-use crate::hierarchy::NodeId;
+use crate::hierarchy::{Hierarchy, NodeId};
+use crate::scene::Scene;
 
 /// How far apart the bounds of one channel are, over all surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -42,12 +42,13 @@ pub struct EvidenceShare {
 /// What the bounds say about the whole.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BoundsReport {
-    /// The weakest of all pairs. An estimate where surfaces overlap in one plane: both are seen there, and form factors may exceed
-    /// 1 in all.
+    /// The weakest of all pairs; an estimate where a condition could matter.
     pub certainty: Certainty,
-    /// A bound of the error of any values within the bounds, in the norm of
-    /// [`SolveOptions::error`](crate::solve::SolveOptions::error): `||upper - lower|| / ||lower - E||`; infinite where the lower
-    /// bounds prove no reflection.
+    /// What the proof rests on.
+    pub conditions: Vec<Condition>,
+    /// A bound of the error of any values within the bounds of elements, in the mean over all area, by energy:
+    /// `||upper - lower|| / ||lower - E||`. It says nothing of single points, each of which has bounds of its own. Infinite where the
+    /// lower bounds prove no reflection.
     pub relative_error: f64,
     /// By channel.
     pub channels: Vec<ChannelError>,
@@ -59,16 +60,15 @@ pub struct BoundsReport {
     pub sweeps: u32,
 }
 
-/// What an iterate says, the last of so many sweeps over the system of `pairs`.
+/// What an iterate says, the last of so many sweeps over the system of `pairs`, which are of nodes of `hierarchy`.
 pub(super) fn report(
-    input: &BoundsInput<'_>,
+    (scene, hierarchy): (&Scene, &Hierarchy),
     system: &System<'_>,
     pairs: &[BoundedPair],
     iterate: &Iterate,
-    sweeps: u32,
+    (sweeps, over_links): (u32, bool),
 ) -> BoundsReport {
     // Norms over the leaves.
-    let hierarchy = input.hierarchy;
     let mut channels = vec![ChannelError::default(); system.channels];
     let (mut area, mut enclosed_area, mut width_sq, mut reflected_sq) = (0.0, 0.0, 0.0, 0.0);
     for leaf in &system.leaves {
@@ -89,30 +89,35 @@ pub(super) fn report(
     }
     channels.iter_mut().for_each(|error| error.l2 = error.l2.sqrt());
 
+    let conditions = conditions(scene, over_links);
     BoundsReport {
-        certainty: certainty(input, pairs),
+        certainty: if conditions.iter().any(|condition| condition.could_matter) { Certainty::Estimate } else { weakest(pairs) },
+        conditions,
         relative_error: if width_sq == 0.0 { 0.0 } else { (width_sq / reflected_sq).sqrt() },
         channels,
-        evidence: evidence_shares(input, pairs, iterate),
+        evidence: evidence_shares((scene, hierarchy), pairs, iterate),
         enclosed_share: enclosed_area / area,
         sweeps,
     }
 }
 
-/// How far all pairs together can be trusted.
-pub(super) fn certainty(input: &BoundsInput<'_>, pairs: &[BoundedPair]) -> Certainty {
-    let weakest = pairs.iter().map(|(.., f)| f.certainty).max().unwrap_or(Certainty::Guaranteed);
-    if has_overlap(input.scene) { Certainty::Estimate } else { weakest }
+/// How far all pairs over the links of a scene can be trusted together.
+pub(super) fn certainty(scene: &Scene, pairs: &[BoundedPair]) -> Certainty {
+    if conditions(scene, true).iter().any(|condition| condition.could_matter) { Certainty::Estimate } else { weakest(pairs) }
+}
+
+fn weakest(pairs: &[BoundedPair]) -> Certainty {
+    pairs.iter().map(|(.., f)| f.certainty).max().unwrap_or(Certainty::Guaranteed)
 }
 
 /// Adds up the power that arrives over pairs, channels together, by what their bounds rest on.
-fn evidence_shares(input: &BoundsInput<'_>, pairs: &[BoundedPair], iterate: &Iterate) -> Vec<EvidenceShare> {
+fn evidence_shares((scene, hierarchy): (&Scene, &Hierarchy), pairs: &[BoundedPair], iterate: &Iterate) -> Vec<EvidenceShare> {
     // Powers in W, of each kind.
-    let channels = input.scene.channels();
+    let channels = scene.channels();
     let mut shares: Vec<EvidenceShare> = Vec::new();
     for &(receiver, source, FormFactorBounds { lower, upper, certainty, evidence }) in pairs {
         let sum = |values: &[f64]| values[source.index() * channels..][..channels].iter().sum::<f64>();
-        let area = input.hierarchy.area(receiver);
+        let area = hierarchy.area(receiver);
         let (most, least) = (area * upper * sum(&iterate.upper), area * lower * sum(&iterate.lower));
         let is_same = |share: &&mut EvidenceShare| (share.evidence, share.certainty) == (evidence, certainty);
         let share = match shares.iter_mut().find(is_same) {

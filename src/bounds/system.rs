@@ -16,6 +16,8 @@
 
 use std::ops::Range;
 
+use super::groups::Plans;
+
 /// What a node may gather from one source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Entry {
@@ -46,6 +48,8 @@ pub(super) struct System<'a> {
     pub starts: Vec<u32>,
     pub entries: Vec<Entry>,
     pub leaves: Vec<Leaf<'a>>,
+    /// Where groups of sources are known: how the entries of a leaf are put together. Then all entries are those of leaves.
+    pub plans: Option<Plans>,
 }
 
 /// Lower and upper radiosities by node and channel, in W/m^2.
@@ -65,13 +69,18 @@ impl System<'_> {
     pub fn for_each_list(&self, node: u32, mut visit: impl FnMut(Range<usize>)) {
         let mut node = node as usize;
         loop {
-            visit(self.starts[node] as usize..self.starts[node + 1] as usize);
+            visit(self.entries_of(node as u32));
             let parent = self.parents[node] as usize;
             if parent == node {
                 return;
             }
             node = parent;
         }
+    }
+
+    /// The indices of a node's own entries.
+    pub fn entries_of(&self, node: u32) -> Range<usize> {
+        self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize
     }
 
     /// The radiosity of an entry's source, `values` being by node and channel.

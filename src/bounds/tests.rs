@@ -2,7 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "a test tells what it measured")]
 
-use super::attribution::attribute;
+use super::attribution::{Share, attribute};
 use super::knapsack::Knapsack;
 use super::system::{Entry, Iterate, Leaf, System};
 
@@ -66,6 +66,7 @@ fn duct(n: usize) -> System<'static> {
         starts: (0..=4 * n as u32).map(|node| node * 3 * n as u32).collect(),
         entries,
         leaves: (0..4 * n).map(leaf).collect(),
+        plans: None,
     }
 }
 
@@ -208,6 +209,7 @@ fn bounds_of_open_strips_hold_at_every_probe_and_close_in() {
             starts: (0..=2 * n as u32).map(|node| node * n as u32).collect(),
             entries,
             leaves: (0..2 * n).map(leaf).collect(),
+            plans: None,
         };
         let (iterate, _) = system.solve(1e-9, 200, &|| false);
         STRIP_PROBES.iter().for_each(|&(strip, s, value)| assert_within(n, &iterate, strip, s, value, 0.0));
@@ -256,6 +258,7 @@ fn infinite_plates_are_solved_exactly() {
         starts: vec![0, 1, 2],
         entries: vec![entry(1), entry(0)],
         leaves: vec![leaf(0), leaf(1)],
+        plans: None,
     };
     let (iterate, _) = system.solve(1e-16, 200, &|| false);
     let exact = 1.730_769_230_769_230_8;
@@ -273,6 +276,7 @@ fn ancestors_and_inner_sources_count() {
         starts: vec![0, 1, 1, 1, 2, 2, 2],
         entries: vec![Entry { source: 1, lower: 0.2, upper: 0.4 }, Entry { source: 4, lower: 0.1, upper: 0.1 }],
         leaves: vec![leaf(2, &dark), leaf(3, &dark), leaf(4, &bright), leaf(5, &dim)],
+        plans: None,
     };
     let (iterate, _) = system.solve(1e-12, 50, &|| false);
     let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found} instead of {expected}");
@@ -286,7 +290,7 @@ fn ancestors_and_inner_sources_count() {
 
 /// What entries add to `<R, U - L>`, and that number itself.
 fn attributed(system: &System<'_>, iterate: &Iterate, initial: &[f64]) -> (f64, f64) {
-    let found: f64 = attribute(system, iterate, initial).iter().sum();
+    let found: f64 = attribute(system, iterate, initial).iter().map(Share::total).sum();
     let gap = |leaf: &Leaf<'_>| {
         let at = leaf.node as usize;
         initial[at] * (iterate.upper[at] - iterate.lower[at])
@@ -308,7 +312,10 @@ fn what_entries_add_is_the_gap() {
         }
         if !enclosed {
             let parts = attribute(&system, &iterate, &[1.0; 32]);
-            assert!(parts.iter().all(|&part| part >= 0.0), "each entry gets at least its lower bound");
+            assert!(
+                parts.iter().all(|part| part.by_form_factor >= 0.0 && part.by_source >= 0.0),
+                "each entry gets at least its lower bound"
+            );
         }
     }
 }
@@ -327,6 +334,7 @@ fn what_entries_add_counts_through_ancestors_and_inner_sources() {
         starts: vec![0, 2, 4, 4, 5, 5, 5, 5],
         entries: vec![entry(1, 0.2, 0.4), entry(6, 0.0, 0.1), entry(0, 0.1, 0.5), entry(6, 0.1, 0.9), entry(4, 0.05, 0.1)],
         leaves: vec![leaf(2, 0, 0), leaf(3, 0, 1), leaf(4, 1, 0), leaf(5, 1, 1), Leaf { reflectance: &[0.0], ..leaf(6, 0, 2) }],
+        plans: None,
     };
     let (iterate, _) = system.solve(1e-15, 10_000, &|| false);
     let (found, gap) = attributed(&system, &iterate, &[9.0, 9.0, 1.0, 2.0, 3.0, 0.0, 1.0]);

@@ -1,5 +1,6 @@
 //! What is made from a solution: values at points, pictures, exports.
 
+use patchlight::bounds::PointBounds;
 use patchlight::output::{
     Destination, ExportFormat, ImageFormat, Points, Provenance, Quantity, write_bounded_values, write_ply, write_png,
     write_solution, write_values,
@@ -21,18 +22,20 @@ pub fn sample(request: SampleRequest) -> Result<Exit, Failure> {
     interrupt::listen();
     request.voice.figure("backend", format_args!("{}", evaluator.backend()));
     let Some(values) = values_at(&evaluator, &points, request.voice) else { return Ok(Exit::Cancelled) };
-    write_values_to(&request.output, &evaluator, &points, &values, request.voice)?;
+    write_values_to(&request.output, &points, &values, request.voice)?;
     Ok(Exit::Done)
 }
 
-/// Values at points; `None` if interrupted.
-pub fn values_at(evaluator: &Evaluator, points: &Points, voice: Voice) -> Option<Values> {
-    evaluator.values_at(&points.surface_points(), &Watcher::new(voice))
+/// Values at points, with their bounds where there are any.
+pub type BoundedValues = (Values, Option<PointBounds>);
+
+/// Values at points, with their bounds; `None` if interrupted.
+pub fn values_at(evaluator: &Evaluator, points: &Points, voice: Voice) -> Option<BoundedValues> {
+    evaluator.bounded_values_at(&points.surface_points(), &Watcher::new(voice))
 }
 
 /// Writes values, with their bounds where there are any, and tells how many points lie on no surface.
-pub fn write_values_to(sink: &Sink, evaluator: &Evaluator, points: &Points, values: &Values, voice: Voice) -> Result<(), Failure> {
-    let bounds = evaluator.bounds_at(&points.surface_points());
+pub fn write_values_to(sink: &Sink, points: &Points, (values, bounds): &BoundedValues, voice: Voice) -> Result<(), Failure> {
     sink.write(|mut writer| match &bounds {
         Some(bounds) => write_bounded_values(&mut writer, points, values, bounds),
         None => write_values(&mut writer, points, values),

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use patchlight::bounds::Certainty;
+use patchlight::bounds::{BoundsReport, Certainty};
 use patchlight::output::{CpuReport, Points, Provenance, RunReport, SceneReport, write_report};
 use patchlight::picture::Image;
 use patchlight::pipeline::{self, Evaluator};
@@ -109,8 +109,8 @@ fn write_results(
     if let (Some((_, sink)), Some(points)) = (&request.points, points) {
         match results::values_at(evaluator, points, voice) {
             Some(values) => {
-                error = values.error;
-                ending.write(|| results::write_values_to(sink, evaluator, points, &values, voice));
+                error = values.0.error;
+                ending.write(|| results::write_values_to(sink, points, &values, voice));
             }
             None => ending.cancel(voice, &sink.name()),
         }
@@ -163,11 +163,25 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
         );
     }
     if let Some(bounds) = &report.bounds {
-        let proved = match bounds.certainty {
-            Certainty::Guaranteed => "proved",
-            Certainty::Estimate => "estimated",
-        };
-        voice.figure("bounds", format_args!("values at points are at most {:.2}% wrong: {proved}", 100.0 * bounds.relative_error));
+        voice.figure("bounds", format_args!("{}", bounds_in_words(bounds)));
+    }
+}
+
+/// What bounds prove. It is a mean over the area, of elements: single points have bounds of their own, which may be wider or narrower.
+fn bounds_in_words(bounds: &BoundsReport) -> String {
+    let apart = if bounds.relative_error <= 1.0 {
+        format!("{:.2}% of the reflected light apart in the mean over the area", 100.0 * bounds.relative_error)
+    } else {
+        "have not closed in: farther apart, in the mean over the area, than what is certainly reflected".to_owned()
+    };
+    let in_doubt = bounds.conditions.iter().filter(|condition| condition.could_matter);
+    let reasons: Vec<String> = in_doubt.map(|condition| condition.kind.to_string()).collect();
+    match (bounds.certainty, bounds.conditions.len()) {
+        (Certainty::Estimate, _) if reasons.is_empty() => format!("{apart}: an estimate"),
+        (Certainty::Estimate, _) => {
+            format!("{apart}: an estimate, because of {}; the report says where", reasons.join(" and "))
+        }
+        (Certainty::Guaranteed, count) => format!("{apart}: proved, on {count} conditions that the report lists"),
     }
 }
 

@@ -25,7 +25,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::gradient::{PointFactor, point_factor};
+use super::gradient::{PointFactor, point_factor, point_value};
 use super::lambert::point_to_polygon;
 use crate::geometry::{Clip, ClippedFacet, Facet, clip_to_front, halves, plane_noise};
 
@@ -81,6 +81,22 @@ pub(crate) fn bound_unoccluded(receiver: &Facet<'_>, source: &Facet<'_>, search:
         }
         Clip::Part(part) => [0.0, upper(&part.facet(), &source, 0.0, search)],
     }
+}
+
+/// Between these lies the form factor from a point with unit normal `normal` to `source`, if nothing is in between: as far apart as rounding
+/// may take them. For points that do not touch the source.
+pub(crate) fn bound_at_point(x: DVec3, normal: DVec3, source: &Facet<'_>) -> [f64; 2] {
+    let source_part = clip_to_front(source, x, normal);
+    let source = match &source_part {
+        Clip::Nothing => return [0.0, 0.0],
+        Clip::Whole => *source,
+        Clip::Part(part) => part.facet(),
+    };
+    if source.height(x) <= plane_noise(x, source.vertices[0]) {
+        return [0.0, 0.0];
+    }
+    let [value, noise] = point_value(x, normal, source.vertices);
+    [(value - noise).max(0.0), (value + noise).clamp(0.0, 1.0)]
 }
 
 /// The range of the form factor over the receiver's centroid and vertices (Lischinski 1994, section 5.2): no bound, because the

@@ -13,6 +13,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::lambert::angles;
+
 /// The form factor from a point, its gradient as the point moves, and the largest rounding error of each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointFactor {
@@ -76,6 +78,29 @@ pub(super) fn point_factor(x: DVec3, normal: DVec3, vertices: &[DVec3]) -> Point
     }
 }
 
+/// The form factor alone, and its largest rounding error, as [`point_factor`] finds them.
+pub(super) fn point_value(x: DVec3, normal: DVec3, vertices: &[DVec3]) -> [f64; 2] {
+    let (mut value, mut size) = (0.0, 0.0);
+    let Some(&last) = vertices.last() else { return [0.0, 0.0] };
+    let mut a = last - x;
+    let mut length_a = a.length();
+    for &vertex in vertices {
+        let b = vertex - x;
+        let length_b = b.length();
+        let (w, q, lengths) = (a.cross(b), a.dot(b), length_a * length_b);
+        let l = w.length();
+        if l > 0.0 {
+            let [angle] = angles([l], [q]);
+            value += angle * normal.dot(w) / l;
+            let condition = if q > 0.0 { 1.0 } else { lengths / l };
+            size += condition * (1.0 + angle * lengths / l);
+        }
+        (a, length_a) = (b, length_b);
+    }
+    let noise = ROUNDINGS * f64::EPSILON * (0.5 / PI);
+    [-value * (0.5 / PI), noise * size]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,6 +116,8 @@ mod tests {
         {
             let found = point_factor(x, normal, facet.vertices);
             let exact = |x| point_to_polygon(x, normal, &facet);
+            let [value, noise] = point_value(x, normal, facet.vertices);
+            assert!((value - found.value).abs() <= noise + found.value_noise && noise <= 2.0 * found.value_noise);
             assert!((found.value - exact(x)).abs() <= 1e-14 + 1e-12 * exact(x), "{x}: {} instead of {}", found.value, exact(x));
             let h = 1e-5 * facet.distance_to(x);
             let difference = |axis: DVec3| {

@@ -13,7 +13,7 @@ mod quadrature;
 use crate::geometry::Polygon;
 
 use bounds::estimate_unoccluded_range;
-pub(crate) use bounds::{Search, bound_unoccluded, centre_and_vertices};
+pub(crate) use bounds::{Search, bound_at_point, bound_unoccluded, centre_and_vertices};
 pub(crate) use exact::exact_exchange;
 pub(crate) use lambert::{kernel, point_to_polygon};
 pub use quadrature::Estimate;

@@ -69,6 +69,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
         resolution,
         cell_radiosities: radiosities,
         error_bars,
+        bounds: None,
     };
     report.memory_bytes = solution.memory_bytes();
     (solution, report)

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::interest::InitialImportance;
 use super::judge::particle_seed;
 use super::options::{SolveOptions, Solver};
+use crate::bounds::RadiosityBounds;
 use crate::cells::CellRadiosities;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
@@ -32,6 +33,8 @@ pub struct Solution {
     pub(crate) cell_radiosities: Option<CellRadiosities>,
     /// What is known of the errors of values.
     pub(crate) error_bars: Option<ErrorBars>,
+    /// What is proved, if that was asked for.
+    pub(crate) bounds: Option<RadiosityBounds>,
 }
 
 impl Solution {
@@ -157,6 +160,9 @@ impl Solution {
         }
         if !self.error_bars.is_none_or(|error_bars| error_bars.is_valid()) {
             return Err("the error bars are negative or not finite".to_owned());
+        }
+        if let Some(bounds) = &self.bounds {
+            bounds.validate(&self.scene, &self.hierarchy)?;
         }
         Ok(())
     }

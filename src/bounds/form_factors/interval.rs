@@ -33,4 +33,19 @@ impl FormFactorBounds {
     pub(in crate::bounds) fn guaranteed(lower: f64, upper: f64, evidence: Evidence) -> Self {
         Self { lower, upper, certainty: Certainty::Guaranteed, evidence }
     }
+
+    /// What is known of any pair.
+    pub(in crate::bounds) const ANYTHING: Self =
+        Self { lower: 0.0, upper: 1.0, certainty: Certainty::Guaranteed, evidence: Evidence::Unproved };
+
+    /// What holds for a part of the source.
+    pub(in crate::bounds) fn of_part(self) -> Self {
+        Self { lower: 0.0, ..self }
+    }
+
+    /// What holds if `other` holds as well.
+    pub(in crate::bounds) fn and(self, other: Self) -> Self {
+        let lower = self.lower.max(other.lower);
+        Self { lower, upper: self.upper.min(other.upper).max(lower), ..self }
+    }
 }

@@ -14,6 +14,9 @@ use crate::geometry::ClippedFacet;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::{Scene, SurfaceId};
 
+/// Sums of a few form factors are widened by this part of themselves: they round by some 1e-15.
+const WIDENED: f64 = 1e-14;
+
 /// Bounds on the form factor from every point of `receiver` to `source`, nodes of a hierarchy over `scene`.
 pub fn bound_pair(
     scene: &Scene,
@@ -27,7 +30,6 @@ pub fn bound_pair(
 
 /// Bounds pairs of nodes of one scene.
 pub(in crate::bounds) struct PairBounds<'a> {
-    scene: &'a Scene,
     hierarchy: &'a Hierarchy,
     rule: FormFactorRule,
     search: Search,
@@ -38,7 +40,7 @@ pub(in crate::bounds) struct PairBounds<'a> {
 impl<'a> PairBounds<'a> {
     pub fn new(scene: &'a Scene, hierarchy: &'a Hierarchy, rule: FormFactorRule) -> Self {
         let (blockers, boxes) = (Blockers::new(scene, hierarchy), Boxes::new(hierarchy));
-        Self { scene, hierarchy, rule, search: Search::CLOSE, blockers, boxes }
+        Self { hierarchy, rule, search: Search::CLOSE, blockers, boxes }
     }
 
     /// The same, for so many pairs that each can have little time.
@@ -51,8 +53,7 @@ impl<'a> PairBounds<'a> {
         if self.has_cluster(receiver, source) {
             return FormFactorBounds::guaranteed(0.0, self.upper_of_boxes(receiver, source), Evidence::Boxes);
         }
-        let plane = |node| self.scene.surface(SurfaceId(self.hierarchy.node(node).surface)).plane;
-        if plane(receiver) == plane(source) {
+        if self.share_a_plane(receiver, source) {
             return FormFactorBounds::guaranteed(0.0, 0.0, Evidence::Sight);
         }
 
@@ -71,19 +72,23 @@ impl<'a> PairBounds<'a> {
             return FormFactorBounds::guaranteed(0.0, 0.0, Evidence::Sight);
         }
 
-        // At least what is certainly visible, at most what is possibly visible.
-        match self.blockers.sight(receiver, source) {
-            Sight::Whole => FormFactorBounds::guaranteed(least, most, Evidence::Sight),
-            Sight::Partial { certain, possible, shadowed } => {
-                let sum = |parts: &[ClippedFacet], end: usize| {
-                    parts.iter().map(|part| bound_unoccluded(&receiver_facet, &part.facet(), self.search)[end]).sum::<f64>()
-                };
-                let lower = sum(&certain, 0).min(most);
-                let upper = sum(&possible, 1).min(most).max(lower);
-                let evidence = if shadowed || upper == 0.0 { Evidence::Shadows } else { Evidence::Unproved };
-                FormFactorBounds::guaranteed(lower, upper, evidence)
-            }
-        }
+        let shadows = match self.blockers.sight(receiver, source) {
+            Sight::Whole => return FormFactorBounds::guaranteed(least, most, Evidence::Sight),
+            Sight::Shadowed(shadows) => shadows,
+        };
+        let bounds_of = |part: &ClippedFacet| bound_unoccluded(&receiver_facet, &part.facet(), self.search);
+        let sum = |parts: &[ClippedFacet], end: usize| parts.iter().map(|part| bounds_of(part)[end]).sum::<f64>() + 0.0;
+
+        // At least what is certainly visible; or all, less what any blocker hides from any point.
+        let lit = shadows.lit(&source_facet);
+        let without_shaded = lit.shaded.as_ref().map_or(0.0, |shaded| least - sum(shaded, 1));
+        let lower = sum(&lit.certain, 0).max(without_shaded).min(most);
+
+        // At most what is possibly visible; or all, less what one blocker hides from all points.
+        let most_hidden = shadows.umbras().iter().map(|umbra| bounds_of(umbra)[0]).fold(0.0, f64::max);
+        let upper = sum(&lit.possible, 1).min(most - most_hidden).max(lower);
+        let evidence = if shadows.is_complete() || upper == 0.0 { Evidence::Shadows } else { Evidence::Unproved };
+        FormFactorBounds::guaranteed(lower * (1.0 - WIDENED), upper * (1.0 + WIDENED), evidence)
     }
 
     /// Two polygons by what the centre and the vertices of the receiver see.
@@ -136,12 +141,10 @@ impl<'a> PairBounds<'a> {
 
     /// The same, of two polygons by the theorem as closely as the search goes.
     pub fn upper_unlinked(&self, receiver: NodeId, source: NodeId) -> f64 {
-        let plane = |surface| self.scene.surface(surface).plane;
-        let planes = [receiver, source].map(|node| self.hierarchy.surface_of(node).map(plane));
-        if planes[0].is_some() && planes[0] == planes[1] {
-            0.0
-        } else if self.has_cluster(receiver, source) {
+        if self.has_cluster(receiver, source) {
             self.upper_of_boxes(receiver, source)
+        } else if self.share_a_plane(receiver, source) {
+            0.0
         } else {
             bound_unoccluded(&self.hierarchy.facet(receiver), &self.hierarchy.facet(source), self.search)[1]
         }
@@ -150,6 +153,12 @@ impl<'a> PairBounds<'a> {
     /// The same, by the boxes around both alone.
     pub fn upper_of_boxes(&self, receiver: NodeId, source: NodeId) -> f64 {
         self.boxes.upper(receiver, source)
+    }
+
+    /// Whether no light travels between two polygons because they lie side by side in one plane.
+    fn share_a_plane(&self, receiver: NodeId, source: NodeId) -> bool {
+        let [receiver, source] = [receiver, source].map(|node| SurfaceId(self.hierarchy.node(node).surface));
+        self.blockers.share_a_plane(receiver, source)
     }
 
     fn has_cluster(&self, receiver: NodeId, source: NodeId) -> bool {

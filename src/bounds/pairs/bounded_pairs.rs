@@ -23,6 +23,11 @@ const WORK_OF_POLYGONS: u64 = 4;
 const LINKED_A_TASK: usize = 64;
 const POLYGONS_A_TASK: usize = 16;
 
+/// The work if none is asked for, in units of splitting a pair.
+fn default_work(input: &BoundsInput<'_>) -> u64 {
+    (1 << 13) + (16.0 * input.scene.surfaces().len() as f64 * (0.1 / input.error).sqrt()) as u64
+}
+
 /// All pairs, ordered by receiver and source.
 pub(in crate::bounds) fn bounded_pairs(input: &BoundsInput<'_>) -> Vec<BoundedPair> {
     let pair_bounds = PairBounds::new(input.scene, input.hierarchy, input.rule);
@@ -56,7 +61,8 @@ fn worst_pairs(input: &BoundsInput<'_>, pair_bounds: &PairBounds<'_>) -> Vec<Bou
     let all = linked.par_iter().chain(links.dormant()).chain(links.unseen()).copied();
     let mut waiting = WorstFirst::new(Light { scene, hierarchy, radiosity }, all);
     let (mut polygons, mut work) = (Vec::new(), 0);
-    while work < input.work && !(input.stop)() {
+    let most_work = input.work.unwrap_or_else(|| default_work(input));
+    while work < most_work && !(input.stop)() {
         match waiting.split_worst() {
             Some(Worst::Split) => work += 1,
             Some(Worst::Polygons(pair)) => {

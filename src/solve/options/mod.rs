@@ -20,8 +20,6 @@ pub use table::{
     CellOptions, ChangShih98Options, Holzschuch94Options, LinkOptions, OptionEntry, OptionGroup, SolveOptions, UniformOptions,
 };
 
-use table::MOST_BOUNDS_WORK;
-
 impl SolveOptions {
     /// All options, group after group.
     pub fn entries() -> impl Iterator<Item = &'static OptionEntry> {
@@ -64,12 +62,6 @@ impl SolveOptions {
             return reject("importance", &self.importance, "total, unless strategy is error-driven");
         }
         Ok(())
-    }
-
-    /// [`SolveOptions::bounds_work`] for a scene of so many surfaces.
-    pub(crate) fn bounds_work_of(&self, surfaces: usize) -> u64 {
-        let of_surfaces = 16.0 * surfaces as f64 * (0.1 / self.error).sqrt();
-        self.bounds_work.unwrap_or((1 << 13) + (of_surfaces as u64).min(MOST_BOUNDS_WORK))
     }
 }
 

@@ -18,7 +18,7 @@ use super::kinds::{Flag, Kind, OneName, SkipNames, Text, above, any, at_least, b
 use crate::links::Skips;
 
 /// More work on bounds takes minutes and gigabytes, and brings little.
-pub(super) const MOST_BOUNDS_WORK: u64 = 1 << 24;
+const MOST_BOUNDS_WORK: u64 = 1 << 24;
 
 options! {
     /// What decides the answer, kept in the solution.
@@ -38,9 +38,9 @@ options! {
         /// What is said about the error: estimate, or guaranteed, which proves lower and upper radiosities.
         bounds: Bounds = Bounds::Estimate, OneName;
 
-        /// How much is done to tighten guaranteed bounds where clusters are linked: 1 for a pair that is taken apart, 4 for a pair of
-        /// polygons of which all is proved that can be. The more, the narrower. If not given, it follows from error and the number of
-        /// surfaces.
+        /// How much is done to tighten guaranteed bounds: 1 for a pair that is taken apart, 4 for a pair of polygons of which all is
+        /// proved that can be. The more, the narrower. If not given, 131072 in scenes of few surfaces; else it follows from error and
+        /// the number of surfaces. Few are 90.
         bounds_work: Option<u64> = None, between(0, MOST_BOUNDS_WORK);
 
         /// What the answer is wanted for: where errors count, with strategy error-driven. 'view' is what the camera of the picture sees.

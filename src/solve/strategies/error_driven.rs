@@ -75,7 +75,16 @@ impl ErrorSearch {
         let Linked { job, hierarchy, links, radiosity, exposure, .. } = &*linked;
         let initial = self.initial.of_leaves(hierarchy, exposure, job.scene.channels());
         let stop = linked.ends_links();
-        let input = BoundsInput { scene: job.scene, hierarchy, links, radiosity: radiosity.values(), rule, work: 0, stop: &stop };
+        let input = BoundsInput {
+            scene: job.scene,
+            hierarchy,
+            links,
+            radiosity: radiosity.values(),
+            rule,
+            work: Some(0),
+            error: job.options.error,
+            stop: &stop,
+        };
         let gaps = link_gaps(&input, &mut self.known, &initial);
         let splits = linked.report.link_error.map_or(0, |report| report.splits + 1);
         linked.report.link_error = Some(LinkErrorReport {
