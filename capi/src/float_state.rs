@@ -34,9 +34,9 @@ mod control {
     use std::arch::asm;
 
     /// All but the six flags of MXCSR: traps, rounding, flush to zero, denormals are zero.
-    pub const MASK: u64 = 0xffc0;
+    pub(super) const MASK: u64 = 0xffc0;
     /// All traps off, the rest 0 (Intel, Software Developer's Manual 1, section 10.2.3).
-    pub const STANDARD: u64 = 0x1f80;
+    pub(super) const STANDARD: u64 = 0x1f80;
 
     pub fn get() -> u64 {
         let mut state = 0_u32;
@@ -58,9 +58,9 @@ mod control {
     use std::arch::asm;
 
     /// Traps, rounding, flushing and default NaN of FPCR.
-    pub const MASK: u64 = 0x07c0_9f00;
+    pub(super) const MASK: u64 = 0x07c0_9f00;
     /// Round to nearest, nothing flushed, no traps (Arm Architecture Reference Manual, FPCR).
-    pub const STANDARD: u64 = 0;
+    pub(super) const STANDARD: u64 = 0;
 
     pub fn get() -> u64 {
         let state: u64;
@@ -78,8 +78,8 @@ mod control {
 /// Elsewhere the state is left alone.
 #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
 mod control {
-    pub const MASK: u64 = 0;
-    pub const STANDARD: u64 = 0;
+    pub(super) const MASK: u64 = 0;
+    pub(super) const STANDARD: u64 = 0;
 
     pub fn get() -> u64 {
         0
