@@ -96,7 +96,8 @@ unsafe fn read_all<T, U>(items: &Items, components: usize, what: &str, convert: 
 /// As the text at the head of the header demands.
 pub unsafe fn reals(array: *const patchlight_array, components: usize, what: &str) -> Outcome<Vec<f64>> {
     // SAFETY: The caller's promise.
-    let array = unsafe { read_sized(array) }.map_err(|ending| Ending { message: format!("{what}: {}", ending.message), ..ending })?;
+    let array =
+        unsafe { read_sized(array) }.map_err(|ending| Ending { message: format!("{what}: {}", ending.message), ..ending })?;
     if array.format == patchlight_format::PATCHLIGHT_FLOAT as u32 {
         let items = array.items(components, size_of::<f32>(), what)?;
         // SAFETY: The caller's promise.
@@ -116,7 +117,8 @@ pub unsafe fn reals(array: *const patchlight_array, components: usize, what: &st
 /// As the text at the head of the header demands.
 pub unsafe fn wholes(array: *const patchlight_array, what: &str) -> Outcome<Vec<u64>> {
     // SAFETY: The caller's promise.
-    let array = unsafe { read_sized(array) }.map_err(|ending| Ending { message: format!("{what}: {}", ending.message), ..ending })?;
+    let array =
+        unsafe { read_sized(array) }.map_err(|ending| Ending { message: format!("{what}: {}", ending.message), ..ending })?;
     if array.format == patchlight_format::PATCHLIGHT_UINT32 as u32 {
         let items = array.items(1, size_of::<u32>(), what)?;
         // SAFETY: The caller's promise.

@@ -14,7 +14,9 @@ pub fn enter(body: impl FnOnce() -> Outcome) -> patchlight_status {
     let ending = match catch_unwind(AssertUnwindSafe(body)) {
         Ok(Ok(())) => Ending::new(PATCHLIGHT_OK, ""),
         Ok(Err(ending)) => ending,
-        Err(panic) => Ending::new(PATCHLIGHT_INTERNAL_ERROR, format_args!("a mistake in the library, please report it: {}", told(panic))),
+        Err(panic) => {
+            Ending::new(PATCHLIGHT_INTERNAL_ERROR, format_args!("a mistake in the library, please report it: {}", told(panic)))
+        }
     };
     set_message(&ending.message);
     ending.status

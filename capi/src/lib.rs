@@ -25,14 +25,15 @@ mod visibility;
 pub use array::{patchlight_array, patchlight_format};
 pub use context::{
     patchlight_context, patchlight_context_create, patchlight_context_create_sharing, patchlight_context_release,
-    patchlight_context_retain, patchlight_context_set_log, patchlight_context_threads, patchlight_log_function, patchlight_log_level,
+    patchlight_context_retain, patchlight_context_set_log, patchlight_context_threads, patchlight_log_function,
+    patchlight_log_level,
 };
 pub use observer::{patchlight_progress, patchlight_progress_function, patchlight_stage};
 pub use options::{
-    patchlight_option_count, patchlight_option_get_text, patchlight_option_get_type, patchlight_option_text, patchlight_option_type,
-    patchlight_options, patchlight_options_create, patchlight_options_get_text, patchlight_options_release, patchlight_options_reset,
-    patchlight_options_retain, patchlight_options_set_bool, patchlight_options_set_double, patchlight_options_set_text,
-    patchlight_options_set_uint64,
+    patchlight_option_count, patchlight_option_get_text, patchlight_option_get_type, patchlight_option_text,
+    patchlight_option_type, patchlight_options, patchlight_options_create, patchlight_options_get_text, patchlight_options_release,
+    patchlight_options_reset, patchlight_options_retain, patchlight_options_set_bool, patchlight_options_set_double,
+    patchlight_options_set_text, patchlight_options_set_uint64,
 };
 pub use scene::diagnostics::{
     PATCHLIGHT_NONE, patchlight_diagnostic, patchlight_diagnostic_code, patchlight_scene_diagnostic,

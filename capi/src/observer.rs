@@ -50,7 +50,8 @@ pub struct patchlight_progress {
 }
 
 /// Hears how far work is, with its own data; not 0 to cancel. Called on worker threads, by one at a time.
-pub type patchlight_progress_function = Option<unsafe extern "C" fn(user: *mut c_void, progress: *const patchlight_progress) -> i32>;
+pub type patchlight_progress_function =
+    Option<unsafe extern "C" fn(user: *mut c_void, progress: *const patchlight_progress) -> i32>;
 
 /// A function of the caller's with its data.
 #[derive(Clone, Copy)]

@@ -94,8 +94,7 @@ pub unsafe extern "C" fn patchlight_solve(
         let context = handles::get(context)?;
         let scene = handles::get(scene)?.committed()?;
         // SAFETY: The contract of the header.
-        let (out, request) =
-            unsafe { (Out::new(solution, "solution")?, Request::read(info, scene.scene.surfaces().len())?) };
+        let (out, request) = unsafe { (Out::new(solution, "solution")?, Request::read(info, scene.scene.surfaces().len())?) };
         let Request { settings: Settings { solve: options, run }, listener, visibility, failed } = request;
 
         let watcher = Watcher::new(listener, &failed);

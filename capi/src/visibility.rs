@@ -53,9 +53,8 @@ pub struct patchlight_hit {
 }
 
 /// Says of each segment whether a triangle blocks it: 1 or 0. Returns 0, or anything else to say that it failed, which ends the work.
-pub type patchlight_occluded_function = Option<
-    unsafe extern "C" fn(user: *mut c_void, segments: *const patchlight_segment, count: usize, occluded: *mut u8) -> i32,
->;
+pub type patchlight_occluded_function =
+    Option<unsafe extern "C" fn(user: *mut c_void, segments: *const patchlight_segment, count: usize, occluded: *mut u8) -> i32>;
 
 /// Says of each ray what it meets first; `hits` are filled with "nothing" beforehand. Returns 0, or anything else to say that it failed.
 pub type patchlight_first_hits_function =

@@ -23,11 +23,8 @@ fn the_shared_library_has_a_soname_and_exports_its_functions_alone() {
     let mut exported: Vec<&str> = symbols.lines().filter_map(|line| line.split_whitespace().next_back()).collect();
     exported.sort_unstable();
     let header = fs::read_to_string(top().join("capi/include/patchlight.h")).unwrap();
-    let mut declared: Vec<&str> = header
-        .lines()
-        .filter_map(|line| line.strip_prefix("patchlight_status ")?.split_once('('))
-        .map(|(name, _)| name)
-        .collect();
+    let mut declared: Vec<&str> =
+        header.lines().filter_map(|line| line.strip_prefix("patchlight_status ")?.split_once('(')).map(|(name, _)| name).collect();
     declared.sort_unstable();
     assert!(declared.len() > 40 && exported == declared, "exported {exported:?}\ndeclared {declared:?}");
 }
@@ -36,7 +33,8 @@ fn the_shared_library_has_a_soname_and_exports_its_functions_alone() {
 fn everything_is_installed_and_taken_away_again() {
     let installed = Installed::get();
     let root = installed.scratch("root");
-    let script = |action| run(installed.script(action).env("PREFIX", "/opt/light").env("LIBDIR", "/opt/light/lib64").env("DESTDIR", &root));
+    let script =
+        |action| run(installed.script(action).env("PREFIX", "/opt/light").env("LIBDIR", "/opt/light/lib64").env("DESTDIR", &root));
     script("install");
     let find = || run(Command::new("find").arg(&root).args(["!", "-type", "d", "-printf", "%P\n"]));
     let found = find();
@@ -59,7 +57,9 @@ fn everything_is_installed_and_taken_away_again() {
         assert!(found.lines().any(|line| line == format!("opt/light/{file}")), "{file} is not in\n{found}");
     }
     // No file knows the folder that it was put together in, and no placeholder is left.
-    for file in ["pkgconfig/patchlight.pc", "cmake/patchlight/patchlight-config.cmake", "cmake/patchlight/patchlight-config-version.cmake"] {
+    for file in
+        ["pkgconfig/patchlight.pc", "cmake/patchlight/patchlight-config.cmake", "cmake/patchlight/patchlight-config-version.cmake"]
+    {
         let text = fs::read_to_string(root.join("opt/light/lib64").join(file)).unwrap();
         assert!(!text.contains(root.to_str().unwrap()) && !text.contains('@'), "{text}");
     }
@@ -72,7 +72,9 @@ fn man_pages_and_completions_tell_of_the_program() {
     let share = Installed::get().prefix().join("share");
     let solve = fs::read_to_string(share.join("man/man1/patchlight-solve.1")).unwrap();
     assert!(solve.contains("expected_values") && solve.contains("Exit codes"), "{solve}");
-    for file in ["bash-completion/completions/patchlight", "zsh/site-functions/_patchlight", "fish/vendor_completions.d/patchlight.fish"] {
+    for file in
+        ["bash-completion/completions/patchlight", "zsh/site-functions/_patchlight", "fish/vendor_completions.d/patchlight.fish"]
+    {
         assert!(fs::read_to_string(share.join(file)).unwrap().contains("max-links"), "{file}");
     }
 }
@@ -83,7 +85,8 @@ fn examples_run_in_c_and_cpp_dynamically_and_statically() {
     for (compiler, is_static) in [("gcc", false), ("g++", false), ("gcc", true), ("g++", true)] {
         let name = format!("{compiler}-{is_static}");
         for (number, of) in EXAMPLES.into_iter().enumerate() {
-            let build = Build { name: &name, compiler, is_static, ..Build::plain(&example(of)) };
+            let source = example(of);
+            let build = Build { name: &name, compiler, is_static, ..Build::plain(&source) };
             let program = installed.build(&build);
             // Each runs once either way; built are all.
             if is_static == (number % 2 == 0) && of != "room" {

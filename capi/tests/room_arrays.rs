@@ -39,8 +39,10 @@ fn the_arrays_are_the_room() {
     let numbers = |of: fn(&patchlight::scene::Material) -> &Vec<f64>| {
         scene.materials().iter().flat_map(of).map(|number| format!("{number:?}")).collect::<Vec<_>>()
     };
-    let mut header = "// The furnished room of scenes/room.obj. Made by capi/tests/room_arrays.rs: change that, not this file.\n".to_owned();
-    let sizes = [("VERTICES", vertices.len()), ("FACES", faces.len()), ("CORNERS", corners.len()), ("MATERIALS", scene.materials().len())];
+    let mut header =
+        "// The furnished room of scenes/room.obj. Made by capi/tests/room_arrays.rs: change that, not this file.\n".to_owned();
+    let sizes =
+        [("VERTICES", vertices.len()), ("FACES", faces.len()), ("CORNERS", corners.len()), ("MATERIALS", scene.materials().len())];
     header.push('\n');
     sizes.iter().for_each(|(name, size)| writeln!(header, "#define ROOM_{name} {size}").unwrap());
     header += &array("room_vertices", "double", &vertices.concat(), 9);
@@ -54,5 +56,8 @@ fn the_arrays_are_the_room() {
     if std::env::var_os(WRITE).is_some() {
         std::fs::write(&path, &header).unwrap();
     }
-    assert!(std::fs::read_to_string(&path).unwrap_or_default() == header, "{WRITE}=1 cargo test -p patchlight-capi --test room_arrays");
+    assert!(
+        std::fs::read_to_string(&path).unwrap_or_default() == header,
+        "{WRITE}=1 cargo test -p patchlight-capi --test room_arrays"
+    );
 }

@@ -73,8 +73,10 @@ const RUN: [RunEntry; 3] = [
 ];
 
 /// Keys of the command line that belong elsewhere here.
-const ELSEWHERE: [(&str, &str); 2] =
-    [("threads", "threads belong to the context: patchlight_context_create"), ("sides", "sides belong to the scene: patchlight_scene_create")];
+const ELSEWHERE: [(&str, &str); 2] = [
+    ("threads", "threads belong to the context: patchlight_context_create"),
+    ("sides", "sides belong to the scene: patchlight_scene_create"),
+];
 
 /// An option.
 pub enum Entry {

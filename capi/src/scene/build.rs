@@ -47,7 +47,8 @@ impl Draft {
     pub fn build(&self) -> (Outcome<Committed>, Vec<Note>) {
         let mistakes = self.mistakes();
         if let Some(first) = mistakes.first() {
-            let more = if mistakes.len() > 1 { format!(" (and {} more, see the diagnostics)", mistakes.len() - 1) } else { String::new() };
+            let more =
+                if mistakes.len() > 1 { format!(" (and {} more, see the diagnostics)", mistakes.len() - 1) } else { String::new() };
             return (Err(Ending::new(PATCHLIGHT_INVALID_SCENE, format_args!("{}{more}", first.text))), mistakes);
         }
 
@@ -74,7 +75,8 @@ impl Draft {
         let is_dark = !scene.surfaces().iter().any(|surface| scene.materials()[surface.material as usize].emits());
         diagnostics.items.retain(|item| item.kind != DiagnosticKind::NoLight);
         if is_dark {
-            diagnostics.push(Diagnostic::new(DiagnosticKind::NoLight, "no light: no material of a face emits, so everything is black"));
+            diagnostics
+                .push(Diagnostic::new(DiagnosticKind::NoLight, "no light: no material of a face emits, so everything is black"));
         }
         let files: Vec<String> = self.files.iter().map(|file| file.file.display().to_string()).collect();
         let notes = diagnostics.items.iter().map(Note::of).collect();
@@ -114,7 +116,10 @@ impl Draft {
     fn mistake_of(&self, face: &ArrayFace, corners: &[u64]) -> Option<(Code, String)> {
         let (vertices, materials) = (self.vertices.len(), self.materials.len());
         if let Some(corner) = corners.iter().find(|&&corner| corner >= vertices as u64) {
-            return Some((Code::PATCHLIGHT_BAD_INDEX, format!("vertex {corner} does not exist: there are {vertices}, numbered from 0")));
+            return Some((
+                Code::PATCHLIGHT_BAD_INDEX,
+                format!("vertex {corner} does not exist: there are {vertices}, numbered from 0"),
+            ));
         }
         if face.material as usize >= materials {
             let text = format!("material {} does not exist: there are {materials}, numbered from 0", face.material);
@@ -122,7 +127,10 @@ impl Draft {
         }
         let is_bad = |&&corner: &&u64| !self.vertices[corner as usize].iter().all(|x| x.abs() <= LARGEST_COORDINATE);
         let bad = corners.iter().find(is_bad)?;
-        Some((Code::PATCHLIGHT_BAD_VERTEX, format!("vertex {bad} has a coordinate that is not a number below {LARGEST_COORDINATE:e}")))
+        Some((
+            Code::PATCHLIGHT_BAD_VERTEX,
+            format!("vertex {bad} has a coordinate that is not a number below {LARGEST_COORDINATE:e}"),
+        ))
     }
 }
 
@@ -146,6 +154,6 @@ fn append(polygons: &mut Vec<(Polygon, u32, u32)>, materials: &mut Vec<Material>
     let first_material = materials.len() as u32;
     materials.extend(scene.materials().iter().cloned());
     let of_surfaces = scene.surfaces().iter();
-    polygons.extend(of_surfaces.map(|surface| (surface.polygon.clone(), first_material + surface.material, first_face + surface.face)));
+    polygons
+        .extend(of_surfaces.map(|surface| (surface.polygon.clone(), first_material + surface.material, first_face + surface.face)));
 }
-
