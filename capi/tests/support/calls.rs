@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 use std::ffi::{CStr, CString, c_void};
-use std::ptr::{self, null, null_mut};
+use std::ptr::{null, null_mut};
 
 use patchlight_capi::patchlight_status::{self, PATCHLIGHT_INVALID_ARGUMENT, PATCHLIGHT_OK};
 use patchlight_capi::*;
@@ -90,7 +90,7 @@ pub fn closed_box(context: *mut patchlight_context) -> *mut patchlight_scene {
 
 pub fn info(options: *mut patchlight_options) -> patchlight_solve_info {
     let size = size_of::<patchlight_solve_info>();
-    patchlight_solve_info { size, options, progress: None, progress_user: ptr::null_mut::<c_void>(), visibility: null() }
+    patchlight_solve_info { size, options, progress: None, progress_user: null_mut::<c_void>(), visibility: null() }
 }
 
 /// A box that is lit, coarsely.

@@ -39,11 +39,11 @@ fn built() -> PathBuf {
 
 /// The program, the libraries and the manual in one folder, as `make library` leaves them.
 fn gathered(into: &Path) {
-    // The program and the example are built by any test at the top; the libraries were built along with this test.
-    let is_release = built().ends_with("release");
+    // The libraries were built along with this test, the program and the example along with the tests at the top.
+    let profile = if built().ends_with("release") { "release" } else { "test" };
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.current_dir(top()).args(["test", "--no-run", "--locked", "--quiet", "--test", "workers", "--example", "manual"]);
-    run(if is_release { cargo.arg("--release") } else { &mut cargo });
+    cargo.current_dir(top()).args(["build", "--locked", "--quiet", "--profile", profile]);
+    run(cargo.args(["--bin", "patchlight", "--example", "manual"]));
     let link = |from: PathBuf, name: &str| std::os::unix::fs::symlink(from, into.join(name)).unwrap();
     link(built().join("patchlight"), "patchlight");
     for library in ["libpatchlight_capi.so", "libpatchlight_capi.a"] {
