@@ -7,13 +7,18 @@ use patchlight::pipeline::Workers;
 
 use crate::entry::enter;
 use crate::float_state::FloatState;
-use crate::handles;
+use crate::handles::{self, Handle};
 use crate::memory::Out;
 use crate::status::{Ending, Outcome, PATCHLIGHT_OUT_OF_RANGE, patchlight_status};
 
 /// Worker threads, and who hears what happens. Scenes, solves and solutions of a context use its threads.
 pub struct patchlight_context {
     _private: [u8; 0],
+}
+
+impl Handle for patchlight_context {
+    type Target = Context;
+    const NAME: &'static str = "context";
 }
 
 /// What a line of the log is. Values may be added.

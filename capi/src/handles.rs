@@ -1,59 +1,25 @@
 //! Handles are numbers in the shape of pointers: a table says what they stand for, and no number is given out twice. So a handle that was
 //! released, or never was one, is told apart from one that lives, and is never followed.
 
+use std::any::Any;
 use std::collections::BTreeMap;
 use std::ptr;
 use std::sync::{Arc, PoisonError, RwLock};
 
-use crate::context::{Context, patchlight_context};
-use crate::options::{Options, patchlight_options};
-use crate::scene::{SceneObject, patchlight_scene};
-use crate::solution::{Solution, patchlight_solution};
 use crate::status::{Ending, Outcome, PATCHLIGHT_INVALID_HANDLE};
-
-/// What a handle stands for.
-#[derive(Clone)]
-pub enum Object {
-    Context(Arc<Context>),
-    Options(Arc<Options>),
-    Scene(Arc<SceneObject>),
-    Solution(Arc<Solution>),
-}
 
 /// A kind of handle.
 pub trait Handle: Sized {
     /// What it stands for.
-    type Target;
+    type Target: Any + Send + Sync;
     /// What it is called.
     const NAME: &'static str;
-    fn wrap(target: Arc<Self::Target>) -> Object;
-    fn unwrap(object: &Object) -> Option<&Arc<Self::Target>>;
 }
-
-macro_rules! handle {
-    ($Handle:ident, $Target:ident, $Variant:ident, $name:literal) => {
-        impl Handle for $Handle {
-            type Target = $Target;
-            const NAME: &'static str = $name;
-
-            fn wrap(target: Arc<$Target>) -> Object {
-                Object::$Variant(target)
-            }
-
-            fn unwrap(object: &Object) -> Option<&Arc<$Target>> {
-                if let Object::$Variant(target) = object { Some(target) } else { None }
-            }
-        }
-    };
-}
-
-handle!(patchlight_context, Context, Context, "context");
-handle!(patchlight_options, Options, Options, "options");
-handle!(patchlight_scene, SceneObject, Scene, "scene");
-handle!(patchlight_solution, Solution, Solution, "solution");
 
 struct Entry {
-    object: Object,
+    target: Arc<dyn Any + Send + Sync>,
+    /// What its kind of handle is called.
+    name: &'static str,
     /// How often it must be released.
     count: u64,
 }
@@ -73,7 +39,7 @@ pub fn create<H: Handle>(target: Arc<H::Target>) -> *mut H {
     let mut table = TABLE.write().unwrap_or_else(PoisonError::into_inner);
     table.last += STEP;
     let number = table.last;
-    table.entries.insert(number, Entry { object: H::wrap(target), count: 1 });
+    table.entries.insert(number, Entry { target, name: H::NAME, count: 1 });
     ptr::without_provenance_mut(number)
 }
 
@@ -81,14 +47,15 @@ pub fn create<H: Handle>(target: Arc<H::Target>) -> *mut H {
 pub fn get<H: Handle>(handle: *const H) -> Outcome<Arc<H::Target>> {
     let table = TABLE.read().unwrap_or_else(PoisonError::into_inner);
     let entry = table.entries.get(&handle.addr());
-    entry.and_then(|entry| H::unwrap(&entry.object)).cloned().ok_or_else(|| refused(handle, entry))
+    let target = entry.and_then(|entry| entry.target.clone().downcast().ok());
+    target.ok_or_else(|| refused(handle, entry))
 }
 
 /// One more release is needed.
 pub fn retain<H: Handle>(handle: *mut H) -> Outcome {
     let mut table = TABLE.write().unwrap_or_else(PoisonError::into_inner);
     match table.entries.get_mut(&handle.addr()) {
-        Some(entry) if H::unwrap(&entry.object).is_some() => {
+        Some(entry) if entry.target.is::<H::Target>() => {
             entry.count += 1;
             Ok(())
         }
@@ -103,7 +70,7 @@ pub fn release<H: Handle>(handle: *mut H) -> Outcome {
     }
     let mut table = TABLE.write().unwrap_or_else(PoisonError::into_inner);
     let ended = match table.entries.get_mut(&handle.addr()) {
-        Some(entry) if H::unwrap(&entry.object).is_some() => {
+        Some(entry) if entry.target.is::<H::Target>() => {
             entry.count -= 1;
             if entry.count == 0 { table.entries.remove(&handle.addr()) } else { None }
         }
@@ -118,18 +85,9 @@ pub fn release<H: Handle>(handle: *mut H) -> Outcome {
 fn refused<H: Handle>(handle: *const H, found: Option<&Entry>) -> Ending {
     let name = H::NAME;
     let message = match found {
-        Some(entry) => format!("a handle of another kind, {}, stands where a {name} is needed", name_of(&entry.object)),
+        Some(entry) => format!("a handle of another kind, {}, stands where a {name} is needed", entry.name),
         None if handle.is_null() => format!("the {name} is NULL"),
         None => format!("the {name} is no handle, or was released"),
     };
     Ending::new(PATCHLIGHT_INVALID_HANDLE, message)
-}
-
-fn name_of(object: &Object) -> &'static str {
-    match object {
-        Object::Context(_) => patchlight_context::NAME,
-        Object::Options(_) => patchlight_options::NAME,
-        Object::Scene(_) => patchlight_scene::NAME,
-        Object::Solution(_) => patchlight_solution::NAME,
-    }
 }

@@ -1,11 +1,12 @@
 //! C programs as hosts: under Valgrind, with ASan and TSan on their side, with threads and an Embree scene of their own.
 #![cfg(target_os = "linux")]
+#![allow(clippy::print_stdout, reason = "a test tells what it measured")]
 
 mod support;
 
 use std::process::Command;
 
-use support::{Build, EXAMPLES, Installed, is_there, run, skip};
+use support::{Build, EXAMPLES, Installed, is_there, run, skip, top};
 
 #[test]
 fn examples_and_hosts_are_clean_by_address_sanitizer() {
@@ -26,7 +27,10 @@ fn threads_of_a_host_are_clean_by_thread_sanitizer() {
     let installed = Installed::get();
     let flags = ["-fsanitize=thread"];
     let program = installed.build(&Build { name: "tsan", flags: &flags, ..Build::plain("capi/tests/c/threads.c") });
-    let output = installed.with_library(Command::new(&program)).output().unwrap();
+    let mut command = Command::new(&program);
+    let suppressions = top().join("capi/tests/c/tsan.supp");
+    command.env("TSAN_OPTIONS", format!("suppressions={}", suppressions.display()));
+    let output = installed.with_library(command).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     if said.contains("unexpected memory mapping") {
         return skip("this kernel's memory layout is not one that gcc's thread sanitizer knows");
@@ -40,7 +44,7 @@ fn examples_are_clean_by_valgrind() {
         return skip("no valgrind; make setup installs it");
     }
     let installed = Installed::get();
-    for source in ["examples/c/bands.c", "examples/c/visibility.c", "examples/c/form_factors.c", "capi/tests/c/hostile.c"] {
+    for source in ["examples/c/visibility.c", "capi/tests/c/hostile.c"] {
         let program = installed.build(&Build::plain(source));
         let mut command = Command::new("valgrind");
         command
@@ -66,15 +70,26 @@ fn hostile_calls_from_c_end_with_a_status() {
     run(&mut installed.with_library(Command::new(installed.build(&Build::plain("capi/tests/c/hostile.c")))));
 }
 
-#[test]
-fn memory_does_not_grow() {
+/// Makes, solves and lets go, so many times.
+fn again(times: &str) {
     let installed = Installed::get();
     let program = installed.build(&Build::plain("capi/tests/c/again.c"));
     for backend in ["obvhs", "auto"] {
         let mut command = Command::new(&program);
-        command.args(["1000", backend]);
-        run(&mut installed.with_library(command));
+        command.args([times, backend]);
+        println!("{backend}: {}", run(&mut installed.with_library(command)));
     }
+}
+
+#[test]
+fn memory_does_not_grow() {
+    again("40");
+}
+
+#[test]
+#[ignore = "takes some minutes"]
+fn memory_does_not_grow_in_a_thousand_rounds() {
+    again("1000");
 }
 
 #[test]

@@ -159,3 +159,15 @@ fn the_room_in_forty_lines_is_the_room_of_the_program() {
     // The files state options, of which the program counts its points: what is left is what can be seen.
     assert_eq!(fs::metadata(&picture).unwrap().len() > 1000, fs::metadata(&its_picture).unwrap().len() > 1000);
 }
+
+#[test]
+fn the_ten_lines_of_the_documentation_work() {
+    let page = fs::read_to_string(top().join("docs/c.md")).unwrap();
+    let code = page.split("```c\n").nth(1).unwrap().split("```").next().unwrap();
+    let installed = Installed::get();
+    let source = installed.scratch("page").join("ten_lines.c");
+    fs::write(&source, code).unwrap();
+    let program = installed.build(&Build { name: "page", ..Build::plain(source.to_str().unwrap()) });
+    let said = run(installed.with_library(Command::new(program)).current_dir(top()));
+    assert!(said.starts_with("claimed error: ") && !said.contains('-'), "{said}");
+}

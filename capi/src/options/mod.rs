@@ -5,11 +5,12 @@ mod table;
 use std::ffi::c_char;
 use std::sync::{Arc, Mutex, PoisonError};
 
-pub use table::Settings;
+use table::patchlight_option_type::*;
 use table::{Entry, entries};
+pub use table::{Settings, patchlight_option_type};
 
 use crate::entry::enter;
-use crate::handles;
+use crate::handles::{self, Handle};
 use crate::memory::{Buffer, Out, text};
 use crate::status::{Ending, Outcome, PATCHLIGHT_NOT_AVAILABLE, PATCHLIGHT_OUT_OF_RANGE, patchlight_status};
 
@@ -18,21 +19,10 @@ pub struct patchlight_options {
     _private: [u8; 0],
 }
 
-/// What an option's value is. Values may be added.
-#[repr(u32)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum patchlight_option_type {
-    /// A number: patchlight_options_set_double.
-    PATCHLIGHT_OPTION_DOUBLE = 1,
-    /// A whole number: patchlight_options_set_uint64.
-    PATCHLIGHT_OPTION_UINT64 = 2,
-    /// Yes or no: patchlight_options_set_bool.
-    PATCHLIGHT_OPTION_BOOL = 3,
-    /// A name or other text: patchlight_options_set_text, which takes the others as text too.
-    PATCHLIGHT_OPTION_TEXT = 4,
+impl Handle for patchlight_options {
+    type Target = Options;
+    const NAME: &'static str = "options";
 }
-
-pub use patchlight_option_type::*;
 
 /// What there is to know of an option, as text. Values may be added.
 #[repr(u32)]

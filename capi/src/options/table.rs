@@ -3,8 +3,23 @@
 use patchlight::solve::{OptionEntry, OptionType, RunOptions, SolveOptions};
 use patchlight::visibility::Backend;
 
-use super::patchlight_option_type::{self, *};
 use crate::status::{Ending, Outcome, PATCHLIGHT_OUT_OF_RANGE, PATCHLIGHT_UNKNOWN_OPTION};
+
+/// What an option's value is. Values may be added.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum patchlight_option_type {
+    /// A number: patchlight_options_set_double.
+    PATCHLIGHT_OPTION_DOUBLE = 1,
+    /// A whole number: patchlight_options_set_uint64.
+    PATCHLIGHT_OPTION_UINT64 = 2,
+    /// Yes or no: patchlight_options_set_bool.
+    PATCHLIGHT_OPTION_BOOL = 3,
+    /// A name or other text: patchlight_options_set_text, which takes the others as text too.
+    PATCHLIGHT_OPTION_TEXT = 4,
+}
+
+use patchlight_option_type::*;
 
 /// The values of all options.
 #[derive(Clone, Default)]

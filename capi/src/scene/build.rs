@@ -4,8 +4,7 @@ use patchlight::geometry::Polygon;
 use patchlight::scene::import::{ArrayFace, Diagnostic, DiagnosticKind, Diagnostics, Imported, polygons_of_arrays};
 use patchlight::scene::{Material, Scene, Sides};
 
-use super::Committed;
-use super::diagnostics::{Note, patchlight_diagnostic_code as Code};
+use super::note::{Note, patchlight_diagnostic_code as Code};
 use crate::status::{Ending, Outcome, PATCHLIGHT_INVALID_SCENE};
 
 /// What was added so far.
@@ -24,6 +23,15 @@ pub struct Draft {
 pub struct MaterialRow {
     pub reflectance: Vec<f64>,
     pub exitance: Vec<f64>,
+}
+
+/// A scene that can be solved.
+pub struct Committed {
+    pub scene: Scene,
+    /// The files that it was read from, if any.
+    pub files: String,
+    /// What was repaired or is suspicious.
+    pub warnings: Vec<String>,
 }
 
 /// A commit tells so many mistakes at most.

@@ -2,28 +2,27 @@
 
 mod build;
 pub mod diagnostics;
+mod note;
+mod object;
 pub mod read;
 
 use std::ffi::c_char;
 use std::path::Path;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
+use patchlight::scene::Sides;
 use patchlight::scene::import::{ArrayFace, ImportOptions, read_scene};
-use patchlight::scene::{Scene, Sides};
 
 use crate::array::{patchlight_array, reals, vectors, wholes};
-use crate::context::{Context, PATCHLIGHT_LOG_WARNING, patchlight_context};
+use crate::context::{PATCHLIGHT_LOG_WARNING, patchlight_context};
 use crate::entry::enter;
 use crate::handles;
 use crate::memory::{Out, text};
-use crate::status::{Ending, Outcome, PATCHLIGHT_INVALID_SCENE, PATCHLIGHT_WRONG_STATE, patchlight_status};
-use build::{Draft, MaterialRow};
-use diagnostics::Note;
-
-/// What is lit. Put together, then committed, and unchangeable from there on.
-pub struct patchlight_scene {
-    _private: [u8; 0],
-}
+use crate::status::{Ending, PATCHLIGHT_INVALID_SCENE, PATCHLIGHT_WRONG_STATE, patchlight_status};
+pub use build::Committed;
+use build::MaterialRow;
+use object::SceneObject;
+pub use object::patchlight_scene;
 
 /// Which sides of a face emit and receive. Values may be added.
 #[repr(u32)]
@@ -49,51 +48,6 @@ pub enum patchlight_file_flags {
 
 use patchlight_file_flags::*;
 
-/// Behind a handle.
-pub struct SceneObject {
-    context: Arc<Context>,
-    state: Mutex<State>,
-}
-
-/// What there is of a scene.
-struct State {
-    draft: Draft,
-    /// Once it is committed.
-    scene: Option<Arc<Committed>>,
-    /// What the last commit noted.
-    notes: Vec<Note>,
-}
-
-/// A scene that can be solved.
-pub struct Committed {
-    pub scene: Scene,
-    /// The files that it was read from, if any.
-    pub files: String,
-    /// What was repaired or is suspicious.
-    pub warnings: Vec<String>,
-}
-
-impl SceneObject {
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The scene, if it is committed.
-    pub fn committed(&self) -> Outcome<Arc<Committed>> {
-        let message = "the scene is not committed: call patchlight_scene_commit first";
-        self.state().scene.clone().ok_or_else(|| Ending::new(PATCHLIGHT_WRONG_STATE, message))
-    }
-
-    /// Changes what is not committed yet.
-    fn change(&self, change: impl FnOnce(&mut Draft) -> Outcome) -> Outcome {
-        let mut state = self.state();
-        if state.scene.is_some() {
-            return Err(Ending::new(PATCHLIGHT_WRONG_STATE, "the scene is committed and cannot be changed: make a new one"));
-        }
-        change(&mut state.draft)
-    }
-}
-
 /// Makes a scene without anything in it. `channels` is 1 for grey, 3 for linear Rec. 709, or the number of bands, up to 1024; `sides` is a
 /// patchlight_sides.
 #[unsafe(no_mangle)]
@@ -115,8 +69,7 @@ pub unsafe extern "C" fn patchlight_scene_create(
         if !(1..=1024).contains(&channels) {
             return Err(Ending::argument(format_args!("channels is {channels}, it must be from 1 to 1024")));
         }
-        let state = State { draft: Draft::new(channels as usize, sides), scene: None, notes: Vec::new() };
-        out.set(handles::create(Arc::new(SceneObject { context, state: Mutex::new(state) })))
+        out.set(handles::create(Arc::new(SceneObject::new(context, channels as usize, sides))))
     })
 }
 
@@ -257,19 +210,7 @@ pub unsafe extern "C" fn patchlight_scene_add_file(
 pub extern "C" fn patchlight_scene_commit(scene: *mut patchlight_scene) -> patchlight_status {
     enter(|| {
         let scene = handles::get(scene)?;
-        let warnings = {
-            let mut state = scene.state();
-            if state.scene.is_some() {
-                return Err(Ending::new(PATCHLIGHT_WRONG_STATE, "the scene is committed already"));
-            }
-            let (built, notes) = state.draft.build();
-            state.notes = notes;
-            let committed = Arc::new(built?);
-            let warnings = committed.warnings.clone();
-            state.scene = Some(committed);
-            state.draft.clear();
-            warnings
-        };
+        let warnings = scene.commit()?;
         // Not while the lock is held: who listens may call the library.
         warnings.iter().for_each(|warning| scene.context.log(PATCHLIGHT_LOG_WARNING, warning));
         Ok(())

@@ -2,7 +2,7 @@
 
 use patchlight::visibility::OccluderMesh;
 
-use super::patchlight_scene;
+use super::object::patchlight_scene;
 use crate::entry::enter;
 use crate::handles;
 use crate::memory::{Buffer, Out};

@@ -14,7 +14,7 @@ use patchlight::solve::SolveReport;
 
 use crate::context::Context;
 use crate::entry::enter;
-use crate::handles;
+use crate::handles::{self, Handle};
 use crate::memory::Out;
 use crate::observer::{Listener, patchlight_progress_function};
 use crate::status::{Ending, Outcome, PATCHLIGHT_CANCELLED, PATCHLIGHT_NOT_AVAILABLE, patchlight_status};
@@ -22,6 +22,11 @@ use crate::status::{Ending, Outcome, PATCHLIGHT_CANCELLED, PATCHLIGHT_NOT_AVAILA
 /// The answer: radiosities of everything, and what values at points and pictures are made from. Unchangeable; may be read by many threads.
 pub struct patchlight_solution {
     _private: [u8; 0],
+}
+
+impl Handle for patchlight_solution {
+    type Target = Solution;
+    const NAME: &'static str = "solution";
 }
 
 /// Behind a handle.
