@@ -1,11 +1,13 @@
 # The commands that people and CI run. `make` alone lists them.
-.PHONY: help setup demo test lint bench bench-error counters test-debian13
+.PHONY: help setup demo library install uninstall test lint bench bench-error counters test-debian13
 
 # Rust's own installer puts cargo there; a fresh shell may not have it in PATH yet.
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 help:
 	@echo 'make demo           set up, build, light the furnished room, leave a picture and a report in out/'
+	@echo 'make library        set up, build the C library, the program, its man pages and completions'
+	@echo 'make install        install all of these: PREFIX=/usr/local, DESTDIR for packages; make uninstall takes them away'
 	@echo 'make test           set up, run all tests'
 	@echo 'make lint           formatting and clippy, warnings are errors'
 	@echo 'make bench          run the benchmarks (minutes)'
@@ -24,6 +26,20 @@ demo: setup
 	@echo
 	@echo 'picture   out/room.png (to look at), out/room.exr (linear radiance)'
 	@echo 'report    out/report.json'
+
+library: setup
+	cargo build --release --locked
+	cargo run --quiet --release --locked --example manual -- target/release/manual
+
+# Builds only what is missing, so that root needs no Rust.
+target/release/manual target/release/libpatchlight_capi.so:
+	$(MAKE) library
+
+install: target/release/libpatchlight_capi.so target/release/manual
+	@PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh install target/release
+
+uninstall:
+	@PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh uninstall target/release
 
 test: setup
 	cargo test --locked

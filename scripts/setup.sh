@@ -3,9 +3,10 @@
 # Elsewhere it says what is needed. PATCHLIGHT_NO_INSTALL=1 installs nothing.
 set -euo pipefail
 
-packages=(build-essential pkg-config libembree-dev libclang-dev)
+packages=(build-essential pkg-config libembree-dev libclang-dev cmake valgrind)
 
-# Embree and libclang are for the default feature `embree`; without them the build falls back to the pure-Rust backend.
+# Embree and libclang are for the default feature `embree`; without them the build falls back to the pure-Rust backend. cmake and valgrind are
+# for the tests of the C library.
 if command -v dpkg-query >/dev/null && command -v apt-get >/dev/null; then
     missing=()
     for package in "${packages[@]}"; do

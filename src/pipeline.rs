@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceBounds, PointBounds, RadiosityBounds};
@@ -14,7 +15,7 @@ use crate::solve::{
 use crate::sweep::Importance;
 use crate::transmittance::Rays;
 use crate::values::{self, Values};
-use crate::visibility::{self, Visibility, VisibilityError};
+use crate::visibility::{self, Backend, Visibility, VisibilityError};
 
 /// Why a stage could not start or finish.
 #[derive(Debug, Error)]
@@ -53,11 +54,35 @@ pub enum PipelineError {
     },
 }
 
+/// Worker threads. Clones are the same threads: several solves may share them, at once as well. They end with the last clone.
+#[derive(Clone)]
+pub struct Workers(Arc<rayon::ThreadPool>);
+
+impl Workers {
+    /// Starts so many threads; 0 takes one per core.
+    ///
+    /// # Errors
+    /// [`PipelineError::Threads`] if the system has none.
+    pub fn new(threads: usize) -> Result<Self, PipelineError> {
+        let failed = |error: rayon::ThreadPoolBuildError| PipelineError::Threads { threads, message: error.to_string() };
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().map(|pool| Self(Arc::new(pool))).map_err(failed)
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.0.current_num_threads()
+    }
+
+    fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        self.0.install(work)
+    }
+}
+
 /// A solution with what is needed to look at it: visibility and a pool of threads.
 pub struct Evaluator {
     solution: Solution,
     visibility: Box<dyn Visibility>,
-    pool: rayon::ThreadPool,
+    pool: Workers,
 }
 
 /// Solves `scene`. A run that a limit or the observer ends early is no error: the report says so, and the solution so far is
@@ -71,11 +96,24 @@ pub fn solve(
     run: &RunOptions,
     observer: &dyn Observer,
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
+    solve_on(Workers::new(run.threads)?, scene, options, run, observer)
+}
+
+/// Like [`solve()`], on threads that others may use as well; `run.threads` is not looked at.
+///
+/// # Errors
+/// See [`PipelineError`].
+pub fn solve_on(
+    pool: Workers,
+    scene: Scene,
+    options: &SolveOptions,
+    run: &RunOptions,
+    observer: &dyn Observer,
+) -> Result<(Evaluator, SolveReport), PipelineError> {
     options.validate()?;
     run.validate()?;
     check_memory(&scene, run)?;
     let start = Instant::now();
-    let pool = thread_pool(run)?;
     let mesh = visibility::OccluderMesh::of_scene(&scene);
     let visibility = pool.install(|| visibility::build(run.backend, &mesh))?;
     let triangles = mesh.triangles.len() as u64;
@@ -102,14 +140,29 @@ pub fn solve_asking(
     run: &RunOptions,
     observer: &dyn Observer,
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
+    solve_asking_on(Workers::new(run.threads)?, visibility, scene, options, run, observer)
+}
+
+/// Like [`solve_asking`], on threads that others may use as well; `run.threads` is not looked at.
+///
+/// # Errors
+/// See [`PipelineError`].
+pub fn solve_asking_on(
+    pool: Workers,
+    visibility: Box<dyn Visibility>,
+    scene: Scene,
+    options: &SolveOptions,
+    run: &RunOptions,
+    observer: &dyn Observer,
+) -> Result<(Evaluator, SolveReport), PipelineError> {
     options.validate()?;
     run.validate()?;
     check_memory(&scene, run)?;
-    solve_in(thread_pool(run)?, visibility, scene, options, run, observer)
+    solve_in(pool, visibility, scene, options, run, observer)
 }
 
 fn solve_in(
-    pool: rayon::ThreadPool,
+    pool: Workers,
     visibility: Box<dyn Visibility>,
     scene: Scene,
     options: &SolveOptions,
@@ -142,21 +195,28 @@ fn check_memory(scene: &Scene, run: &RunOptions) -> Result<(), PipelineError> {
     if needed > given { Err(PipelineError::Memory { needed, given }) } else { Ok(()) }
 }
 
-fn thread_pool(run: &RunOptions) -> Result<rayon::ThreadPool, PipelineError> {
-    let failed = |error: rayon::ThreadPoolBuildError| PipelineError::Threads { threads: run.threads, message: error.to_string() };
-    rayon::ThreadPoolBuilder::new().num_threads(run.threads).build().map_err(failed)
-}
-
 impl Evaluator {
     /// Makes a stored solution ready to be evaluated.
     ///
     /// # Errors
     /// See [`PipelineError`].
     pub fn new(solution: Solution, run: &RunOptions) -> Result<Self, PipelineError> {
-        let pool = thread_pool(run)?;
+        Self::new_on(Workers::new(run.threads)?, solution, run.backend)
+    }
+
+    /// Like [`Evaluator::new`], on threads that others may use as well.
+    ///
+    /// # Errors
+    /// See [`PipelineError`].
+    pub fn new_on(pool: Workers, solution: Solution, backend: Backend) -> Result<Self, PipelineError> {
         let mesh = visibility::OccluderMesh::of_scene(&solution.scene);
-        let visibility = pool.install(|| visibility::build(run.backend, &mesh))?;
-        Ok(Self { solution, visibility, pool })
+        let visibility = pool.install(|| visibility::build(backend, &mesh))?;
+        Ok(Self::asking_on(pool, visibility, solution))
+    }
+
+    /// Like [`Evaluator::new_on`], but asks `visibility`, whatever it is; see [`solve_asking`].
+    pub fn asking_on(pool: Workers, visibility: Box<dyn Visibility>, solution: Solution) -> Self {
+        Self { solution, visibility, pool }
     }
 
     /// The solution.

@@ -29,7 +29,7 @@ pub(crate) use interest::InitialImportance;
 pub use interest::InterestError;
 pub use options::{
     Bounds, CellOptions, ChangShih98Options, Holzschuch94Options, Interest, LinkOptions, Norm, OptionEntry, OptionGroup,
-    OptionsError, RunOptions, SolveOptions, Solver, Strategy, Sweep, UniformOptions,
+    OptionType, OptionsError, RunOptions, SolveOptions, Solver, Strategy, Sweep, UniformOptions,
 };
 pub use report::{
     Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LinkErrorReport, SkippedWork, SolveReport,

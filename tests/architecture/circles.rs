@@ -43,7 +43,7 @@ pub fn files_in_circles<'a>(uses: &Uses<'a>) -> BTreeMap<&'a str, Vec<&'a str>> 
 
 /// The files that crates start from: programs, libraries, tests, benches, examples and fuzz targets.
 pub fn roots(sources: &Sources) -> impl Iterator<Item = &str> {
-    let folders = ["", "tests", "benches", "examples", "fuzz/fuzz_targets"];
+    let folders = ["", "tests", "benches", "examples", "fuzz/fuzz_targets", "capi", "capi/tests", "capi/benches"];
     sources.keys().map(String::as_str).filter(move |file| {
         let (folder, name) = file.rsplit_once('/').unwrap_or(("", file));
         let above = folder.rsplit_once('/').map_or("", |(above, _)| above);

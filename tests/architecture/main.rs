@@ -39,8 +39,9 @@ fn add_sources(below: &str, found: &mut Sources) {
 
 /// All sources of the repository.
 fn sources() -> Sources {
-    let mut found = Sources::from([("build.rs".to_owned(), fs::read_to_string(root().join("build.rs")).unwrap())]);
-    for folder in ["src", "tests", "benches", "examples", "fuzz"] {
+    let mut found: Sources =
+        ["build.rs", "capi/build.rs"].map(|file| (file.to_owned(), fs::read_to_string(root().join(file)).unwrap())).into();
+    for folder in ["src", "tests", "benches", "examples", "fuzz", "capi/src", "capi/tests", "capi/benches"] {
         add_sources(folder, &mut found);
     }
     found

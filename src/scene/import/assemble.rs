@@ -11,8 +11,8 @@ use std::time::Duration;
 use glam::DVec3;
 
 use super::cut::{Cut, Pieces, convex_pieces};
-use super::obj::ObjFile;
-use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
+use super::obj::Face;
+use super::{Diagnostic, DiagnosticKind, Diagnostics};
 use crate::geometry::{Aabb, Polygon};
 use crate::progress::Stop;
 
@@ -31,26 +31,48 @@ pub(super) struct Assembled {
     pub dropped: usize,
 }
 
-/// Makes convex planar polygons of the faces, in their order.
-pub(super) fn assemble(
-    obj: &ObjFile,
-    file: &Path,
-    diagnostics: &mut Diagnostics,
-    stop: Stop<'_>,
-) -> Result<Assembled, ImportError> {
-    let mut ids: HashMap<[u64; 3], u32> = HashMap::with_capacity(obj.vertices);
-    let mut polygons = Vec::with_capacity(obj.faces.len());
+/// Faces as they were read.
+pub(super) struct Faces<'a> {
+    pub faces: &'a [Face],
+    /// The corners of all faces.
+    pub corners: &'a [DVec3],
+    /// How many vertices there are, about.
+    pub vertices: usize,
+    /// The file that they are from, and the line of each face, from 1; `None` for faces from memory.
+    pub source: Option<(&'a Path, &'a [u32])>,
+}
+
+impl Faces<'_> {
+    /// A diagnostic about a face.
+    fn about(&self, kind: DiagnosticKind, text: String, number: u32) -> Diagnostic {
+        let diagnostic = Diagnostic::new(kind, text).face(number + 1);
+        match self.source {
+            Some((file, lines)) => diagnostic.at(file, lines[number as usize]),
+            None => diagnostic,
+        }
+    }
+
+    /// What to call a face.
+    fn name(&self, number: u32) -> String {
+        let line = self.source.map_or_else(String::new, |(_, lines)| format!(" of line {}", lines[number as usize]));
+        format!("face {}{line}", number + 1)
+    }
+}
+
+/// Makes convex planar polygons of the faces, in their order; `None` if stopped before.
+pub(super) fn assemble(read: &Faces<'_>, diagnostics: &mut Diagnostics, stop: Stop<'_>) -> Option<Assembled> {
+    let mut ids: HashMap<[u64; 3], u32> = HashMap::with_capacity(read.vertices);
+    let mut polygons = Vec::with_capacity(read.faces.len());
     let mut dropped = 0;
     let mut flattened = (0_usize, 0.0_f64);
-    let rounding = PLANE_TOLERANCE * Aabb::around(obj.corners.iter().copied()).diagonal();
+    let rounding = PLANE_TOLERANCE * Aabb::around(read.corners.iter().copied()).diagonal();
 
-    // The faces so far by their corners: one for each of the two windings, as an index into `obj.faces`.
-    let mut seen: HashMap<Vec<u32>, [Option<usize>; 2]> = HashMap::with_capacity(obj.faces.len());
-    for (index, face) in obj.faces.iter().enumerate() {
-        let line = obj.lines[face.number as usize];
-        let mut note = |kind, text: String| diagnostics.push(Diagnostic::new(kind, text).at(file, line).face(face.number + 1));
+    // The faces so far by their corners: one for each of the two windings, as an index into `read.faces`.
+    let mut seen: HashMap<Vec<u32>, [Option<usize>; 2]> = HashMap::with_capacity(read.faces.len());
+    for (index, face) in read.faces.iter().enumerate() {
+        let mut note = |kind, text: String| diagnostics.push(read.about(kind, text, face.number));
 
-        let corners = distinct_corners(&obj.corners[face.start..face.end], &mut ids);
+        let corners = distinct_corners(&read.corners[face.start..face.end], &mut ids);
         if corners.len() < 3 {
             dropped += 1;
             note(DiagnosticKind::DegenerateFace, "dropped: it has fewer than three different corners".to_owned());
@@ -58,7 +80,7 @@ pub(super) fn assemble(
         }
 
         let (key, side) = unwound(&corners);
-        let pieces = pieces_or_stop(&corners, &key, side, rounding, stop).ok_or(ImportError::Cancelled)?;
+        let pieces = pieces_or_stop(&corners, &key, side, rounding, stop)?;
         if pieces.polygons.is_empty() {
             dropped += 1;
             note(DiagnosticKind::DegenerateFace, "dropped: it has no area".to_owned());
@@ -68,16 +90,15 @@ pub(super) fn assemble(
         // Same corners, same winding: a duplicate. Same corners, opposite winding: the other side of a sheet.
         let sides = seen.entry(key).or_default();
         if let Some(earlier) = sides[side] {
-            let earlier = &obj.faces[earlier];
+            let earlier = &read.faces[earlier];
             let but = if earlier.material == face.material { "" } else { " with another material" };
-            let (number, line) = (earlier.number + 1, obj.lines[earlier.number as usize]);
             dropped += 1;
-            note(DiagnosticKind::DuplicateFace, format!("dropped: it repeats face {number} of line {line}{but}"));
+            note(DiagnosticKind::DuplicateFace, format!("dropped: it repeats {}{but}", read.name(earlier.number)));
             continue;
         }
         sides[side] = Some(index);
         if let Some(earlier) = sides[1 - side] {
-            let number = obj.faces[earlier].number + 1;
+            let number = read.faces[earlier].number + 1;
             note(DiagnosticKind::Sheet, format!("is the back of face {number}: both together are a sheet with two sides"));
         }
 
@@ -88,15 +109,19 @@ pub(super) fn assemble(
         polygons.extend(pieces.polygons.into_iter().map(|polygon| (polygon, face.material, face.number)));
     }
 
-    note_flattened(flattened, file, diagnostics);
-    Ok(Assembled { polygons, dropped })
+    note_flattened(flattened, read, diagnostics);
+    Some(Assembled { polygons, dropped })
 }
 
 /// Notes how many faces were flattened, and by how much at most.
-fn note_flattened((count, most): (usize, f64), file: &Path, diagnostics: &mut Diagnostics) {
+fn note_flattened((count, most): (usize, f64), read: &Faces<'_>, diagnostics: &mut Diagnostics) {
     if count > 0 {
         let text = format!("{count} faces were flattened, by at most {most:.1e}: rounded digits");
-        diagnostics.push(Diagnostic::new(DiagnosticKind::Flattened, text).at(file, 0));
+        let note = Diagnostic::new(DiagnosticKind::Flattened, text);
+        diagnostics.push(match read.source {
+            Some((file, _)) => note.at(file, 0),
+            None => note,
+        });
     }
 }
 

@@ -1,9 +1,10 @@
-//! Reading scenes from files: what is fatal, what is repaired, and where.
+//! Reading scenes from files, and faces from memory: what is fatal, what is repaired, and where.
 //!
 //! Fatal are files that cannot be read, among them material libraries whose materials are used and defined nowhere else, broken syntax,
 //! indices out of range, numbers that are not finite, and a scene without a face. Everything else is repaired as [`DiagnosticKind`] tells, and each repair is a [`Diagnostic`] with file, line and face.
 //! Reading costs O(n log n) for n corners, but for single concave faces of very many corners.
 
+mod arrays;
 mod assemble;
 mod cut;
 mod diagnostics;
@@ -16,6 +17,7 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
+pub use arrays::{ArrayFace, ArraysError, polygons_of_arrays};
 pub use diagnostics::{Diagnostic, DiagnosticKind, Diagnostics, Severity};
 pub use error::ImportError;
 
@@ -75,7 +77,9 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     observer.progress(&Progress { stage: Stage::Read, round: 0, fraction: None, links: 0, elements: 0, error: None });
     let stop = || observer.cancelled();
     let mut obj = obj::read(path, options.allow_any_path, &mut diagnostics, &stop)?;
-    let assembled = assemble::assemble(&obj, path, &mut diagnostics, &stop)?;
+    let faces =
+        assemble::Faces { faces: &obj.faces, corners: &obj.corners, vertices: obj.vertices, source: Some((path, &obj.lines)) };
+    let assembled = assemble::assemble(&faces, &mut diagnostics, &stop).ok_or(ImportError::Cancelled)?;
     if assembled.polygons.is_empty() {
         // Faces of fewer than three corners never came as far as the assembly.
         let dropped = assembled.dropped + obj.lines.len() - obj.faces.len();

@@ -84,9 +84,11 @@ macro_rules! options {
             key: stringify!($key),
             help: concat!($($help),+).trim_ascii(),
             unit: concat!($($unit)?),
+            value_type: || type_of::<$Type, _>(&$range),
             range: || Kind::<$Type>::range(&$range),
             show: |options| Kind::<$Type>::show(&$range, &$Group::of(options).$key),
             check: |options| check(stringify!($key), $range, &$Group::of(options).$key),
+            reset: |options| $Group::of_mut(options).$key = $default,
             set: |options, text| {
                 $Group::of_mut(options).$key = read(stringify!($key), $range, text)?;
                 Ok(())

@@ -7,8 +7,24 @@ use std::str::FromStr;
 use super::error::OptionsError;
 use crate::links::Skips;
 
+/// What an option's value is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OptionType {
+    /// A number.
+    Real,
+    /// A whole number, not negative.
+    Whole,
+    /// `true` or `false`.
+    Flag,
+    /// A name, or other text.
+    Text,
+}
+
 /// What values of type `T` are legal.
 pub(super) trait Kind<T> {
+    /// What a value is.
+    const TYPE: OptionType;
+
     /// The value that `text` stands for; `None` if it stands for none.
     fn parse(&self, text: &str) -> Option<T>;
 
@@ -22,6 +38,11 @@ pub(super) trait Kind<T> {
 
     /// What is legal, as in "it must be ...".
     fn range(&self) -> String;
+}
+
+/// What an option of this kind is.
+pub(super) const fn type_of<T, K: Kind<T>>(_: &K) -> OptionType {
+    K::TYPE
 }
 
 /// Reads an option from text.
@@ -43,22 +64,27 @@ pub(super) fn check<T>(option: &'static str, kind: impl Kind<T>, value: &T) -> R
 pub(super) trait Number: Copy + PartialOrd + Display + FromStr {
     /// What one of them is called.
     const NOUN: &'static str;
+    /// What one of them is.
+    const TYPE: OptionType;
     /// Those above are infinite, or none.
     const MOST: Self;
 }
 
 impl Number for u32 {
     const NOUN: &'static str = "a whole number";
+    const TYPE: OptionType = OptionType::Whole;
     const MOST: Self = Self::MAX;
 }
 
 impl Number for u64 {
     const NOUN: &'static str = "a whole number";
+    const TYPE: OptionType = OptionType::Whole;
     const MOST: Self = Self::MAX;
 }
 
 impl Number for f64 {
     const NOUN: &'static str = "a number";
+    const TYPE: OptionType = OptionType::Real;
     const MOST: Self = Self::MAX;
 }
 
@@ -98,6 +124,8 @@ impl<T> Range<T> {
 }
 
 impl<T: Number> Kind<T> for Range<T> {
+    const TYPE: OptionType = T::TYPE;
+
     fn parse(&self, text: &str) -> Option<T> {
         text.parse().ok()
     }
@@ -124,6 +152,8 @@ impl<T: Number> Kind<T> for Range<T> {
 }
 
 impl<T: Number> Kind<Option<T>> for Range<T> {
+    const TYPE: OptionType = T::TYPE;
+
     fn parse(&self, text: &str) -> Option<Option<T>> {
         text.parse().ok().map(Some)
     }
@@ -155,6 +185,8 @@ pub(super) trait Choice: Copy + 'static {
 pub(super) struct OneName;
 
 impl<T: Choice> Kind<T> for OneName {
+    const TYPE: OptionType = OptionType::Text;
+
     fn parse(&self, text: &str) -> Option<T> {
         T::of_name(text)
     }
@@ -173,6 +205,8 @@ impl<T: Choice> Kind<T> for OneName {
 pub(super) struct Flag;
 
 impl Kind<bool> for Flag {
+    const TYPE: OptionType = OptionType::Flag;
+
     fn parse(&self, text: &str) -> Option<bool> {
         text.parse().ok()
     }
@@ -190,6 +224,8 @@ impl Kind<bool> for Flag {
 pub(super) struct Text(pub &'static str);
 
 impl<T: FromStr + Display> Kind<T> for Text {
+    const TYPE: OptionType = OptionType::Text;
+
     fn parse(&self, text: &str) -> Option<T> {
         text.parse().ok()
     }
@@ -207,6 +243,8 @@ impl<T: FromStr + Display> Kind<T> for Text {
 pub(super) struct SkipNames;
 
 impl Kind<Skips> for SkipNames {
+    const TYPE: OptionType = OptionType::Text;
+
     fn parse(&self, text: &str) -> Option<Skips> {
         text.parse().ok()
     }

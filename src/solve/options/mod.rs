@@ -15,6 +15,7 @@ mod table;
 pub use choices::{Bounds, Norm, Solver, Strategy, Sweep};
 pub use error::OptionsError;
 pub use interest::Interest;
+pub use kinds::OptionType;
 pub use run::RunOptions;
 pub use table::{
     CellOptions, ChangShih98Options, Holzschuch94Options, LinkOptions, OptionEntry, OptionGroup, SolveOptions, UniformOptions,

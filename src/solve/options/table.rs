@@ -14,7 +14,7 @@ use super::choices::{Bounds, Norm, Solver, Strategy, Sweep};
 use super::declare::options;
 use super::error::OptionsError;
 use super::interest::Interest;
-use super::kinds::{Flag, Kind, OneName, SkipNames, Text, above, any, at_least, between, check, read};
+use super::kinds::{Flag, Kind, OneName, OptionType, SkipNames, Text, above, any, at_least, between, check, read, type_of};
 use crate::links::Skips;
 
 /// More work on bounds takes minutes and gigabytes, and brings little.
@@ -157,13 +157,20 @@ pub struct OptionEntry {
     pub help: &'static str,
     /// What a number of 1 stands for; empty where it needs no unit.
     pub unit: &'static str,
+    value_type: fn() -> OptionType,
     range: fn() -> String,
     show: fn(&SolveOptions) -> Option<String>,
     check: fn(&SolveOptions) -> Result<(), OptionsError>,
+    reset: fn(&mut SolveOptions),
     set: fn(&mut SolveOptions, &str) -> Result<(), OptionsError>,
 }
 
 impl OptionEntry {
+    /// What its value is.
+    pub fn value_type(&self) -> OptionType {
+        (self.value_type)()
+    }
+
     /// What is legal, as in "it must be ...".
     pub fn range(&self) -> String {
         (self.range)()
@@ -172,6 +179,11 @@ impl OptionEntry {
     /// Its value in `options` as it is typed; `None` if nobody has given it.
     pub fn value(&self, options: &SolveOptions) -> Option<String> {
         (self.show)(options)
+    }
+
+    /// Sets it back to its default.
+    pub fn reset(&self, options: &mut SolveOptions) {
+        (self.reset)(options);
     }
 
     /// Whether its value in `options` is in range.

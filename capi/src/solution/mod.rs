@@ -1,0 +1,108 @@
+//! Solutions.
+
+pub mod files;
+pub mod picture;
+pub mod read;
+pub mod values;
+
+use std::ffi::c_void;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use patchlight::pipeline::Evaluator;
+use patchlight::solve::SolveReport;
+
+use crate::context::Context;
+use crate::entry::enter;
+use crate::handles::{self, Handle};
+use crate::memory::Out;
+use crate::observer::{Listener, patchlight_progress_function};
+use crate::status::{Ending, Outcome, PATCHLIGHT_CANCELLED, PATCHLIGHT_NOT_AVAILABLE, patchlight_status};
+
+/// The answer: radiosities of everything, and what values at points and pictures are made from. Unchangeable; may be read by many threads.
+pub struct patchlight_solution {
+    _private: [u8; 0],
+}
+
+impl Handle for patchlight_solution {
+    type Target = Solution;
+    const NAME: &'static str = "solution";
+}
+
+/// Behind a handle.
+pub struct Solution {
+    /// Kept for its threads.
+    _context: Arc<Context>,
+    pub evaluator: Evaluator,
+    /// Unless it was read from a file.
+    report: Option<Report>,
+    listener: Mutex<Listener>,
+    /// Set by visibility functions of the caller's.
+    failed: Arc<AtomicBool>,
+}
+
+/// What the solve told.
+pub struct Report {
+    pub solve: SolveReport,
+    pub json: String,
+    pub status: patchlight_status,
+}
+
+impl Solution {
+    pub fn new(context: Arc<Context>, evaluator: Evaluator, report: Option<Report>, failed: Arc<AtomicBool>) -> Self {
+        Self { _context: context, evaluator, report, listener: Mutex::new(Listener::NONE), failed }
+    }
+
+    fn report(&self) -> Outcome<&Report> {
+        let message = "a solution that was read from a file has no report";
+        self.report.as_ref().ok_or_else(|| Ending::new(PATCHLIGHT_NOT_AVAILABLE, message))
+    }
+
+    fn listener(&self) -> Listener {
+        *self.listener.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Values or a picture were cancelled.
+fn cancelled() -> Ending {
+    Ending::new(PATCHLIGHT_CANCELLED, "the progress function cancelled; nothing was written")
+}
+
+/// One more patchlight_solution_release is needed.
+#[unsafe(no_mangle)]
+pub extern "C" fn patchlight_solution_retain(solution: *mut patchlight_solution) -> patchlight_status {
+    enter(|| handles::retain(solution))
+}
+
+/// Lets a solution go. NULL is let go by.
+#[unsafe(no_mangle)]
+pub extern "C" fn patchlight_solution_release(solution: *mut patchlight_solution) -> patchlight_status {
+    enter(|| handles::release(solution))
+}
+
+/// Sets who hears how far values at points and pictures are, and may cancel them; NULL for nobody, as at first.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn patchlight_solution_set_progress(
+    solution: *mut patchlight_solution,
+    progress: patchlight_progress_function,
+    user: *mut c_void,
+) -> patchlight_status {
+    enter(|| {
+        let solution = handles::get(solution)?;
+        *solution.listener.lock().unwrap_or_else(PoisonError::into_inner) = Listener { function: progress, user };
+        Ok(())
+    })
+}
+
+/// How the solve ended, as patchlight_solve said. PATCHLIGHT_NOT_AVAILABLE for a solution that was read from a file.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn patchlight_solution_get_status(
+    solution: *mut patchlight_solution,
+    status: *mut patchlight_status,
+) -> patchlight_status {
+    enter(|| {
+        let solution = handles::get(solution)?;
+        // SAFETY: The contract of the header.
+        unsafe { Out::new(status, "status")? }.set(solution.report()?.status)
+    })
+}
