@@ -180,10 +180,17 @@ fn a_solution_is_saved_loaded_exported_and_pictured() {
     for name in ["a.solution", "a.ply", "a.png", "a.exr"] {
         assert!(folder.path().join(name).metadata().unwrap().len() > 100, "{name}");
     }
+    done(patchlight_solution_release(again));
+    done(patchlight_solution_release(solution));
+    done(patchlight_context_release(context));
+}
 
-    // Bounds hold what they are about.
-    let lower = reals(again, PATCHLIGHT_SURFACES, PATCHLIGHT_LOWER);
-    let upper = reals(again, PATCHLIGHT_SURFACES, PATCHLIGHT_UPPER);
+#[test]
+fn bounds_hold_what_they_are_about() {
+    let context = context(1);
+    let solution = lit_box(context, &[("bounds", "guaranteed")]);
+    let lower = reals(solution, PATCHLIGHT_SURFACES, PATCHLIGHT_LOWER);
+    let upper = reals(solution, PATCHLIGHT_SURFACES, PATCHLIGHT_UPPER);
     let (point, normal) = ([0.5, 0.0, 0.5], [0.0, 1.0, 0.0]);
     let (mut radiosity, mut least, mut most) = (0.0_f32, 0.0_f32, 0.0_f32);
     let values = patchlight_values {
@@ -200,7 +207,6 @@ fn a_solution_is_saved_loaded_exported_and_pictured() {
     });
     assert!(0.0 < least && least <= radiosity && radiosity <= most);
     assert!(lower.iter().zip(&upper).all(|(lower, upper)| lower <= upper) && lower.len() == 6);
-    done(patchlight_solution_release(again));
     done(patchlight_solution_release(solution));
     done(patchlight_context_release(context));
 }
