@@ -20,8 +20,8 @@ setup:
 
 demo: setup
 	@mkdir -p out
-	cargo build --release --locked
-	cargo run --quiet --release --locked -- solve scenes/room.obj \
+	cargo build --release --locked --bin patchlight
+	cargo run --quiet --release --locked --bin patchlight -- solve scenes/room.obj \
 	    --error 0.05 --image out/room.png --image out/room.exr --report out/report.json
 	@echo
 	@echo 'picture   out/room.png (to look at), out/room.exr (linear radiance)'

@@ -2,7 +2,7 @@
 
 use std::ffi::c_void;
 
-use crate::memory::{Sized, read_sized};
+use crate::memory::{SizedStruct, read_sized};
 use crate::status::{Ending, Outcome, PATCHLIGHT_OUT_OF_RESOURCES};
 
 /// What the numbers of an array are. Values may be added.
@@ -36,7 +36,7 @@ pub struct patchlight_array {
 }
 
 // SAFETY: repr(C), its size first, and numbers and a pointer may be zero.
-unsafe impl Sized for patchlight_array {
+unsafe impl SizedStruct for patchlight_array {
     const NAME: &'static str = "patchlight_array";
 }
 

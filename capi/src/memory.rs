@@ -52,7 +52,7 @@ impl<T> Out<T> {
 ///
 /// # Safety
 /// `repr(C)`, begins with a `usize`, and all zeros are a value of it.
-pub unsafe trait Sized: Copy {
+pub unsafe trait SizedStruct: Copy {
     /// What it is called.
     const NAME: &'static str;
 }
@@ -61,7 +61,7 @@ pub unsafe trait Sized: Copy {
 ///
 /// # Safety
 /// NULL, or valid for the `size` at its beginning.
-pub unsafe fn read_sized<T: Sized>(place: *const T) -> Outcome<T> {
+pub unsafe fn read_sized<T: SizedStruct>(place: *const T) -> Outcome<T> {
     check(place, T::NAME)?;
     // SAFETY: A size at least is there, by the caller's promise.
     let size = unsafe { place.cast::<usize>().read() };
@@ -87,7 +87,7 @@ pub unsafe fn read_sized<T: Sized>(place: *const T) -> Outcome<T> {
 ///
 /// # Safety
 /// NULL, or valid for reads and writes for the `size` at its beginning.
-pub unsafe fn write_sized<T: Sized>(place: *mut T, value: &T) -> Outcome {
+pub unsafe fn write_sized<T: SizedStruct>(place: *mut T, value: &T) -> Outcome {
     // SAFETY: The caller's promise.
     unsafe { read_sized::<T>(place)? };
     let head = size_of::<usize>();

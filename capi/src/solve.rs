@@ -12,7 +12,7 @@ use patchlight::solve::{SolveOptions, SolveReport, StoppedBy};
 use crate::context::{PATCHLIGHT_LOG_INFO, patchlight_context};
 use crate::entry::enter;
 use crate::handles;
-use crate::memory::{Out, Sized, read_sized};
+use crate::memory::{Out, SizedStruct, read_sized};
 use crate::observer::{Listener, Watcher, patchlight_progress_function};
 use crate::options::{Settings, patchlight_options};
 use crate::scene::{Committed, patchlight_scene};
@@ -40,7 +40,7 @@ pub struct patchlight_solve_info {
 }
 
 // SAFETY: repr(C), its size first; pointers and functions that may be NULL may be zero.
-unsafe impl Sized for patchlight_solve_info {
+unsafe impl SizedStruct for patchlight_solve_info {
     const NAME: &'static str = "patchlight_solve_info";
 }
 

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use patchlight::visibility::{Hit, Ray, Segment, Visibility};
 
 use crate::float_state::FloatState;
-use crate::memory::Sized;
+use crate::memory::SizedStruct;
 
 /// Stands for "no surface" and for "no plane".
 pub const PATCHLIGHT_NO_SURFACE: u32 = u32::MAX;
@@ -86,7 +86,7 @@ pub struct patchlight_visibility {
 }
 
 // SAFETY: repr(C), its size first; numbers, pointers and functions that may be NULL may be zero.
-unsafe impl Sized for patchlight_visibility {
+unsafe impl SizedStruct for patchlight_visibility {
     const NAME: &'static str = "patchlight_visibility";
 }
 

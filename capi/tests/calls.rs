@@ -32,16 +32,18 @@ fn options_are_those_of_the_program_and_tell_about_themselves() {
     let mut count = 0;
     // SAFETY: A place for a count.
     done(unsafe { patchlight_option_count(&mut count) });
-    // SAFETY: Places that `text` made.
     let about = |option, what: patchlight_option_text| {
-        text(|buffer, capacity, count| unsafe { patchlight_option_get_text(option, what as u32, buffer, capacity, count) })
+        text(|buffer, capacity, count| {
+            // SAFETY: Places that `text` made.
+            unsafe { patchlight_option_get_text(option, what as u32, buffer, capacity, count) }
+        })
     };
     let keys: Vec<String> = (0..count).map(|option| about(option, patchlight_option_text::PATCHLIGHT_OPTION_KEY)).collect();
     let of_library: Vec<&str> = SolveOptions::entries().map(|entry| entry.key).collect();
     assert_eq!(keys[..of_library.len()], of_library);
     assert_eq!(keys[of_library.len()..], ["backend", "time", "memory"]);
-    for option in 0..count {
-        let (mut value_type, options, key) = (0, options(&[]), c(&keys[option]));
+    for (option, key) in keys.iter().enumerate() {
+        let (mut value_type, options, key) = (0, options(&[]), c(key));
         let default = about(option, patchlight_option_text::PATCHLIGHT_OPTION_DEFAULT);
         assert!(
             !about(option, patchlight_option_text::PATCHLIGHT_OPTION_HELP).is_empty()
@@ -92,10 +94,7 @@ fn options_are_set_by_their_types_and_bad_ones_change_nothing() {
         );
         assert_eq!(told(patchlight_options_set_text(options, c("eror").as_ptr(), c("1").as_ptr())), PATCHLIGHT_UNKNOWN_OPTION);
         assert_eq!(told(patchlight_options_set_uint64(options, c("threads").as_ptr(), 2)), PATCHLIGHT_UNKNOWN_OPTION);
-        assert_eq!(
-            told(patchlight_options_set_text(options, c("error").as_ptr(), b"\xff\0".as_ptr().cast())),
-            PATCHLIGHT_INVALID_ARGUMENT
-        );
+        assert_eq!(told(patchlight_options_set_text(options, c("error").as_ptr(), c"\xff".as_ptr())), PATCHLIGHT_INVALID_ARGUMENT);
     }
     assert_eq!([get("error"), get("seed"), get("ambient"), get("memory")], ["0.1", "18446744073709551615", "false", "0.5"]);
     done(patchlight_options_release(options));
@@ -181,10 +180,17 @@ fn a_solution_is_saved_loaded_exported_and_pictured() {
     for name in ["a.solution", "a.ply", "a.png", "a.exr"] {
         assert!(folder.path().join(name).metadata().unwrap().len() > 100, "{name}");
     }
+    done(patchlight_solution_release(again));
+    done(patchlight_solution_release(solution));
+    done(patchlight_context_release(context));
+}
 
-    // Bounds hold what they are about.
-    let lower = reals(again, PATCHLIGHT_SURFACES, PATCHLIGHT_LOWER);
-    let upper = reals(again, PATCHLIGHT_SURFACES, PATCHLIGHT_UPPER);
+#[test]
+fn bounds_hold_what_they_are_about() {
+    let context = context(1);
+    let solution = lit_box(context, &[("bounds", "guaranteed")]);
+    let lower = reals(solution, PATCHLIGHT_SURFACES, PATCHLIGHT_LOWER);
+    let upper = reals(solution, PATCHLIGHT_SURFACES, PATCHLIGHT_UPPER);
     let (point, normal) = ([0.5, 0.0, 0.5], [0.0, 1.0, 0.0]);
     let (mut radiosity, mut least, mut most) = (0.0_f32, 0.0_f32, 0.0_f32);
     let values = patchlight_values {
@@ -201,7 +207,6 @@ fn a_solution_is_saved_loaded_exported_and_pictured() {
     });
     assert!(0.0 < least && least <= radiosity && radiosity <= most);
     assert!(lower.iter().zip(&upper).all(|(lower, upper)| lower <= upper) && lower.len() == 6);
-    done(patchlight_solution_release(again));
     done(patchlight_solution_release(solution));
     done(patchlight_context_release(context));
 }

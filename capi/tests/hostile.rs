@@ -32,9 +32,9 @@ unsafe impl Sync for Handles {}
 
 macro_rules! calls {
     ($($name:ident($h:ident $(, $argument:expr)*);)+) => {
-        // SAFETY: NULL wherever a pointer is needed that is not a handle.
         &[$((stringify!($name), |#[allow(unused_variables, reason = "some take no handle")] $h: &Handles| {
             #[allow(unused_unsafe, reason = "some take handles alone")]
+            // SAFETY: NULL wherever a pointer is needed that is not a handle.
             unsafe { $name($($argument),*) }
         }),)+]
     };

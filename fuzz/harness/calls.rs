@@ -192,7 +192,7 @@ impl World {
                 check(patchlight_options_set_text(limited, key.as_ptr(), value.as_ptr()));
             }
             let size = bytes.pick(&[size_of::<patchlight_solve_info>(), size_of::<patchlight_solve_info>(), 16, 0]);
-            let user = bytes.pick(&[null_mut(), 1 as *mut c_void]);
+            let user = bytes.pick(&[null_mut(), std::ptr::dangling_mut::<c_void>()]);
             let info =
                 patchlight_solve_info { size, options: limited, progress: Some(listen), progress_user: user, visibility: null() };
             if check(patchlight_solve(any(&self.contexts, bytes), any(&self.scenes, bytes), &info, &mut solution)) {

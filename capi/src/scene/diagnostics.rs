@@ -7,7 +7,7 @@ pub use super::note::{patchlight_diagnostic_code, patchlight_severity};
 use super::object::patchlight_scene;
 use crate::entry::enter;
 use crate::handles;
-use crate::memory::{Buffer, Out, Sized, write_sized};
+use crate::memory::{Buffer, Out, SizedStruct, write_sized};
 use crate::status::{Ending, Outcome, patchlight_status};
 
 /// Stands for "none" where a number is told.
@@ -30,7 +30,7 @@ pub struct patchlight_diagnostic {
 }
 
 // SAFETY: repr(C), its size first, and numbers may be zero.
-unsafe impl Sized for patchlight_diagnostic {
+unsafe impl SizedStruct for patchlight_diagnostic {
     const NAME: &'static str = "patchlight_diagnostic";
 }
 

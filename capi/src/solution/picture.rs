@@ -9,7 +9,7 @@ use patchlight::picture::{Camera, Image};
 use super::{Solution, cancelled, patchlight_solution};
 use crate::entry::enter;
 use crate::handles;
-use crate::memory::{Buffer, Sized, read_sized, text, write_sized};
+use crate::memory::{Buffer, SizedStruct, read_sized, text, write_sized};
 use crate::observer::Watcher;
 use crate::solve::check_answers;
 use crate::status::{Ending, Outcome, PATCHLIGHT_NOT_AVAILABLE, patchlight_status};
@@ -35,7 +35,7 @@ pub struct patchlight_camera {
 }
 
 // SAFETY: repr(C), its size first, and numbers may be zero.
-unsafe impl Sized for patchlight_camera {
+unsafe impl SizedStruct for patchlight_camera {
     const NAME: &'static str = "patchlight_camera";
 }
 

@@ -6,7 +6,7 @@ use super::{cancelled, patchlight_solution};
 use crate::array::{patchlight_array, vectors};
 use crate::entry::enter;
 use crate::handles;
-use crate::memory::{Buffer, Out, Sized, read_sized};
+use crate::memory::{Buffer, Out, SizedStruct, read_sized};
 use crate::observer::Watcher;
 use crate::solve::check_answers;
 use crate::status::{Ending, Outcome, PATCHLIGHT_NOT_AVAILABLE, patchlight_status};
@@ -30,7 +30,7 @@ pub struct patchlight_values {
 }
 
 // SAFETY: repr(C), its size first, and numbers and pointers may be zero.
-unsafe impl Sized for patchlight_values {
+unsafe impl SizedStruct for patchlight_values {
     const NAME: &'static str = "patchlight_values";
 }
 
