@@ -2,7 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "a test tells what it measured")]
 
-use super::attribution::attribute;
+use super::attribution::{Share, attribute};
 use super::knapsack::Knapsack;
 use super::system::{Entry, Iterate, Leaf, System};
 
