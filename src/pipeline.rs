@@ -274,7 +274,7 @@ impl Evaluator {
     /// Lower and upper radiosities at points, in their order, if it was solved with [`Bounds::Guaranteed`].
     pub fn bounds_at(&self, points: &[SurfacePoint]) -> Option<PointBounds> {
         let Solution { scene, hierarchy, bounds, .. } = &self.solution;
-        Some(self.pool.install(|| bounds.as_ref().map(|bounds| bounds.at(scene, hierarchy, points)))?)
+        self.pool.install(|| bounds.as_ref().map(|bounds| bounds.at(scene, hierarchy, points)))
     }
 
     /// Name and version of the visibility backend.
