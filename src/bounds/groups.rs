@@ -5,8 +5,14 @@
 //! from one is a concave, piecewise linear function of its form factor: that of its parts, the brightest first, cut off at both ends of the
 //! range of the whole. This gives the greatest of the linear program with all these conditions; the least is had in the same way.
 
-use super::knapsack::Side;
-use super::system::rounding;
+use super::rounding::rounding;
+
+/// Which end of the range of a leaf's irradiance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Least,
+    Most,
+}
 
 /// A step of a plan, by which the sources of a leaf are put together.
 #[derive(Clone, Copy, Debug, PartialEq)]

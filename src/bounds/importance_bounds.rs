@@ -19,7 +19,8 @@ use super::iteration::{MOST_SWEEPS, SWEEP_TOLERANCE};
 use super::knapsack::Knapsack;
 use super::pairs::bounded_pairs;
 use super::report::certainty;
-use super::system::{Iterate, Leaf, System, rounding};
+use super::rounding::rounding;
+use super::system::{Iterate, Leaf, System};
 use crate::hierarchy::NodeId;
 
 /// Leaves of which one task computes the irradiance.

@@ -7,7 +7,8 @@
 use rayon::prelude::*;
 
 use super::knapsack::Knapsack;
-use super::system::{Iterate, Leaf, System, rounding};
+use super::rounding::rounding;
+use super::system::{Iterate, Leaf, System};
 
 /// Sweeps end when they change bounds by less than this part of the widest gap.
 pub(super) const SWEEP_TOLERANCE: f64 = 1e-3;

@@ -11,18 +11,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::groups::{self, Plans};
-use super::system::{Entry, Iterate, System, rounding};
+use super::groups::{self, Plans, Side};
+use super::rounding::rounding;
+use super::system::{Entry, Iterate, System};
 
 /// Nodes whose entries one task sorts.
 const NODES_A_TASK: usize = 64;
-
-/// Which end of the range of a leaf's irradiance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Side {
-    Least,
-    Most,
-}
 
 /// The entries of a system in the order in which they are filled, for one channel.
 pub(super) struct Knapsack<'s, 'a> {

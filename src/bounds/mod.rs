@@ -41,6 +41,7 @@ mod point_gather;
 mod radiosity_bounds;
 mod ranges;
 mod report;
+mod rounding;
 mod stacks;
 mod system;
 

@@ -16,7 +16,7 @@ use glam::DVec3;
 use super::element_bounds::ElementBounds;
 use super::enclosure::Enclosure;
 use super::form_factors::{Blockers, PointSight};
-use super::system::rounding;
+use super::rounding::rounding;
 use crate::geometry::Facet;
 use crate::hierarchy::NodeId;
 use crate::scene::{Scene, SurfaceId};

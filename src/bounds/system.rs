@@ -59,11 +59,6 @@ pub(super) struct Iterate {
     pub upper: Vec<f64>,
 }
 
-/// By this part of itself a sum of so many terms is widened: it allows for the rounding of each, and for a few steps more.
-pub(super) fn rounding(terms: usize) -> f64 {
-    f64::EPSILON * (terms as f64 + 8.0)
-}
-
 impl System<'_> {
     /// Visits the entries of a node, then those of all its ancestors, as ranges of indices.
     pub fn for_each_list(&self, node: u32, mut visit: impl FnMut(Range<usize>)) {

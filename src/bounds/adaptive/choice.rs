@@ -4,8 +4,7 @@ use crate::bounds::attribution::{Share, attribute};
 use crate::bounds::system::{Iterate, Leaf, System};
 use crate::hierarchy::NodeId;
 
-use super::WORK_OF_POLYGONS;
-use super::refinement::Refinement;
+use super::refinement::{Choice, Refinement, WORK_OF_POLYGONS};
 
 /// In one round no more work is done than this part of the work so far: the better the bounds, the better the choice.
 const GROWTH: f64 = 0.6;
@@ -18,21 +17,6 @@ const GAINED: f64 = 0.5;
 
 /// What leaves less open than this part of all is not worth its work.
 const NEGLIGIBLE: f64 = 1e-7;
-
-/// What is split.
-#[derive(Default)]
-pub(super) struct Choice {
-    /// Elements that are split.
-    pub receivers: Vec<NodeId>,
-    /// Receivers with the source that is replaced by its children.
-    pub opened: Vec<(NodeId, NodeId)>,
-}
-
-impl Choice {
-    pub fn is_empty(&self) -> bool {
-        self.receivers.is_empty() && self.opened.is_empty()
-    }
-}
 
 /// A split that may be made.
 enum Split {

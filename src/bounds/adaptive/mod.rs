@@ -18,10 +18,7 @@ use super::input::BoundsInput;
 use super::iteration::{MOST_SWEEPS, SWEEP_TOLERANCE};
 use super::system::{Iterate, System};
 use crate::scene::{DistinctChannels, Scene};
-use refinement::Refinement;
-
-/// The work of bounding two polygons, in units of [`SolveOptions::bounds_work`](crate::solve::SolveOptions::bounds_work).
-const WORK_OF_POLYGONS: u64 = 4;
+use refinement::{Refinement, WORK_OF_POLYGONS};
 
 /// The work if none is asked for: some tenths of a second where little is in the way.
 const DEFAULT_WORK: u64 = 1 << 17;

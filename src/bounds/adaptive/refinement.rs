@@ -4,7 +4,6 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::WORK_OF_POLYGONS;
 use crate::bounds::form_factors::{BoundedPair, FormFactorBounds, FormFactorRule, PairBounds};
 use crate::bounds::groups::{Plans, Step};
 use crate::bounds::input::BoundsInput;
@@ -12,10 +11,26 @@ use crate::bounds::system::Iterate;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::Scene;
 
-use super::choice::Choice;
+/// The work of bounding two polygons, in units of [`SolveOptions::bounds_work`](crate::solve::SolveOptions::bounds_work).
+pub(super) const WORK_OF_POLYGONS: u64 = 4;
 
 /// Pairs that one task bounds.
 const PAIRS_A_TASK: usize = 32;
+
+/// What is split.
+#[derive(Default)]
+pub(super) struct Choice {
+    /// Elements that are split.
+    pub receivers: Vec<NodeId>,
+    /// Receivers with the source that is replaced by its children.
+    pub opened: Vec<(NodeId, NodeId)>,
+}
+
+impl Choice {
+    pub fn is_empty(&self) -> bool {
+        self.receivers.is_empty() && self.opened.is_empty()
+    }
+}
 
 /// A source of a leaf.
 #[derive(Clone, Copy)]
