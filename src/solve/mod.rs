@@ -22,6 +22,7 @@ mod solution;
 mod step;
 mod strategies;
 mod way;
+mod work;
 mod worthwhile_cells;
 
 pub use crate::links::Skips;

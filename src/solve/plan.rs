@@ -4,8 +4,8 @@ use super::effort::{LEAST_VALUES, Law, REFERENCE_AREA};
 use super::options::{SolveOptions, Strategy};
 use super::scale::Scale;
 use super::step::{Choice, NextStep};
-use super::worthwhile_cells::{Areas, Traffic};
-use crate::error::{ErrorEstimate, Pilot, REPLICATES, TWICE, doubt_for_claim};
+use super::worthwhile_cells::Areas;
+use crate::error::{ErrorEstimate, Pilot, doubt_for_claim};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
 use crate::paths::{CellSize, Illumination, Resolution};
 use crate::scene::Scene;
@@ -17,14 +17,14 @@ pub(super) struct Plan {
     pub law: Law,
     pub scale: Scale,
     /// Surfaces that have cells.
-    surfaces: usize,
+    pub surfaces: usize,
     /// Whether values end in cells.
-    over_cells: bool,
+    pub over_cells: bool,
     tolerance: f64,
-    point_rays: u32,
-    resolution: Resolution,
-    error_points: usize,
-    replicate_rays: u32,
+    pub point_rays: u32,
+    pub resolution: Resolution,
+    pub error_points: usize,
+    pub replicate_rays: u32,
     /// The work of the first replicates, see [`Self::replicate_work`].
     first_replicate_work: f64,
     /// The noise of values as they are, once it is known.
@@ -92,16 +92,6 @@ pub(super) const MOST_RAYS_FACTOR: f64 = 8.0;
 pub(super) const MORE_POSITIONS: f64 = 1.25;
 pub(super) const MORE_POSITION_RAYS: u32 = 2;
 
-/// The work of a link in rays: its own, its form factor, its part of sweeps, and of gathers at points. Measured: 8 to 20 microseconds,
-/// where a ray takes 0.25.
-const LINK_WORK: f64 = 50.0;
-
-/// The work of each ray by which a leaf is gathered anew over its links. Measured: 5 microseconds.
-const LEAF_RAY_WORK: f64 = 16.0;
-
-/// All pairs of surfaces are linked if that takes this part of what cells take, at most: clusters are estimates.
-const ALL_PAIRS_PART: f64 = 0.25;
-
 impl Plan {
     pub fn new(scene: &Scene, areas: &Areas, options: &SolveOptions, illumination: Illumination, over_cells: bool) -> Self {
         let values = options.expected_values.map_or(LEAST_VALUES, |values| LEAST_VALUES.max(values as f64));
@@ -139,13 +129,6 @@ impl Plan {
         plan
     }
 
-    /// What tells for which surfaces cells pay.
-    fn traffic(&self) -> Traffic {
-        let Illumination { lit_area, .. } = self.law.illumination;
-        let paths = self.value_rays() * f64::from(u8::from(self.over_cells)) + self.replicate_work();
-        Traffic { lit_area, albedo: self.law.illumination.albedo(), paths, cell_work: self.work_of_cell() }
-    }
-
     /// The tolerances of this round's steps, falling.
     pub fn tolerances(&self) -> Vec<f64> {
         if self.refinements == 0 && self.options.strategy != Strategy::Uniform {
@@ -177,13 +160,6 @@ impl Plan {
             Strategy::Uniform => Box::new(Uniform { element_area: self.options.uniform.element_area.unwrap_or(area) }),
             _ => Box::new(BrightnessWeighted { tolerance, min_area }),
         }
-    }
-
-    /// Whether clusters gather and emit: where to link all `pairs` of surfaces would take much of what cells take, and never in the strategies
-    /// of the papers, which have none.
-    pub fn links_clusters(&self, pairs: f64, of_cells: f64) -> bool {
-        let are_many = LINK_WORK * pairs > ALL_PAIRS_PART * of_cells || !self.options.links.skips.clusters;
-        self.options.strategy == Strategy::Default && are_many
     }
 
     /// The irradiance that a link may carry unrefined in the strategies of 1994, in W/m^2: eps_refine.
@@ -228,12 +204,6 @@ impl Plan {
     /// Rays of a replicate at a point: its noise must not be much larger than the error that is asked for.
     pub fn replicate_rays(&self) -> u32 {
         self.replicate_rays
-    }
-
-    /// The work of all replicates so far, in rays: each bounce takes one more, and one to an emitter.
-    fn replicate_work(&self) -> f64 {
-        let paths = REPLICATES as f64 * self.error_points as f64 * f64::from(self.replicate_rays);
-        paths * f64::from(1 + 2 * self.replicate_bounces())
     }
 
     /// Rays of values that tell how noisy those with more will be.
@@ -336,48 +306,6 @@ impl Plan {
         let most_points = (*ERROR_POINTS.end() as f64 / self.error_points as f64).max(1.0);
         let most_rays = (f64::from(MAX_REPLICATE_RAYS) / f64::from(self.replicate_rays)).max(1.0);
         (most_points, most_rays)
-    }
-
-    /// The work of all that is left if nothing goes wrong, in rays: cells, replicates, and values, here and of the user.
-    pub fn work(&self) -> f64 {
-        self.cell_work(1.0, 1) + self.value_rays() + self.replicate_work()
-    }
-
-    /// The rays of values, here and of the user.
-    fn value_rays(&self) -> f64 {
-        let values = 1.0 + f64::from(u8::from(self.over_cells)) / TWICE as f64;
-        f64::from(self.point_rays) * (values * self.error_points as f64 + self.law.values)
-    }
-
-    /// The work of cells with so many times the positions and paths from each.
-    fn cell_work(&self, more_positions: f64, more_rays: u32) -> f64 {
-        let positions =
-            more_positions * (self.law.illumination.lit_area / self.resolution.size.side.powi(2) + self.surfaces as f64);
-        positions * f64::from(more_rays) * self.work_of_cell()
-    }
-
-    /// The work of a cell: a path takes a ray, and one to an emitter.
-    fn work_of_cell(&self) -> f64 {
-        let own = if self.over_cells { self.resolution.rays } else { 0 };
-        f64::from(2 * (own + REPLICATES as u32 * self.replicate_resolution().rays))
-    }
-
-    /// The work of a solve over links, in rays, if links are made of so many times the tolerance, of which there are so many now, and leaves.
-    pub fn work_over_links(&self, links: usize, leaves: usize, tolerance_factor: f64) -> f64 {
-        let of_links = LINK_WORK * links as f64 * Law::links_factor(tolerance_factor.min(1.0));
-        of_links + LEAF_RAY_WORK * f64::from(self.leaf_rays()) * leaves as f64 + self.work()
-    }
-
-    /// The work of a choice, in rays: values are taken anew, here and by the user; where cells are found anew, so are those of replicates,
-    /// and the replicates themselves.
-    pub fn work_of(&self, choice: &Choice) -> f64 {
-        let twice = if self.over_cells { 1.0 / TWICE as f64 } else { 0.0 };
-        let taken = (1.0 + twice) * self.error_points as f64;
-        let known = if choice.keeps_values() { taken } else { 0.0 };
-        let values = taken * choice.points * choice.rays - known + (choice.rays - 1.0) * self.law.values;
-        let cells = if choice.finds_cells { self.cell_work(MORE_POSITIONS, MORE_POSITION_RAYS) } else { 0.0 };
-        let known = if choice.finds_cells { 0.0 } else { 1.0 };
-        f64::from(self.point_rays) * values + cells + (choice.points * choice.replicate_rays - known) * self.replicate_work()
     }
 
     /// Plans a step.
