@@ -181,6 +181,7 @@ fn bounds_in_words(bounds: &BoundsReport) -> String {
         (Certainty::Estimate, _) => {
             format!("{apart}: an estimate, because of {}; the report says where", reasons.join(" and "))
         }
+        (Certainty::Guaranteed, 1) => format!("{apart}: proved, on a condition that the report lists"),
         (Certainty::Guaranteed, count) => format!("{apart}: proved, on {count} conditions that the report lists"),
     }
 }
