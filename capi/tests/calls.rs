@@ -226,7 +226,7 @@ unsafe extern "C" fn listen(user: *mut c_void, progress: *const patchlight_progr
         user.overlapped.store(true, Ordering::SeqCst);
     }
     assert_eq!(progress.size, size_of::<patchlight_progress>());
-    assert!((1..=6).contains(&progress.stage));
+    assert!((1..=8).contains(&progress.stage));
     let reports = user.reports.fetch_add(1, Ordering::SeqCst) + 1;
     user.inside.store(false, Ordering::SeqCst);
     i32::from(reports >= user.patience)
@@ -283,7 +283,8 @@ fn limits_leave_a_solution_and_say_so() {
     for (setting, expected) in [
         (("time", "1e-9"), PATCHLIGHT_LIMIT),
         (("max_links", "1"), PATCHLIGHT_LIMIT),
-        (("memory", "1e-9"), PATCHLIGHT_MEMORY_LIMIT),
+        // A little more than is needed to begin.
+        (("memory", "0.0242"), PATCHLIGHT_MEMORY_LIMIT),
     ] {
         let (scene, options, mut solution) =
             (closed_box(context), options(&[("error", "0.01"), ("solver", "links"), setting]), null_mut());
@@ -294,6 +295,14 @@ fn limits_leave_a_solution_and_say_so() {
         done(patchlight_options_release(options));
         done(patchlight_scene_release(scene));
     }
+
+    // Less than is needed to begin.
+    let (scene, options, mut solution) = (closed_box(context), options(&[("memory", "0.001")]), null_mut());
+    // SAFETY: A struct with its size, and a place for a handle.
+    assert_eq!(told(unsafe { patchlight_solve(context, scene, &info(options), &mut solution) }), PATCHLIGHT_OUT_OF_RANGE);
+    assert!(solution.is_null());
+    done(patchlight_options_release(options));
+    done(patchlight_scene_release(scene));
     done(patchlight_context_release(context));
 }
 
