@@ -180,7 +180,9 @@ impl<'a> Linked<'a> {
         let at_work = (refinement.len() * LINK_AT_WORK) as u64;
         self.links = refinement.into_links(&self.hierarchy);
         self.report.time_s.form_factor += context.form_factor_nanoseconds.into_inner() as f64 * 1e-9;
-        self.account(self.job.memory.with_sweeps(self.holdings()) + at_work);
+        // What links take in the solution is a part of what they take at work.
+        let more = at_work.saturating_sub(self.links.memory_bytes());
+        self.account(self.job.memory.with_sweeps(self.holdings()) + more);
         self.grow();
         self.closure = Closure::needed(scene, &self.hierarchy, &self.links, &self.exposure, self.clusters);
         self.report.time_s.refine += start.elapsed().as_secs_f64();
