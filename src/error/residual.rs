@@ -129,7 +129,7 @@ mod tests {
         let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
         let rays = Rays::new(&*visibility, &scene);
         let tall_box = SurfaceId(scene.surfaces().len() as u32 - 1);
-        let resolution = Resolution { size: CellSize { side: 0.1, least_area: 0.0 }, rays: 4 };
+        let resolution = Resolution { size: CellSize { side: 0.1, most_surfaces: usize::MAX }, rays: 4 };
         for has_reflector in [false, true] {
             let mut brightness = Brightness::even(&scene);
             if has_reflector {

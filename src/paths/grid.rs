@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::reflectors::Brightness;
 use crate::geometry::{Clip, ClippedFacet, Facet, clip_to_front, sampling};
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{Scene, SurfaceId, largest};
 
 /// The cell of a path that ends on none.
 pub(crate) const NO_CELL: u32 = u32::MAX;
@@ -131,8 +131,8 @@ impl Grid {
 pub(crate) struct CellSize {
     /// The size of a cell, in metres.
     pub side: f64,
-    /// Smaller surfaces have no cell, in m^2: paths that arrive there go on.
-    pub least_area: f64,
+    /// Only so many surfaces have cells, the largest ones; paths that arrive on others go on.
+    pub most_surfaces: usize,
 }
 
 /// How fine the cells are, and how many paths leave each.
@@ -152,8 +152,8 @@ const MOST_RAYS: u32 = 1 << 20;
 impl Resolution {
     /// Whether the numbers are in range for a scene.
     pub fn is_valid(&self, scene: &Scene) -> bool {
-        let CellSize { side, least_area } = self.size;
-        let is_size = side.is_finite() && side > 0.0 && side * MOST_ALONG >= scene.bounds().diagonal() && least_area >= 0.0;
+        let side = self.size.side;
+        let is_size = side.is_finite() && side > 0.0 && side * MOST_ALONG >= scene.bounds().diagonal();
         is_size && (1..=MOST_RAYS).contains(&self.rays)
     }
 }
@@ -174,21 +174,17 @@ pub(crate) struct Grids {
 impl Grids {
     /// Cells of about this size, smaller ones on reflectors, larger ones where it is dim.
     pub fn new(scene: &Scene, brightness: &Brightness, size: CellSize) -> Self {
-        let CellSize { side, least_area } = size;
+        let CellSize { side, most_surfaces } = size;
         let surfaces = scene.surfaces();
         let area = |index: &usize| surfaces[*index].polygon.area();
 
         // The surfaces that have cells, in the order of their numbers.
         let mut is_reflector = vec![false; surfaces.len()];
         brightness.reflectors.iter().for_each(|of| is_reflector[of.surface.index()] = true);
-        let has_cells =
-            |index: &usize| brightness.coarser[*index].is_finite() && (area(index) >= least_area || is_reflector[*index]);
-        let mut order: Vec<usize> = (0..surfaces.len()).filter(has_cells).collect();
-        if order.len() > MAX_SURFACES {
-            order.sort_by(|a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
-            order.truncate(MAX_SURFACES);
-            order.sort_unstable();
-        }
+        let (mut order, others): (Vec<usize>, Vec<usize>) =
+            (0..surfaces.len()).filter(|&index| brightness.coarser[index].is_finite()).partition(|&index| is_reflector[index]);
+        order.extend(largest(scene, others, most_surfaces.min(MAX_SURFACES)));
+        order.sort_unstable();
 
         // Larger cells where it is dim, smaller ones on reflectors.
         let reflectors = &brightness.reflectors;

@@ -241,7 +241,7 @@ mod tests {
                 &Grids::new(
                     &scene,
                     &Brightness { reflectors: vec![plate], ..Brightness::even(&scene) },
-                    CellSize { side: 0.1, least_area: 0.0 },
+                    CellSize { side: 0.1, most_surfaces: usize::MAX },
                 ),
                 1.5,
             );

@@ -116,7 +116,7 @@ mod tests {
         let material = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![0.0] };
         let faces = vec![(Polygon::from_vertices(floor.to_vec()).unwrap(), 0, 0)];
         let scene = Scene::new(1, vec![material], faces, Sides::Front).unwrap();
-        let grids = Grids::new(&scene, &Brightness::even(&scene), CellSize { side: 0.1, least_area: 0.0 });
+        let grids = Grids::new(&scene, &Brightness::even(&scene), CellSize { side: 0.1, most_surfaces: usize::MAX });
         let landing = |number: u64| {
             let random = |draw| sampling::unit(sampling::hash(number, draw));
             let side = if random(3) < part { side } else { 4.0 };

@@ -3,6 +3,7 @@
 mod distinct_channels;
 mod error;
 pub mod import;
+mod largest;
 mod material;
 mod planes;
 mod point;
@@ -11,6 +12,7 @@ mod twins;
 
 pub(crate) use distinct_channels::DistinctChannels;
 pub use error::SceneError;
+pub(crate) use largest::largest;
 pub use material::Material;
 pub use point::SurfacePoint;
 pub use summary::SceneSummary;

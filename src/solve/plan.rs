@@ -16,8 +16,6 @@ pub(super) struct Plan {
     pub options: SolveOptions,
     pub law: Law,
     pub scale: Scale,
-    /// Surfaces that have cells.
-    pub surfaces: usize,
     /// Whether values end in cells.
     pub over_cells: bool,
     tolerance: f64,
@@ -109,11 +107,10 @@ impl Plan {
         let mut plan = Self {
             options: options.clone(),
             scale,
-            surfaces: 0,
             over_cells,
             tolerance: options.links.tolerance.unwrap_or(tolerance),
             point_rays: options.point_rays.unwrap_or_else(|| law.point_rays(over_cells)),
-            resolution: Resolution { size: CellSize { side, least_area: 0.0 }, rays: law.position_rays(positions, 0) },
+            resolution: Resolution { size: CellSize { side, most_surfaces: 0 }, rays: law.position_rays(positions, 0) },
             error_points: *ERROR_POINTS.start(),
             replicate_rays: law.replicate_rays(),
             first_replicate_work: 0.0,
@@ -124,8 +121,9 @@ impl Plan {
             law,
         };
         plan.first_replicate_work = plan.replicate_work();
-        (plan.resolution.size.least_area, plan.surfaces) = areas.least_worthwhile(&plan.traffic());
-        plan.resolution.rays = options.cells.position_rays.unwrap_or_else(|| plan.law.position_rays(positions, plan.surfaces));
+        plan.resolution.size.most_surfaces = areas.worthwhile(&plan.traffic());
+        plan.resolution.rays =
+            options.cells.position_rays.unwrap_or_else(|| plan.law.position_rays(positions, plan.resolution.size.most_surfaces));
         plan
     }
 

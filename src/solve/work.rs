@@ -6,7 +6,7 @@ use super::plan::{MORE_POSITION_RAYS, MORE_POSITIONS, Plan};
 use super::step::Choice;
 use super::worthwhile_cells::Traffic;
 use crate::error::{REPLICATES, TWICE};
-use crate::paths::Illumination;
+use crate::paths::{CellSize, Illumination};
 
 /// The work of a link in rays: its own, its form factor, its part of sweeps, and of gathers at points. Measured: 8 to 20 microseconds,
 /// where a ray takes 0.25.
@@ -52,8 +52,8 @@ impl Plan {
 
     /// The work of cells with so many times the positions and paths from each.
     fn cell_work(&self, more_positions: f64, more_rays: u32) -> f64 {
-        let positions =
-            more_positions * (self.law.illumination.lit_area / self.resolution.size.side.powi(2) + self.surfaces as f64);
+        let CellSize { side, most_surfaces } = self.resolution.size;
+        let positions = more_positions * (self.law.illumination.lit_area / side.powi(2) + most_surfaces as f64);
         positions * f64::from(more_rays) * self.work_of_cell()
     }
 

@@ -39,8 +39,8 @@ impl Areas {
         Self { falling }
     }
 
-    /// The least area of a surface for which a cell pays, in m^2, and how many surfaces are as large.
-    pub fn least_worthwhile(&self, traffic: &Traffic) -> (f64, usize) {
+    /// For how many surfaces cells pay, the largest ones.
+    pub fn worthwhile(&self, traffic: &Traffic) -> usize {
         let Traffic { lit_area, albedo, paths, cell_work } = *traffic;
         let mut with_cells = 0.0;
         let pays = |area: &&f64| {
@@ -49,8 +49,7 @@ impl Areas {
             with_cells += **area;
             paths * **area / lit_area * bounces * BOUNCE_WORK >= WORTH * cell_work
         };
-        let count = self.falling.iter().take_while(pays).count();
-        (count.checked_sub(1).map_or(f64::MAX, |last| self.falling[last]), count)
+        self.falling.iter().take_while(pays).count()
     }
 }
 
@@ -62,7 +61,7 @@ mod tests {
     fn count(areas: &[f64], albedo: f64, paths: f64) -> usize {
         let falling = areas.to_vec();
         let lit_area = falling.iter().sum();
-        Areas { falling }.least_worthwhile(&Traffic { lit_area, albedo, paths, cell_work: 50.0 }).1
+        Areas { falling }.worthwhile(&Traffic { lit_area, albedo, paths, cell_work: 50.0 })
     }
 
     #[test]

@@ -19,7 +19,7 @@ use super::PARALLEL;
 use crate::geometry::{Facet, Frame, sampling, streams};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::progress::Stop;
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{Scene, SurfaceId, largest};
 use crate::transmittance::Rays;
 use crate::visibility::{Hit, NO_PLANE, Ray, Segment};
 
@@ -89,7 +89,11 @@ impl Exposure {
         let by_plane = ByPlane::new(scene);
         let (least, most) = SURFACE_SAMPLES.into_inner();
         let surface_samples = (ALL_SAMPLES / scene.surfaces().len() as u32).clamp(least, most);
-        let least_area = least_sampled_area(scene, (ALL_SAMPLES / least) as usize);
+        let surfaces = scene.surfaces().len();
+        let mut is_sampled = vec![false; surfaces];
+        largest(scene, (0..surfaces).collect(), (ALL_SAMPLES / least) as usize)
+            .into_iter()
+            .for_each(|number| is_sampled[number] = true);
         let levels = hierarchy.levels();
         let first = known.max(hierarchy.cluster_count());
         for level in levels.iter().map(|level| level.start.max(first)..level.end).filter(|level| !level.is_empty()) {
@@ -97,7 +101,7 @@ impl Exposure {
                 .map(|node| {
                     let node = NodeId(node as u32);
                     let surface = hierarchy.node_of(SurfaceId(hierarchy.node(node).surface));
-                    let is_small = surface == node && hierarchy.area(surface) < least_area;
+                    let is_small = surface == node && !is_sampled[hierarchy.node(node).surface as usize];
                     if stop() || is_small {
                         Sampled::EXPOSED
                     } else if surface == node {
@@ -151,15 +155,6 @@ pub(crate) fn sampled_exposed_point(
             points.find_map(|point| (!point.is_hidden).then_some(point.point))
         }
     }
-}
-
-/// The least area in m^2 of the surfaces that are sampled, which are `most`.
-fn least_sampled_area(scene: &Scene, most: usize) -> f64 {
-    let mut areas: Vec<f64> = scene.surfaces().iter().map(|surface| surface.polygon.area()).collect();
-    if areas.len() <= most {
-        return 0.0;
-    }
-    *areas.select_nth_unstable_by(most - 1, |a, b| b.total_cmp(a)).1
 }
 
 /// What rays from a node tell.
