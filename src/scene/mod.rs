@@ -12,7 +12,7 @@ mod twins;
 pub(crate) use distinct_channels::DistinctChannels;
 pub use error::SceneError;
 pub use material::Material;
-pub use point::SurfacePoint;
+pub use point::{PointError, SurfacePoint};
 pub use summary::SceneSummary;
 
 use glam::DVec3;
