@@ -17,5 +17,5 @@ for channel, radiosity, error in zip("rgb", values.radiosity, values.standard_er
     print(f"{channel}: {radiosity:.3f} W/m^2, give or take {error:.3f}")
 
 lit.render(width=320, height=240).save(picture)
-energy = lit.report["energy"]
-print(f"{energy['emitted']:.1f} W are emitted, {energy['absorbed']:.1f} W absorbed")
+report = lit.report
+print(f"{report['counts']['rays']:,} rays; {report['energy']['emitted']:.1f} W are emitted")

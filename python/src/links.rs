@@ -32,7 +32,7 @@ impl Links {
         Ok((nodes, nodes))
     }
 
-    /// Form factors from receiver to source, occlusion included, each an unbiased sample: float64 array (L,).
+    /// Form factors from receiver to source, occlusion included: float64 array (L,). Each is an unbiased sample, which may lie below 0.
     #[getter]
     fn data<'py>(&self, py: Python<'py>) -> Made<'py> {
         self.reals(py, |links| links.iter().map(|(_, link)| link.occluded_form_factor()).collect())
