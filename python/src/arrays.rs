@@ -3,6 +3,7 @@
 use numpy::{Element, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn};
 use pyo3::intern;
 use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyBool};
 
 use crate::errors::Failure;
 
@@ -57,4 +58,15 @@ pub fn vector(object: &Bound<'_, PyAny>, name: &str) -> PyResult<[f64; 3]> {
 /// Numbers as an array of this shape; the memory becomes the array's.
 pub fn array<'py, T: Element>(py: Python<'py>, numbers: Vec<T>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     PyArray1::from_vec(py, numbers).reshape(shape)
+}
+
+/// What `__array__` answers: the array itself, unless another type or a copy is asked for.
+pub fn as_asked<'py>(
+    array: &Bound<'py, PyAny>,
+    dtype: Option<&Bound<'py, PyAny>>,
+    copy: Option<bool>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = array.py();
+    let asked = [("dtype", dtype.cloned()), ("copy", copy.map(|copy| PyBool::new(py, copy).to_owned().into_any()))];
+    py.import(intern!(py, "numpy"))?.call_method(intern!(py, "array"), (array,), Some(&asked.into_py_dict(py)?))
 }

@@ -18,7 +18,8 @@ pub enum Which {
     All,
 }
 
-/// Nodes of a solution, from `Solution.elements`, `.surfaces` and `.nodes`; N of them. Each attribute is a new array.
+/// Nodes of a solution, from `Solution.elements`, `.surfaces` and `.nodes`; N of them. Each attribute is a new array. From the solver over
+/// cells they are coarse: `solve(scene, solver="links")` refines them.
 #[pyclass(frozen, module = "patchlight")]
 pub struct Nodes {
     lit: Arc<Lit>,

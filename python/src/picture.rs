@@ -9,7 +9,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::arrays::array;
+use crate::arrays::{array, as_asked};
 use crate::camera::CameraView;
 use crate::errors::Failure;
 
@@ -77,10 +77,7 @@ impl Picture {
         dtype: Option<&Bound<'py, PyAny>>,
         copy: Option<bool>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let radiance = self.radiance.bind(py).as_any();
-        let dtype = dtype.map_or_else(|| radiance.getattr(intern!(py, "dtype")), |dtype| Ok(dtype.clone()))?;
-        let must_copy = copy == Some(true);
-        radiance.call_method1(intern!(py, "astype"), (dtype, "K", "unsafe", true, must_copy))
+        as_asked(self.radiance.bind(py), dtype, copy)
     }
 
     fn __repr__(&self) -> String {

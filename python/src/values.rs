@@ -6,7 +6,7 @@ use patchlight::values;
 use pyo3::intern;
 use pyo3::prelude::*;
 
-use crate::arrays::{array, vectors};
+use crate::arrays::{array, as_asked, vectors};
 use crate::errors::Failure;
 
 /// Radiosities at points, from `Solution.values`. `numpy.asarray(values)` is `values.radiosity`.
@@ -35,10 +35,7 @@ impl Values {
         dtype: Option<&Bound<'py, PyAny>>,
         copy: Option<bool>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let radiosity = self.radiosity.bind(py);
-        let dtype = dtype.map_or_else(|| radiosity.getattr(intern!(py, "dtype")), |dtype| Ok(dtype.clone()))?;
-        let must_copy = copy == Some(true);
-        radiosity.call_method1(intern!(py, "astype"), (dtype, "K", "unsafe", true, must_copy))
+        as_asked(self.radiosity.bind(py), dtype, copy)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

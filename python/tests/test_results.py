@@ -34,6 +34,7 @@ def test_arrays_are_handed_over_and_not_copied(cornell):
     assert values.radiosity is values.radiosity
     assert np.asarray(values) is values.radiosity
     assert np.asarray(values, dtype=np.float64).dtype == np.float64
+    assert np.array(values) is not values.radiosity
     picture = cornell.render(width=8, height=6)
     assert picture.radiance is np.asarray(picture)
     assert not picture.radiance.flags.owndata

@@ -131,7 +131,7 @@ def test_the_bar_is_for_people_alone(cornell, monkeypatch, capsys):
     assert terminal.text.split("\r")[-2].strip() == ""
 
 
-@pytest.mark.parametrize("what", ["solve", "render"])
+@pytest.mark.parametrize("what", ["solve", "values", "render"])
 def test_ctrl_c_ends_it_within_half_a_second(office, cornell, what):
     sent = []
 
@@ -142,11 +142,14 @@ def test_ctrl_c_ends_it_within_half_a_second(office, cornell, what):
 
     # The first use of threads and backend is none of what is measured.
     camera = cornell.camera(width=6000, height=6000)
+    points = np.random.default_rng(1).uniform(0, 1, (2_000_000, 3)) * [1, 0, 1]
     killer = threading.Thread(target=interrupt)
     killer.start()
     with pytest.raises(KeyboardInterrupt):
         if what == "solve":
             patchlight.solve(office, error=1e-4)
+        elif what == "values":
+            cornell.values(points, [0, 1, 0])
         else:
             cornell.render(camera)
     late = time.monotonic() - sent[0]
