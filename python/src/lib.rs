@@ -9,6 +9,7 @@ mod camera;
 mod diagnostic;
 mod errors;
 mod links;
+mod lit;
 mod names;
 mod nodes;
 mod options;

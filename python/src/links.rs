@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::array;
 use crate::errors::Failure;
-use crate::solution::Lit;
+use crate::lit::Lit;
 
 /// The links of a solution, L of them, ordered by receiver: a sparse matrix of form factors from receiver (row) to source (column), over
 /// nodes. `scipy.sparse.csr_array((links.data, links.indices, links.indptr), shape=links.shape)` takes them as they are. Each attribute

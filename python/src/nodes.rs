@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::array;
 use crate::errors::Failure;
-use crate::solution::Lit;
+use crate::lit::Lit;
 
 /// Which nodes.
 pub enum Which {

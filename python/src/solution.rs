@@ -5,61 +5,19 @@ use std::sync::Arc;
 
 use patchlight::output::{Destination, ExportFormat, Provenance, write_ply, write_solution};
 use patchlight::picture::{Camera, CameraRequest};
-use patchlight::pipeline::Evaluator;
 use patchlight::progress::Observer;
-use patchlight::solve::SolveReport;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::camera::CameraView;
 use crate::errors::Failure;
 use crate::links::Links;
+use crate::lit::Lit;
 use crate::names::name_of;
 use crate::nodes::{Nodes, Which};
 use crate::picture::Picture;
 use crate::values::{Values, points};
 use crate::watch::{Listener, watched};
-use crate::workers::Home;
-
-/// A solution with what is needed to look at it.
-pub struct Lit {
-    /// Always there, but while it is dropped.
-    evaluator: Option<Evaluator>,
-    report: Option<Report>,
-    home: Home,
-}
-
-/// What the solve told.
-pub struct Report {
-    pub json: String,
-    pub solve: SolveReport,
-}
-
-impl Lit {
-    pub fn new(evaluator: Evaluator, report: Option<Report>) -> Self {
-        Self { evaluator: Some(evaluator), report, home: Home::here() }
-    }
-
-    /// The evaluator, where its threads are.
-    pub fn evaluator(&self) -> Result<&Evaluator, Failure> {
-        match &self.evaluator {
-            Some(evaluator) if !self.home.is_elsewhere() => Ok(evaluator),
-            _ => Err(Failure::resource(
-                "this solution belongs to the process that this one was forked from: save it there and load it here, or start processes \
-                 with the method 'spawn'",
-            )),
-        }
-    }
-}
-
-/// Threads that are not there cannot be waited for.
-impl Drop for Lit {
-    fn drop(&mut self) {
-        if self.home.is_elsewhere() {
-            std::mem::forget(self.evaluator.take());
-        }
-    }
-}
 
 /// The answer: radiosities of everything, and what values at points and pictures are made from. Unchangeable; may be used by many threads.
 ///

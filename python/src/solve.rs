@@ -10,9 +10,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors::{Failure, class_of};
+use crate::lit::{Lit, Report};
 use crate::options::Settings;
 use crate::scene::Scene;
-use crate::solution::{Lit, Report, Solution};
+use crate::solution::Solution;
 use crate::watch::{Listener, watched};
 use crate::workers::workers;
 
