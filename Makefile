@@ -57,7 +57,7 @@ test-python: setup
 lint: setup
 	cargo fmt --all --check
 	cargo clippy --locked --all-targets -- -D warnings
-	cargo clippy --locked -p patchlight-python -- -D warnings
+	PYO3_BUILD_EXTENSION_MODULE=1 PYO3_NO_PYTHON=1 cargo clippy --locked -p patchlight-python -- -D warnings
 
 bench: setup
 	cargo bench --locked

@@ -8,7 +8,6 @@ use patchlight::scene::{Surface, SurfaceId};
 use pyo3::prelude::*;
 
 use crate::arrays::array;
-use crate::errors::Failure;
 use crate::lit::Lit;
 
 /// Which nodes.
@@ -153,7 +152,7 @@ impl Nodes {
         py: Python<'py>,
         side: for<'a> fn(&'a RadiosityBounds, NodeId) -> &'a [f64],
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let bounds = self.lit.evaluator().map_err(Failure::from)?.bounds();
+        let bounds = self.lit.evaluator()?.bounds();
         bounds.map(|bounds| self.by_channel(py, |node| side(bounds, node))).transpose()
     }
 }
