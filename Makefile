@@ -1,5 +1,5 @@
 # The commands that people and CI run. `make` alone lists them.
-.PHONY: help setup demo library install uninstall test lint bench bench-error counters test-debian13
+.PHONY: help setup demo library install uninstall wheel test test-python lint bench bench-error counters test-debian13 test-wheel
 
 # Rust's own installer puts cargo there; a fresh shell may not have it in PATH yet.
 export PATH := $(PATH):$(HOME)/.cargo/bin
@@ -8,11 +8,14 @@ help:
 	@echo 'make demo           set up, build, light the furnished room, leave a picture and a report in out/'
 	@echo 'make library        set up, build the C library, the program, its man pages and completions'
 	@echo 'make install        install all of these: PREFIX=/usr/local, DESTDIR for packages; make uninstall takes them away'
+	@echo 'make wheel          set up, build the Python package: a wheel in target/python/wheels'
 	@echo 'make test           set up, run all tests'
+	@echo 'make test-python    set up, build the wheel, install it in an environment of its own, run its tests alone'
 	@echo 'make lint           formatting and clippy, warnings are errors'
 	@echo 'make bench          run the benchmarks (minutes)'
 	@echo 'make bench-error    error against time, whether claims are true, and scenes made to be hard (some hours)'
 	@echo 'make counters       write anew what solves cost in rays, links and elements, after a change that is meant to move it'
+	@echo 'make test-wheel     install the wheel in Debian 12 and 13 roots without Embree and light the room (needs root and debootstrap)'
 	@echo 'make test-debian13  run the tests in a Debian 13 root, which has Embree 4 (needs root and debootstrap)'
 
 setup:
@@ -41,12 +44,20 @@ install: target/release/libpatchlight_capi.so target/release/manual
 uninstall:
 	@PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh uninstall target/release
 
+wheel: setup
+	scripts/wheel.sh build
+
 test: setup
 	cargo test --locked
+	scripts/wheel.sh test
+
+test-python: setup
+	scripts/wheel.sh test
 
 lint: setup
-	cargo fmt --check
+	cargo fmt --all --check
 	cargo clippy --locked --all-targets -- -D warnings
+	PYO3_BUILD_EXTENSION_MODULE=1 PYO3_NO_PYTHON=1 cargo clippy --locked -p patchlight-python -- -D warnings
 
 bench: setup
 	cargo bench --locked
@@ -61,3 +72,6 @@ counters: setup
 
 test-debian13:
 	scripts/test-debian13.sh
+
+test-wheel:
+	scripts/test-wheel.sh

@@ -3,10 +3,10 @@
 # Elsewhere it says what is needed. PATCHLIGHT_NO_INSTALL=1 installs nothing.
 set -euo pipefail
 
-packages=(build-essential pkg-config libembree-dev libclang-dev cmake valgrind)
+packages=(build-essential pkg-config libembree-dev libclang-dev cmake valgrind python3-venv)
 
 # Embree and libclang are for the default feature `embree`; without them the build falls back to the pure-Rust backend. cmake and valgrind are
-# for the tests of the C library.
+# for the tests of the C library, python3-venv is for the Python package.
 if command -v dpkg-query >/dev/null && command -v apt-get >/dev/null; then
     missing=()
     for package in "${packages[@]}"; do

@@ -68,6 +68,13 @@ impl Workers {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map(|pool| Self(Arc::new(pool))).map_err(failed)
     }
 
+    /// More threads than this only wait for each other: four for each core, but 256 everywhere.
+    pub fn most() -> usize {
+        const MANY: usize = 256;
+        const OF_A_CORE: usize = 4;
+        MANY.max(OF_A_CORE * std::thread::available_parallelism().map_or(1, usize::from))
+    }
+
     /// How many there are.
     pub fn count(&self) -> usize {
         self.0.current_num_threads()

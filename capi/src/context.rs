@@ -69,16 +69,13 @@ impl Context {
     }
 }
 
-/// More threads than this, and than four for each core, only wait for each other.
-const MANY_THREADS: usize = 256;
-
 /// Makes a context with so many worker threads; 0 takes one for each core. The number never changes an answer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn patchlight_context_create(threads: u32, context: *mut *mut patchlight_context) -> patchlight_status {
     enter(|| {
         // SAFETY: The contract of the header.
         let out = unsafe { Out::new(context, "context")? };
-        let most = MANY_THREADS.max(4 * std::thread::available_parallelism().map_or(1, usize::from));
+        let most = Workers::most();
         if threads as usize > most {
             let message = format!("threads is {threads}, it must be from 1 to {most}, or 0 for one for each core");
             return Err(Ending::new(PATCHLIGHT_OUT_OF_RANGE, message));

@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use patchlight::output::{Provenance, RunReport, SceneReport, write_report};
 use patchlight::pipeline;
-use patchlight::scene::Scene;
 use patchlight::solve::{SolveOptions, SolveReport, StoppedBy};
 
 use crate::context::{PATCHLIGHT_LOG_INFO, patchlight_context};
@@ -147,24 +146,12 @@ fn told(report: &SolveReport) -> String {
 /// The report as the program writes it; what only a program knows is missing.
 fn json(scene: &Committed, options: &SolveOptions, report: &SolveReport, threads: usize) -> String {
     let provenance = Provenance::new(options);
-    let mut run = RunReport::of_solve(provenance.software(), scene_report(&scene.scene, &scene.files), options, report);
+    let mut run =
+        RunReport::of_solve(provenance.software(), SceneReport::of(&scene.scene, scene.files.clone().into()), options, report);
     run.threads = threads;
     run.warnings.clone_from(&scene.warnings);
     let mut text = Vec::new();
     // Writing to memory does not fail.
     let _ = write_report(&mut text, &run);
     String::from_utf8_lossy(&text).into_owned()
-}
-
-fn scene_report(scene: &Scene, files: &str) -> SceneReport {
-    let bounds = scene.bounds();
-    SceneReport {
-        file: files.into(),
-        channels: scene.channels(),
-        materials: scene.materials().len(),
-        surfaces: scene.surfaces().len(),
-        area_m2: scene.surfaces().iter().map(|surface| surface.polygon.area()).sum(),
-        min: bounds.min(),
-        max: bounds.max(),
-    }
 }

@@ -30,7 +30,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let expected_values = request.options.expected_values.or(points.as_ref().map(|points| points.len() as u64));
     let options = SolveOptions { expected_values, ..request.options.clone() };
     let (scene, warnings) = read(&request)?;
-    let scene_report = describe_scene(&scene, &request);
+    let scene_report = SceneReport::of(&scene, request.scene.clone());
     let load_s = start.elapsed().as_secs_f64();
     interrupt::listen();
 
@@ -127,19 +127,6 @@ fn write_results(
 
 fn available_threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
-}
-
-fn describe_scene(scene: &Scene, request: &SolveRequest) -> SceneReport {
-    let bounds = scene.bounds();
-    SceneReport {
-        file: request.scene.clone(),
-        channels: scene.channels(),
-        materials: scene.materials().len(),
-        surfaces: scene.surfaces().len(),
-        area_m2: scene.surfaces().iter().map(|surface| surface.polygon.area()).sum(),
-        min: bounds.min(),
-        max: bounds.max(),
-    }
 }
 
 /// What matters most, on a few lines.

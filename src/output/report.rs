@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::bounds::BoundsReport;
+use crate::scene::Scene;
 use crate::solve::{
     Counts, Energy, EnergyBalance, ErrorFigure, IterationReport, LinkErrorReport, Norm, SkippedWork, SolveOptions, SolveReport,
     StageTimes, StoppedBy,
@@ -82,6 +83,22 @@ pub struct SceneReport {
     pub min: [f64; 3],
     /// Upper corner of the bounds in metres.
     pub max: [f64; 3],
+}
+
+impl SceneReport {
+    /// Of `scene`, which was read from `file`.
+    pub fn of(scene: &Scene, file: PathBuf) -> Self {
+        let bounds = scene.bounds();
+        Self {
+            file,
+            channels: scene.channels(),
+            materials: scene.materials().len(),
+            surfaces: scene.surfaces().len(),
+            area_m2: scene.surfaces().iter().map(|surface| surface.polygon.area()).sum(),
+            min: bounds.min(),
+            max: bounds.max(),
+        }
+    }
 }
 
 /// Seconds by stage.

@@ -14,7 +14,7 @@ pub(crate) use distinct_channels::DistinctChannels;
 pub use error::SceneError;
 pub(crate) use largest::largest;
 pub use material::Material;
-pub use point::SurfacePoint;
+pub use point::{PointError, SurfacePoint};
 pub use summary::SceneSummary;
 
 use glam::DVec3;

@@ -41,7 +41,7 @@ fn add_sources(below: &str, found: &mut Sources) {
 fn sources() -> Sources {
     let mut found: Sources =
         ["build.rs", "capi/build.rs"].map(|file| (file.to_owned(), fs::read_to_string(root().join(file)).unwrap())).into();
-    for folder in ["src", "tests", "benches", "examples", "fuzz", "capi/src", "capi/tests", "capi/benches"] {
+    for folder in ["src", "tests", "benches", "examples", "fuzz", "capi/src", "capi/tests", "capi/benches", "python/src"] {
         add_sources(folder, &mut found);
     }
     found

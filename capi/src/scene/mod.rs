@@ -20,7 +20,6 @@ use crate::handles;
 use crate::memory::{Out, text};
 use crate::status::{Ending, PATCHLIGHT_INVALID_SCENE, PATCHLIGHT_WRONG_STATE, patchlight_status};
 pub use build::Committed;
-use build::MaterialRow;
 use object::SceneObject;
 pub use object::patchlight_scene;
 
@@ -95,7 +94,7 @@ pub unsafe extern "C" fn patchlight_scene_add_materials(
 ) -> patchlight_status {
     enter(|| {
         let scene = handles::get(scene)?;
-        let channels = scene.state().draft.channels;
+        let channels = scene.state().draft.channels();
         // SAFETY: The contract of the header.
         let (reflectance, exitance) =
             unsafe { (reals(reflectance, channels, "reflectance")?, reals(exitance, channels, "exitance")?) };
@@ -103,9 +102,8 @@ pub unsafe extern "C" fn patchlight_scene_add_materials(
             return Err(Ending::argument("there are not as many exitances as reflectances"));
         }
         let rows = reflectance.chunks_exact(channels).zip(exitance.chunks_exact(channels));
-        let rows = rows.map(|(rho, e)| MaterialRow { reflectance: rho.to_vec(), exitance: e.to_vec() });
         scene.change(|draft| {
-            draft.materials.extend(rows);
+            rows.for_each(|(reflectance, exitance)| draft.add_material(reflectance, exitance));
             Ok(())
         })
     })
@@ -190,7 +188,7 @@ pub unsafe extern "C" fn patchlight_scene_add_file(
         if flags & !(PATCHLIGHT_FILE_ALLOW_ANY_PATH as u32) != PATCHLIGHT_FILE_DEFAULT as u32 {
             return Err(Ending::argument(format_args!("flags is {flags}, which has bits that are no patchlight_file_flags")));
         }
-        if scene.state().draft.channels != 3 {
+        if scene.state().draft.channels() != 3 {
             return Err(Ending::new(PATCHLIGHT_WRONG_STATE, "files have three channels, this scene has another number"));
         }
         let allow_any_path = flags & PATCHLIGHT_FILE_ALLOW_ANY_PATH as u32 != 0;

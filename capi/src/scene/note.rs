@@ -1,6 +1,6 @@
 //! What was noted about a scene, as it is kept.
 
-use patchlight::scene::import::{Diagnostic, DiagnosticKind, Severity};
+use patchlight::scene::import::{Diagnostic, DiagnosticKind, Mistake, MistakeKind, Severity};
 
 /// How serious a diagnostic is. Values may be added.
 #[repr(u32)]
@@ -91,8 +91,14 @@ pub struct Note {
 
 impl Note {
     /// For which a commit fails.
-    pub fn mistake(code: Code, face: Option<u64>, text: String) -> Self {
-        Self { code, severity: PATCHLIGHT_ERROR, face, line: None, text }
+    pub fn of_mistake(mistake: &Mistake) -> Self {
+        let code = match mistake.kind {
+            MistakeKind::BadIndex => Code::PATCHLIGHT_BAD_INDEX,
+            MistakeKind::BadVertex => Code::PATCHLIGHT_BAD_VERTEX,
+            MistakeKind::BadMaterial => Code::PATCHLIGHT_BAD_MATERIAL,
+            MistakeKind::BadScene => Code::PATCHLIGHT_BAD_SCENE,
+        };
+        Self { code, severity: PATCHLIGHT_ERROR, face: mistake.face, line: None, text: mistake.text.clone() }
     }
 
     pub fn of(diagnostic: &Diagnostic) -> Self {

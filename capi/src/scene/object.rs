@@ -3,8 +3,9 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use patchlight::scene::Sides;
+use patchlight::scene::import::Draft;
 
-use super::build::{Committed, Draft};
+use super::build::{Committed, build};
 use super::note::Note;
 use crate::context::Context;
 use crate::handles::Handle;
@@ -66,7 +67,7 @@ impl SceneObject {
         if state.scene.is_some() {
             return Err(Ending::new(PATCHLIGHT_WRONG_STATE, "the scene is committed already"));
         }
-        let (built, notes) = state.draft.build();
+        let (built, notes) = build(&state.draft);
         state.notes = notes;
         let committed = Arc::new(built?);
         let warnings = committed.warnings.clone();

@@ -34,9 +34,6 @@ unsafe impl SizedStruct for patchlight_values {
     const NAME: &'static str = "patchlight_values";
 }
 
-/// A normal has this length, give or take what files round.
-const UNIT_TOLERANCE: f64 = 1e-3;
-
 /// Points on surfaces.
 ///
 /// # Safety
@@ -51,14 +48,7 @@ unsafe fn points(positions: *const patchlight_array, normals: *const patchlight_
     let points = positions.into_iter().zip(normals).enumerate();
     points
         .map(|(number, (position, normal))| {
-            if !position.iter().chain(&normal).all(|x| x.is_finite()) {
-                return Err(Ending::argument(format_args!("point {number}: a coordinate is not finite")));
-            }
-            let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
-            if (length - 1.0).abs() > UNIT_TOLERANCE {
-                return Err(Ending::argument(format_args!("point {number}: its normal has length {length}, not 1")));
-            }
-            Ok(SurfacePoint { position, normal })
+            SurfacePoint::checked(position, normal).map_err(|error| Ending::argument(format_args!("point {number}: {error}")))
         })
         .collect()
 }

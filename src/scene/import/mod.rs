@@ -8,6 +8,7 @@ mod arrays;
 mod assemble;
 mod cut;
 mod diagnostics;
+mod draft;
 mod error;
 mod mtl;
 mod obj;
@@ -19,6 +20,7 @@ use std::path::{Path, PathBuf};
 
 pub use arrays::{ArrayFace, ArraysError, polygons_of_arrays};
 pub use diagnostics::{Diagnostic, DiagnosticKind, Diagnostics, Severity};
+pub use draft::{Draft, DraftError, Mistake, MistakeKind};
 pub use error::ImportError;
 
 use super::{Scene, Sides};

@@ -1,0 +1,207 @@
+//! Solutions.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use patchlight::output::{Destination, ExportFormat, Provenance, write_ply, write_solution};
+use patchlight::picture::{Camera, CameraRequest};
+use patchlight::progress::Observer;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::camera::CameraView;
+use crate::errors::Failure;
+use crate::links::Links;
+use crate::lit::Lit;
+use crate::names::name_of;
+use crate::nodes::{Nodes, Which};
+use crate::picture::Picture;
+use crate::values::{Values, points};
+use crate::watch::{Listener, watched};
+
+/// The answer: radiosities of everything, and what values at points and pictures are made from. Unchangeable; may be used by many threads.
+///
+/// Made by `patchlight.solve` and `patchlight.load`.
+#[pyclass(frozen, module = "patchlight")]
+pub struct Solution {
+    lit: Arc<Lit>,
+}
+
+#[pymethods]
+impl Solution {
+    /// Radiosities at points that lie on surfaces.
+    ///
+    /// points: float array (..., 3), in metres.
+    /// normals: unit normals of the sides that are looked at: float array of the same shape, or (3,) for all points.
+    /// progress: as in `solve`; returns it True, `Cancelled` is raised.
+    #[pyo3(signature = (points, normals, *, progress=None))]
+    fn values(
+        &self,
+        points: &Bound<'_, PyAny>,
+        normals: &Bound<'_, PyAny>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Values> {
+        let (py, evaluator) = (points.py(), self.lit.evaluator()?);
+        let listener = Listener::new(progress)?;
+        let (points, mut shape) = self::points(points, normals)?;
+        shape.push(evaluator.solution().scene().channels());
+        let work = |observer: &dyn Observer| evaluator.bounded_values_at(&points, observer);
+        let (values, bounds) = watched(py, &listener, work)?.ok_or_else(Failure::cancelled)?;
+        Values::new(py, values, bounds, &shape)
+    }
+
+    /// A camera that shows the scene. What is given is kept, what is left out is chosen.
+    ///
+    /// eye, target, up: three coordinates each, in metres. field_of_view: vertical, in degrees. width, height: in pixels.
+    #[pyo3(signature = (*, width=640, height=480, **view))]
+    fn camera(&self, py: Python<'_>, width: u32, height: u32, view: Option<&Bound<'_, PyDict>>) -> PyResult<CameraView> {
+        let request = CameraView::request(view)?;
+        self.camera_of(py, &request, width, height).map(CameraView)
+    }
+
+    /// Takes a picture, which shows itself in a notebook.
+    ///
+    /// camera: a `Camera`; text as `patchlight render --camera` takes it, such as "eye=1,1,5 fov=40"; None for a view that shows the scene.
+    /// width, height: in pixels, where the camera is no `Camera`.
+    /// progress: as in `solve`; returns it True, `Cancelled` is raised.
+    #[pyo3(signature = (camera=None, *, width=640, height=480, progress=None))]
+    fn render(
+        &self,
+        py: Python<'_>,
+        camera: Option<&Bound<'_, PyAny>>,
+        width: u32,
+        height: u32,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Picture> {
+        let evaluator = self.lit.evaluator()?;
+        let listener = Listener::new(progress)?;
+        let camera = match camera.map(|camera| (camera, camera.cast::<CameraView>())) {
+            Some((_, Ok(camera))) => camera.get().0,
+            Some((text, Err(_))) => {
+                let text: String = text.extract().map_err(|_| Failure::argument("camera must be a Camera, a str or None"))?;
+                self.camera_of(py, &text.parse().map_err(Failure::from)?, width, height)?
+            }
+            None => self.camera_of(py, &CameraRequest::default(), width, height)?,
+        };
+        let image = watched(py, &listener, |observer: &dyn Observer| evaluator.render(&camera, observer))?;
+        let image = image.map_err(Failure::from)?.ok_or_else(Failure::cancelled)?;
+        Picture::new(py, image, camera, self.provenance()?)
+    }
+
+    /// Writes it, to be read by `patchlight.load` and by the program. A file that is there is replaced by a complete one.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let (lit, provenance) = (self.lit.evaluator()?.solution(), self.provenance()?);
+        py.detach(|| -> Result<(), Failure> {
+            Ok(Destination::new(&path)?.write(|file| write_solution(file, lit, &provenance))?)
+        })?;
+        Ok(())
+    }
+
+    /// Writes the elements with their radiosities: .ply.
+    fn export(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let (lit, provenance) = (self.lit.evaluator()?.solution(), self.provenance()?);
+        let ExportFormat::Ply = ExportFormat::of_path(&path).map_err(Failure::from)?;
+        py.detach(|| -> Result<(), Failure> { Ok(Destination::new(&path)?.write(|file| write_ply(file, lit, &provenance))?) })?;
+        Ok(())
+    }
+
+    /// The elements: surfaces that were not split, and the smallest pieces of the others.
+    #[getter]
+    fn elements(&self) -> PyResult<Nodes> {
+        Nodes::new(self.lit.clone(), Which::Elements)
+    }
+
+    /// The surfaces of the scene, in their order.
+    #[getter]
+    fn surfaces(&self) -> PyResult<Nodes> {
+        Nodes::new(self.lit.clone(), Which::Surfaces)
+    }
+
+    /// All nodes of the hierarchy by their numbers: clusters, surfaces, elements, and what lies between them.
+    #[getter]
+    fn nodes(&self) -> PyResult<Nodes> {
+        Nodes::new(self.lit.clone(), Which::All)
+    }
+
+    /// The links between nodes, as a sparse matrix. From the solver over cells these are of a coarse pass.
+    #[getter]
+    fn links(&self) -> PyResult<Links> {
+        self.lit.evaluator()?;
+        Ok(Links::new(self.lit.clone()))
+    }
+
+    /// Channels: numbers for each radiosity.
+    #[getter]
+    fn channels(&self) -> PyResult<usize> {
+        Ok(self.lit.evaluator()?.solution().scene().channels())
+    }
+
+    /// Which solver found it: "links" or "cells".
+    #[getter]
+    fn solver(&self) -> PyResult<String> {
+        Ok(name_of(&self.lit.evaluator()?.solution().solver()))
+    }
+
+    /// Name and version of the visibility backend.
+    #[getter]
+    fn backend(&self) -> PyResult<String> {
+        Ok(self.lit.evaluator()?.backend())
+    }
+
+    /// Bytes that hierarchy, links and radiosities take.
+    #[getter]
+    fn memory_bytes(&self) -> PyResult<u64> {
+        Ok(self.lit.evaluator()?.solution().memory_bytes())
+    }
+
+    /// The error that is claimed: an upper confidence limit; infinite where none was estimated. None if it was read from a file.
+    #[getter]
+    fn error(&self) -> Option<f64> {
+        Some(self.lit.report.as_ref()?.solve.error.estimate)
+    }
+
+    /// Whether the error that was asked for is reached. None if it was read from a file.
+    #[getter]
+    fn converged(&self) -> Option<bool> {
+        Some(self.lit.report.as_ref()?.solve.converged)
+    }
+
+    /// What ended the solve: "error", "max_links", "memory", "time", "cancelled" or "exhausted". None if it was read from a file.
+    #[getter]
+    fn stopped_by(&self) -> Option<String> {
+        Some(name_of(&self.lit.report.as_ref()?.solve.stopped_by))
+    }
+
+    /// What the solve tells about itself: the dict of the report that the program writes. None if it was read from a file.
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let loads = py.import("json")?.getattr("loads")?;
+        self.lit.report.as_ref().map(|report| loads.call1((&report.json,))).transpose()
+    }
+
+    fn __repr__(&self) -> PyResult<String> {
+        let lit = self.lit.evaluator()?.solution();
+        let claimed = self.error().map_or(String::new(), |error| format!(", {:.2}% error claimed", 100.0 * error));
+        let (surfaces, channels) = (lit.scene().surfaces().len(), lit.scene().channels());
+        Ok(format!("<patchlight.Solution: {surfaces} surfaces, {channels} channels, over {}{claimed}>", self.solver()?))
+    }
+}
+
+impl Solution {
+    pub fn of(lit: Lit) -> Self {
+        Self { lit: Arc::new(lit) }
+    }
+
+    fn provenance(&self) -> Result<Provenance, Failure> {
+        Ok(Provenance::new(self.lit.evaluator()?.solution().options()))
+    }
+
+    /// The camera of a request, put in place of the default view where that is silent.
+    fn camera_of(&self, py: Python<'_>, request: &CameraRequest, width: u32, height: u32) -> PyResult<Camera> {
+        let evaluator = self.lit.evaluator()?;
+        let (target, up) = ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
+        Camera { eye: [0.0; 3], target, up, field_of_view_degrees: 45.0, width, height }.validate().map_err(Failure::from)?;
+        let default = py.detach(|| evaluator.default_camera(width, height));
+        Ok(request.apply_to(default).map_err(Failure::from)?)
+    }
+}
