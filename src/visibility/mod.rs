@@ -23,6 +23,7 @@
 //! thinner than this, or nearer than this to an end, may be missed.
 
 mod backend;
+mod box_tree;
 mod brute_force;
 mod build;
 #[cfg(has_embree)]
@@ -37,6 +38,7 @@ mod occluders;
 pub use backend::{Backend, VisibilityError};
 pub use build::build;
 pub use mesh::OccluderMesh;
+pub(crate) use box_tree::{BoxTree, HalfSpace};
 pub(crate) use near::SurfaceBoxes;
 
 /// A plane number that belongs to no surface: nothing is ignored at that end.

@@ -1,0 +1,251 @@
+//! Direct irradiance at a point: exact where that costs less than rays, else by rays with a variance.
+//!
+//! ```text
+//! H(x) = sum over emitters s of E_s F(x, visible part of s)
+//! ```
+//!
+//! # What is exact
+//! A caller says how many rays it would cast from a point. An emitter has a share of them by what it would bring with nothing in between. If that is
+//! a ray or more, its visible part is found exactly, unless this takes more work than its rays would: then rays go to what is undecided. So a point
+//! costs at most twice what the cheaper of the two does, without knowing beforehand which that is (ski rental; Karlin, Manasse, Rudolph, Sleator
+//! 1988), and its error is never larger than that of the rays. Emitters whose share is less than a ray share rays.
+
+use glam::DVec3;
+
+use super::blockers::Blockers;
+use super::undecided::UndecidedRays;
+use super::view::View;
+use super::visible_part::VisiblePart;
+use crate::form_factor::point_to_polygon;
+use crate::geometry::{sampling, streams};
+use crate::scene::{Scene, SurfaceId};
+use crate::transmittance::Rays;
+
+/// Work on the visible part, in corners held against planes, that takes as long as a ray. Measured by `cargo bench --bench direct`.
+const STEPS_PER_RAY: u64 = 128;
+
+/// How visible parts are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Exactly, or by rays where these are cheaper.
+    #[default]
+    Cheaper,
+    /// Exactly, whatever it costs.
+    Exact,
+    /// By rays.
+    Rays,
+}
+
+/// How much work a point may take.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectEffort {
+    /// Rays from a point.
+    pub rays: u32,
+    /// How visible parts are found.
+    pub method: Method,
+}
+
+/// Where light arrives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Receiver {
+    pub point: DVec3,
+    pub surface: SurfaceId,
+    /// Of the random numbers of its rays.
+    pub seed: u64,
+}
+
+/// The direct light of some emitters.
+pub(crate) struct DirectLight<'a> {
+    scene: &'a Scene,
+    rays: &'a Rays<'a>,
+    blockers: Blockers,
+    emitters: Vec<SurfaceId>,
+}
+
+/// An emitter as a point sees it with nothing in between.
+struct Seen {
+    emitter: SurfaceId,
+    form_factor: f64,
+    /// The irradiance that it brings in its brightest channel, in W/m^2.
+    unoccluded: f64,
+}
+
+/// Memory that is reused from point to point.
+#[derive(Default)]
+pub(crate) struct DirectScratch {
+    seen: Vec<Seen>,
+    part: VisiblePart,
+    undecided: UndecidedRays,
+}
+
+/// Sums by channel.
+struct Sums<'a> {
+    irradiance: &'a mut [f64],
+    variance: &'a mut [f64],
+}
+
+impl<'a> DirectLight<'a> {
+    /// The light of `emitters`.
+    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, emitters: Vec<SurfaceId>) -> Self {
+        Self { scene, rays, blockers: Blockers::of(scene), emitters }
+    }
+
+    /// All surfaces that emit.
+    pub fn emitters_of(scene: &Scene) -> Vec<SurfaceId> {
+        (0..scene.surfaces().len() as u32).map(SurfaceId).filter(|&id| scene.material_of(id).emits()).collect()
+    }
+
+    /// Adds the direct irradiance at a point, in W/m^2 by channel, and its variance.
+    pub fn add_irradiance(
+        &self,
+        receiver: &Receiver,
+        effort: DirectEffort,
+        scratch: &mut DirectScratch,
+        irradiance: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        let mut sums = Sums { irradiance, variance };
+        let DirectScratch { seen, part, undecided } = scratch;
+        let total = self.see_unoccluded(receiver, seen);
+        if total <= 0.0 {
+            return;
+        }
+
+        // Emitters with a ray or more of their own.
+        undecided.restart();
+        for seen in &*seen {
+            let own = f64::from(effort.rays) * seen.unoccluded / total;
+            if own >= 1.0 || effort.method == Method::Exact || self.is_clear(receiver, seen.emitter) {
+                let form_factor = self.decide(receiver, seen, (effort.method, own), part, undecided);
+                self.add(&mut sums.irradiance, seen.emitter, form_factor);
+            }
+        }
+
+        // Emitters that share rays.
+        if effort.method != Method::Exact {
+            seen.retain(|seen| {
+                f64::from(effort.rays) * seen.unoccluded / total < 1.0 && !self.is_clear(receiver, seen.emitter)
+            });
+            let together: f64 = seen.iter().map(|seen| seen.unoccluded).sum();
+            self.draw_shared(receiver, seen, f64::from(effort.rays) * together / total, undecided);
+        }
+        self.add_undecided(undecided, &mut sums);
+    }
+
+    /// The form factor of the visible part of a source, any convex polygon in the plane with number `source_plane`: exact, whatever it
+    /// costs.
+    pub fn visible_form_factor(&self, receiver: &Receiver, source: crate::geometry::Facet<'_>, source_plane: u32, scratch: &mut DirectScratch) -> f64 {
+        let view = self.view(receiver, source, source_plane);
+        if point_to_polygon(view.point, view.normal, &view.source) <= 0.0 {
+            return 0.0;
+        }
+        scratch.part.find(&view, &self.blockers, u64::MAX).form_factor
+    }
+
+    fn view<'v>(&self, receiver: &Receiver, source: crate::geometry::Facet<'v>, source_plane: u32) -> View<'v> {
+        let surface = self.scene.surface(receiver.surface);
+        View { point: receiver.point, normal: surface.polygon.facet().normal, plane: surface.plane(), source, source_plane }
+    }
+
+    fn view_of(&self, receiver: &Receiver, emitter: SurfaceId) -> View<'_> {
+        let emitter = self.scene.surface(emitter);
+        self.view(receiver, emitter.polygon.facet(), emitter.plane())
+    }
+
+    fn is_clear(&self, receiver: &Receiver, emitter: SurfaceId) -> bool {
+        self.rays.is_clear_between([receiver.surface, emitter].map(|surface| self.scene.surface(surface).plane()))
+    }
+
+    /// Lists the emitters that the point would see with nothing in between; gives what they would bring together.
+    fn see_unoccluded(&self, receiver: &Receiver, seen: &mut Vec<Seen>) -> f64 {
+        seen.clear();
+        let surface = self.scene.surface(receiver.surface);
+        let normal = surface.polygon.facet().normal;
+        let mut total = 0.0;
+        for &emitter in &self.emitters {
+            let of = self.scene.surface(emitter);
+            if of.plane() == surface.plane() {
+                continue;
+            }
+            let form_factor = point_to_polygon(receiver.point, normal, &of.polygon.facet());
+            let brightest = self.scene.material_of(emitter).exitance.iter().copied().fold(0.0, f64::max);
+            if form_factor > 0.0 {
+                seen.push(Seen { emitter, form_factor, unoccluded: form_factor * brightest });
+                total += form_factor * brightest;
+            }
+        }
+        total
+    }
+
+    /// The form factor of an emitter as far as it is exact; what is undecided gets rays, about `own`.
+    fn decide(&self, receiver: &Receiver, seen: &Seen, (method, own): (Method, f64), part: &mut VisiblePart, undecided: &mut UndecidedRays) -> f64 {
+        if self.is_clear(receiver, seen.emitter) {
+            return seen.form_factor;
+        }
+        let view = self.view_of(receiver, seen.emitter);
+        let most_steps = match method {
+            Method::Cheaper => (own * STEPS_PER_RAY as f64) as u64,
+            Method::Exact => u64::MAX,
+            Method::Rays => 0,
+        };
+        let visible = part.find(&view, &self.blockers, most_steps);
+        if visible.is_decided {
+            return visible.form_factor;
+        }
+        let seed = sampling::hash(receiver.seed, streams::EMITTER_PIECES + u64::from(seen.emitter.0));
+        undecided.draw_to_pieces(&view, seen.emitter, part.pieces(), own.round() as u32, seed);
+        0.0
+    }
+
+    /// Draws about `count` rays to emitters by what they would bring: two in each of equal shares of that.
+    fn draw_shared(&self, receiver: &Receiver, seen: &[Seen], count: f64, undecided: &mut UndecidedRays) {
+        if seen.is_empty() {
+            return;
+        }
+        let pairs = (0.5 * count).ceil().max(1.0);
+        let total: f64 = seen.iter().map(|seen| seen.unoccluded).sum();
+        let seed = sampling::hash(receiver.seed, streams::EMITTERS);
+        let group = undecided.start_group();
+        let (mut current, mut below) = (0, 0.0);
+        for pair in 0..pairs as u32 {
+            // Emitters before `current` lie below this share.
+            let least = f64::from(pair) / pairs * total;
+            while current + 1 < seen.len() && below + seen[current].unoccluded <= least {
+                below += seen[current].unoccluded;
+                current += 1;
+            }
+            for ray in 0..2 {
+                let random = sampling::hash(seed, u64::from(2 * pair + ray));
+                let drawn = (f64::from(pair) + sampling::unit(random)) / pairs * total;
+                let (mut index, mut above) = (current, below + seen[current].unoccluded);
+                while index + 1 < seen.len() && above <= drawn {
+                    index += 1;
+                    above += seen[index].unoccluded;
+                }
+                let Seen { emitter, form_factor, unoccluded } = seen[index];
+                let view = self.view_of(receiver, emitter);
+                let share = total / (2.0 * pairs * unoccluded);
+                undecided.draw(&view, emitter, &view.source, (form_factor, share, group), sampling::hash(random, streams::THIRD));
+            }
+        }
+    }
+
+    /// Casts the rays, and adds what they find.
+    fn add_undecided(&self, undecided: &mut UndecidedRays, sums: &mut Sums<'_>) {
+        if undecided.is_empty() {
+            return;
+        }
+        undecided.cast(self.rays, |emitters, form_factors| {
+            let [first, second] = emitters.map(|emitter| &self.scene.material_of(emitter).exitance);
+            for (channel, (first, second)) in first.iter().zip(second).enumerate() {
+                let [first, second] = [form_factors[0] * first, form_factors[1] * second];
+                sums.irradiance[channel] += first + second;
+                sums.variance[channel] += (first - second).powi(2);
+            }
+        });
+    }
+
+    fn add(&self, irradiance: &mut [f64], emitter: SurfaceId, form_factor: f64) {
+        irradiance.iter_mut().zip(&self.scene.material_of(emitter).exitance).for_each(|(h, e)| *h += form_factor * e);
+    }
+}
