@@ -50,14 +50,19 @@ fn difference(found: &[f64], exact: &[f64]) -> f64 {
 
 fn main() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut files: Vec<_> = ["cornell", "room", "full_office", "living_room", "dining_room", "hevea", "two_rooms"].map(|name| root.join(format!("scenes/{name}.obj"))).into();
+    let mut files: Vec<_> = ["cornell", "room", "full_office", "living_room", "dining_room", "hevea", "two_rooms"]
+        .map(|name| root.join(format!("scenes/{name}.obj")))
+        .into();
     files.extend(["cornell", "office"].map(|name| root.join(format!("../shared/peers/scenes/{name}.obj"))));
     println!("| scene | surfaces, emitters | way | us a point | error | claimed | rays a point |");
     println!("|---|---|---|---|---|---|---|");
     for file in files.iter().filter(|file| file.exists()) {
         let scene = read_scene(file, &ImportOptions::default()).expect("a scene").scene;
         let visibility = build(Backend::Auto, &OccluderMesh::of_scene(&scene)).expect("a backend");
-        let points: Vec<(SurfaceId, [f64; 3])> = spread(&scene, |_| true, LeftOut::AllBacks, POINTS, 1).into_iter().map(|(surface, point)| (surface, point.position)).collect();
+        let points: Vec<(SurfaceId, [f64; 3])> = spread(&scene, |_| true, LeftOut::AllBacks, POINTS, 1)
+            .into_iter()
+            .map(|(surface, point)| (surface, point.position))
+            .collect();
         let emitters = (0..scene.surfaces().len()).filter(|&id| scene.material_of(SurfaceId(id as u32)).emits()).count();
         let name = format!("{} | {}, {emitters}", file.file_stem().unwrap_or_default().to_string_lossy(), scene.surfaces().len());
         let effort = |rays, method| DirectEffort { rays, method };
@@ -74,7 +79,11 @@ fn main() {
             for (way, method) in [("rays", Method::Rays), ("cheaper", Method::Cheaper)] {
                 let Measured { found, micros } = measure(&scene, &*visibility, &points, effort(rays, method));
                 let error = difference(&found.irradiance, &exact.found.irradiance);
-                println!("| {name} | {way} {rays} | {micros:.2} | {error:.1e} | {:.1e} | {:.1} |", claimed(&found), found.rays as f64 / POINTS as f64);
+                println!(
+                    "| {name} | {way} {rays} | {micros:.2} | {error:.1e} | {:.1e} | {:.1} |",
+                    claimed(&found),
+                    found.rays as f64 / POINTS as f64
+                );
             }
         }
     }

@@ -30,6 +30,12 @@ impl Blocker {
     pub fn height(&self, point: DVec3) -> f64 {
         self.normal.dot(point - self.centroid)
     }
+
+    /// About the solid angle that it takes, seen from a point.
+    fn size_from(&self, point: DVec3) -> f64 {
+        let distance_sq = (self.centroid - point).length_squared() + self.area;
+        self.height(point).abs() * self.area / (distance_sq * distance_sq.sqrt())
+    }
 }
 
 /// The blockers of a scene.
@@ -89,8 +95,16 @@ impl Blockers {
     }
 
     /// Finds what may stand between a point and the cone `corners` of its source, the largest first. Only what hides something of the cone is
-    /// found, as far as planes through the edges of either tell.
-    pub fn find_between(&self, view: &View<'_>, corners: &[DVec3], outline: &mut Outline, found: &mut Vec<Candidate>) {
+    /// found, as far as planes through the edges of either tell. Gives the work that it took, in corners held against planes; beyond `most` of
+    /// that it ends, and not all is found.
+    pub fn find_between(
+        &self,
+        view: &View<'_>,
+        corners: &[DVec3],
+        outline: &mut Outline,
+        found: &mut Vec<Candidate>,
+        most: u64,
+    ) -> u64 {
         // The region: around point and source, in front of the source, and inside of the planes through the cone's edges.
         let bounds = Aabb::around(view.source.vertices.iter().copied().chain([view.point]));
         let mut within = [HalfSpace::at(view.source.vertices[0], view.source.normal); MOST_PLANES];
@@ -100,24 +114,28 @@ impl Blockers {
             within[planes] = HalfSpace::at(view.point, inward);
             planes += 1;
         }
+        let within = &within[..planes];
 
         // What is there and not in the plane of either end.
         found.clear();
-        self.tree.for_each_between(&bounds, &within[..planes], |number| {
+        let mut steps = 0;
+        self.tree.until_enough_between(&bounds, within, |number| {
             let blocker = &self.blockers[number as usize];
             if blocker.plane == view.plane || blocker.plane == view.source_plane {
-                return;
+                return false;
             }
             let vertices = self.vertices(blocker);
+            steps += (vertices.len() * planes) as u64;
             let is_behind = |half: &HalfSpace| vertices.iter().all(|v| half.normal.dot(*v) <= half.offset);
-            if within[..planes].iter().any(is_behind) || !outline.trace(view, self, blocker) || outline.is_apart_from(corners) {
-                return;
+            let mut may_hide = || outline.trace(view, self, blocker) && !outline.is_apart_from(corners);
+            if !within.iter().any(is_behind) && may_hide() {
+                steps += 2 * (vertices.len() * corners.len()) as u64;
+                found.push(Candidate { size: blocker.size_from(view.point), number });
             }
-            let way = blocker.centroid - view.point;
-            let distance_sq = way.length_squared() + blocker.area;
-            found.push(Candidate { size: blocker.height(view.point).abs() * blocker.area / (distance_sq * distance_sq.sqrt()), number });
+            steps > most
         });
         found.sort_unstable_by(|a, b| b.size.total_cmp(&a.size).then(a.number.cmp(&b.number)));
+        steps
     }
 }
 

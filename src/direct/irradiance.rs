@@ -17,12 +17,12 @@ use super::undecided::UndecidedRays;
 use super::view::View;
 use super::visible_part::VisiblePart;
 use crate::form_factor::point_to_polygon;
-use crate::geometry::{sampling, streams};
+use crate::geometry::{Facet, sampling, streams};
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
 
 /// Work on the visible part, in corners held against planes, that takes as long as a ray. Measured by `cargo bench --bench direct`.
-const STEPS_PER_RAY: u64 = 128;
+const STEPS_PER_RAY: f64 = 128.0;
 
 /// How visible parts are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -123,9 +123,7 @@ impl<'a> DirectLight<'a> {
 
         // Emitters that share rays.
         if effort.method != Method::Exact {
-            seen.retain(|seen| {
-                f64::from(effort.rays) * seen.unoccluded / total < 1.0 && !self.is_clear(receiver, seen.emitter)
-            });
+            seen.retain(|seen| f64::from(effort.rays) * seen.unoccluded / total < 1.0 && !self.is_clear(receiver, seen.emitter));
             let together: f64 = seen.iter().map(|seen| seen.unoccluded).sum();
             self.draw_shared(receiver, seen, f64::from(effort.rays) * together / total, undecided);
         }
@@ -133,16 +131,15 @@ impl<'a> DirectLight<'a> {
     }
 
     /// The form factor of the visible part of a source, any convex polygon in the plane with number `source_plane`: exact, whatever it
-    /// costs.
-    pub fn visible_form_factor(&self, receiver: &Receiver, source: crate::geometry::Facet<'_>, source_plane: u32, scratch: &mut DirectScratch) -> f64 {
-        let view = self.view(receiver, source, source_plane);
-        if point_to_polygon(view.point, view.normal, &view.source) <= 0.0 {
+    /// costs. 0 from its back and from its plane.
+    pub fn visible_form_factor(&self, receiver: &Receiver, source: Facet<'_>, source_plane: u32, part: &mut VisiblePart) -> f64 {
+        if source.height(receiver.point) <= self.blockers.contact {
             return 0.0;
         }
-        scratch.part.find(&view, &self.blockers, u64::MAX).form_factor
+        part.find(&self.view(receiver, source, source_plane), &self.blockers, u64::MAX).form_factor
     }
 
-    fn view<'v>(&self, receiver: &Receiver, source: crate::geometry::Facet<'v>, source_plane: u32) -> View<'v> {
+    fn view<'v>(&self, receiver: &Receiver, source: Facet<'v>, source_plane: u32) -> View<'v> {
         let surface = self.scene.surface(receiver.surface);
         View { point: receiver.point, normal: surface.polygon.facet().normal, plane: surface.plane(), source, source_plane }
     }
@@ -178,14 +175,21 @@ impl<'a> DirectLight<'a> {
     }
 
     /// The form factor of an emitter as far as it is exact; what is undecided gets rays, about `own`.
-    fn decide(&self, receiver: &Receiver, seen: &Seen, (method, own): (Method, f64), part: &mut VisiblePart, undecided: &mut UndecidedRays) -> f64 {
+    fn decide(
+        &self,
+        receiver: &Receiver,
+        seen: &Seen,
+        (method, own): (Method, f64),
+        part: &mut VisiblePart,
+        undecided: &mut UndecidedRays,
+    ) -> f64 {
         if self.is_clear(receiver, seen.emitter) {
             return seen.form_factor;
         }
         let view = self.view_of(receiver, seen.emitter);
         let most_steps = match method {
-            Method::Cheaper => (own * STEPS_PER_RAY as f64) as u64,
-            Method::Exact => u64::MAX,
+            Method::Exact => return self.visible_form_factor(receiver, view.source, view.source_plane, part),
+            Method::Cheaper => (own * STEPS_PER_RAY) as u64,
             Method::Rays => 0,
         };
         let visible = part.find(&view, &self.blockers, most_steps);

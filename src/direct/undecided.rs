@@ -14,7 +14,7 @@
 use glam::DVec3;
 
 use super::view::View;
-use crate::form_factor::{kernel, point_to_polygon};
+use crate::form_factor::{from_directions, kernel, point_to_polygon};
 use crate::geometry::{Facet, Part, for_each_piece, sampling, streams};
 use crate::scene::SurfaceId;
 use crate::transmittance::Rays;
@@ -39,7 +39,9 @@ struct Drawn {
 /// Rays from a point to what is undecided, in pairs; memory that is reused.
 #[derive(Default)]
 pub(super) struct UndecidedRays {
-    strata: Vec<(Vec<DVec3>, f64)>,
+    /// The strata of a source: ranges of corners, and form factors.
+    corners: Vec<DVec3>,
+    strata: Vec<([usize; 2], f64)>,
     segments: Vec<Segment>,
     drawn: Vec<Drawn>,
     occluded: Vec<bool>,
@@ -70,25 +72,28 @@ impl UndecidedRays {
         // Cut what is too large, or brings more than a pair of rays should stand for.
         let height = view.source.height(view.point);
         let on_source = |direction: &DVec3| view.point + *direction * (height / -view.source.normal.dot(*direction));
-        let whole: f64 = pieces.clone().map(|corners| crate::form_factor::from_directions(corners, view.normal)).sum();
+        let whole: f64 = pieces.clone().map(|corners| from_directions(corners, view.normal)).sum();
         let most = 2.0 * whole / f64::from(count.max(2));
         self.strata.clear();
+        self.corners.clear();
+        let mut piece = Vec::new();
         for corners in pieces {
-            let corners: Vec<DVec3> = corners.iter().map(on_source).collect();
-            self.cut(view, &Facet::of_part(&corners, view.source.normal), most, 0);
+            piece.clear();
+            piece.extend(corners.iter().map(on_source));
+            self.cut(view, &Facet::of_part(&piece, view.source.normal), most, 0);
         }
 
         // A pair of rays to each stratum.
         let group = self.start_group();
-        let strata = std::mem::take(&mut self.strata);
-        for (number, (corners, form_factor)) in strata.iter().enumerate() {
-            let facet = Facet::of_part(corners, view.source.normal);
+        let (strata, corners) = (std::mem::take(&mut self.strata), std::mem::take(&mut self.corners));
+        for (number, &([first, end], form_factor)) in strata.iter().enumerate() {
+            let facet = Facet::of_part(&corners[first..end], view.source.normal);
             let seed = sampling::hash(seed, number as u64);
             for ray in 0..2 {
-                self.draw(view, source, &facet, (*form_factor, 0.5, group), sampling::hash(seed, ray));
+                self.draw(view, source, &facet, (form_factor, 0.5, group), sampling::hash(seed, ray));
             }
         }
-        self.strata = strata;
+        (self.strata, self.corners) = (strata, corners);
     }
 
     /// Starts a group of rays that share what they see; gives its number.
@@ -98,7 +103,14 @@ impl UndecidedRays {
     }
 
     /// Draws a ray to a uniform point of `facet`, a part of a source with this form factor, share and group.
-    pub fn draw(&mut self, view: &View<'_>, source: SurfaceId, facet: &Facet<'_>, (form_factor, share, group): (f64, f64, u32), seed: u64) {
+    pub fn draw(
+        &mut self,
+        view: &View<'_>,
+        source: SurfaceId,
+        facet: &Facet<'_>,
+        (form_factor, share, group): (f64, f64, u32),
+        seed: u64,
+    ) {
         let y = facet.point_at(sampling::unit(seed), sampling::unit(sampling::hash(seed, streams::SECOND)));
         let (from, to) = (view.point.to_array(), y.to_array());
         self.segments.push(Segment { from, to, from_plane: view.plane, to_plane: view.source_plane });
@@ -118,7 +130,9 @@ impl UndecidedRays {
             });
             return;
         }
-        self.strata.push((facet.vertices.to_vec(), form_factor));
+        let first = self.corners.len();
+        self.corners.extend_from_slice(facet.vertices);
+        self.strata.push(([first, self.corners.len()], form_factor));
     }
 
     /// Casts the rays that were drawn. Calls `add` for each source with the form factor that a pair of rays found, and its two samples,

@@ -34,22 +34,19 @@ impl VisiblePart {
         pieces.restart(view.source.vertices.iter().map(|&v| v - view.point));
         pieces.keep_inside(view.normal);
         let Some(cone) = pieces.iter().next() else { return Visible { form_factor: 0.0, is_decided: true } };
-        blockers.find_between(view, cone, outline, candidates);
+        let steps = blockers.find_between(view, cone, outline, candidates, most_steps);
+        let are_all_found = steps <= most_steps;
+        pieces.steps = steps;
 
         // Take out one blocker after the other.
-        let mut is_decided = true;
-        for &candidate in &*candidates {
-            if pieces.is_empty() {
-                break;
-            }
-            if pieces.steps > most_steps {
-                is_decided = false;
-                break;
-            }
-            if outline.trace(view, blockers, blockers.get(candidate)) {
+        let mut taken = 0;
+        while taken < candidates.len() && !pieces.is_empty() && pieces.steps <= most_steps {
+            if outline.trace(view, blockers, blockers.get(candidates[taken])) {
                 pieces.subtract(outline);
             }
+            taken += 1;
         }
+        let is_decided = pieces.is_empty() || are_all_found && taken == candidates.len();
         Visible { form_factor: pieces.form_factor(view.normal), is_decided }
     }
 

@@ -57,8 +57,9 @@ impl BoxTree {
         });
     }
 
-    /// Calls `visit` for each box that may touch `bounds` and lies wholly outside none of the half-spaces; in an order as above.
-    pub fn for_each_between(&self, bounds: &Aabb, within: &[HalfSpace], mut visit: impl FnMut(u32)) {
+    /// Calls `visit` for each box that may touch `bounds` and lies wholly outside none of the half-spaces, until it says that this is
+    /// enough; in an order as above.
+    pub fn until_enough_between(&self, bounds: &Aabb, within: &[HalfSpace], mut visit: impl FnMut(u32) -> bool) {
         let Some(tree) = &self.tree else { return };
         let around = tree_box(bounds);
         let mut waiting = Vec::with_capacity(STACK);
@@ -69,7 +70,9 @@ impl BoxTree {
                 continue;
             }
             if node.is_leaf() {
-                numbers_of(tree, node).iter().for_each(|&number| visit(number));
+                if numbers_of(tree, node).iter().any(|&number| visit(number)) {
+                    return;
+                }
             } else {
                 waiting.extend([node.first_index, node.first_index + 1]);
             }
@@ -105,17 +108,22 @@ mod tests {
         let tree = BoxTree::of(boxes.iter().copied());
         for k in 0..200 {
             let bounds = Aabb::around([point(2000 + k), point(3000 + k)]);
-            let within = [0, 1, 2].map(|plane| HalfSpace::at(point(4000 + 3 * k + plane), (point(5000 + 3 * k + plane) - 0.5).normalize()));
+            let within =
+                [0, 1, 2].map(|plane| HalfSpace::at(point(4000 + 3 * k + plane), (point(5000 + 3 * k + plane) - 0.5).normalize()));
             let mut found = vec![0; boxes.len()];
-            tree.for_each_between(&bounds, &within, |number| found[number as usize] += 1);
+            tree.until_enough_between(&bounds, &within, |number| {
+                found[number as usize] += 1;
+                false
+            });
 
             // Corners inside of everything prove that a box reaches in, and a plane with all corners behind it the contrary.
             for (number, of) in boxes.iter().enumerate() {
-                let corners = (0..8).map(|corner| DVec3::select(glam::BVec3::new(corner & 1 > 0, corner & 2 > 0, corner & 4 > 0), of.max, of.min));
+                let corners = (0..8)
+                    .map(|corner| DVec3::select(glam::BVec3::new(corner & 1 > 0, corner & 2 > 0, corner & 4 > 0), of.max, of.min));
                 let inside = |p: DVec3, half: &HalfSpace| half.normal.dot(p) >= half.offset;
-                let reaches_in = corners.clone().any(|p| {
-                    p.cmpge(bounds.min).all() && p.cmple(bounds.max).all() && within.iter().all(|half| inside(p, half))
-                });
+                let reaches_in = corners
+                    .clone()
+                    .any(|p| p.cmpge(bounds.min).all() && p.cmple(bounds.max).all() && within.iter().all(|half| inside(p, half)));
                 let is_outside = within.iter().any(|half| corners.clone().all(|p| half.normal.dot(p) < half.offset - 1e-6));
                 assert!(found[number] <= 1 && (!reaches_in || found[number] == 1) && (!is_outside || found[number] == 0));
             }
