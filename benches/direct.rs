@@ -22,7 +22,7 @@ use points::{LeftOut, spread};
 
 const POINTS: usize = 2000;
 
-/// Rays of the check of exact values, by method and in vain.
+/// So many points are checked by so many rays.
 const MANY: u32 = 1 << 14;
 const CHECKED: usize = 200;
 

@@ -1,6 +1,7 @@
 //! Direct light at a point: which part of each emitter it sees, exactly where that costs less than rays would.
 
 mod blockers;
+mod candidates;
 mod irradiance;
 mod outline;
 mod pieces;

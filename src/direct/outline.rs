@@ -3,8 +3,11 @@
 use glam::DVec3;
 
 use super::blockers::{Blocker, Blockers};
-use super::pieces::SLIVER;
 use super::view::View;
+
+/// A corner within this angle of a plane lies on it, in radians: some hundred times what rounding of directions leaves, and far below what any
+/// answer needs to be exact to.
+pub(super) const SLIVER: f64 = 1e-12;
 
 /// The cone from a point to the part of a blocker that stands in front of the source; memory that is reused.
 #[derive(Default)]

@@ -11,11 +11,8 @@
 
 use glam::DVec3;
 
-use super::outline::Outline;
+use super::outline::{Outline, SLIVER};
 use crate::form_factor::from_directions;
-
-/// In radians: some hundred times what rounding of directions leaves, and a thousandth of what any answer needs to be exact to.
-pub(super) const SLIVER: f64 = 1e-12;
 
 /// Pieces of a source, each a range of corners; memory that is reused.
 #[derive(Default)]

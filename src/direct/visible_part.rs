@@ -5,17 +5,18 @@
 
 use glam::DVec3;
 
-use super::blockers::{Blockers, Candidate};
+use super::blockers::Blockers;
+use super::candidates::Candidates;
 use super::outline::Outline;
 use super::pieces::Pieces;
 use super::view::View;
 
 /// What a point sees of a source; memory that is reused.
 #[derive(Default)]
-pub(super) struct VisiblePart {
+pub(crate) struct VisiblePart {
     pieces: Pieces,
     outline: Outline,
-    candidates: Vec<Candidate>,
+    candidates: Candidates,
 }
 
 /// What is known of the visible part.
@@ -29,29 +30,32 @@ pub(super) struct Visible {
 
 impl VisiblePart {
     /// Finds the part of the source that the point sees, in no more than about so many [`steps`](Pieces::steps).
-    pub fn find(&mut self, view: &View<'_>, blockers: &Blockers, most_steps: u64) -> Visible {
+    pub(super) fn find(&mut self, view: &View<'_>, blockers: &Blockers, most_steps: u64) -> Visible {
         let Self { pieces, outline, candidates } = self;
         pieces.restart(view.source.vertices.iter().map(|&v| v - view.point));
         pieces.keep_inside(view.normal);
         let Some(cone) = pieces.iter().next() else { return Visible { form_factor: 0.0, is_decided: true } };
-        let steps = blockers.find_between(view, cone, outline, candidates, most_steps);
-        let are_all_found = steps <= most_steps;
-        pieces.steps = steps;
+        candidates.find(view, cone, blockers, outline, most_steps);
+        pieces.steps = candidates.steps;
+        let are_all_found = candidates.steps <= most_steps;
 
         // Take out one blocker after the other.
-        let mut taken = 0;
-        while taken < candidates.len() && !pieces.is_empty() && pieces.steps <= most_steps {
-            if outline.trace(view, blockers, blockers.get(candidates[taken])) {
+        let (count, mut taken) = (candidates.len(), 0);
+        for number in candidates.by_size() {
+            if pieces.is_empty() || pieces.steps > most_steps {
+                break;
+            }
+            if outline.trace(view, blockers, blockers.get(number)) {
                 pieces.subtract(outline);
             }
             taken += 1;
         }
-        let is_decided = pieces.is_empty() || are_all_found && taken == candidates.len();
+        let is_decided = pieces.is_empty() || are_all_found && taken == count;
         Visible { form_factor: pieces.form_factor(view.normal), is_decided }
     }
 
     /// The pieces that were found last, by unit directions to their corners.
-    pub fn pieces(&self) -> impl ExactSizeIterator<Item = &[DVec3]> + Clone {
+    pub(super) fn pieces(&self) -> impl ExactSizeIterator<Item = &[DVec3]> + Clone {
         self.pieces.iter()
     }
 }
