@@ -106,6 +106,7 @@ mod tests {
         let point = |k: u64| DVec3::new(random(3 * k), random(3 * k + 1), random(3 * k + 2));
         let boxes: Vec<Aabb> = (0..500).map(|k| Aabb::around([point(k), point(k) + 0.1 * point(k + 1000)])).collect();
         let tree = BoxTree::of(boxes.iter().copied());
+        let (mut inside, mut all) = (0, 0);
         for k in 0..200 {
             let bounds = Aabb::around([point(2000 + k), point(3000 + k)]);
             let within =
@@ -116,17 +117,20 @@ mod tests {
                 false
             });
 
-            // Corners inside of everything prove that a box reaches in, and a plane with all corners behind it the contrary.
+            // Corners inside of everything prove that a box reaches in.
+            assert!(found.iter().all(|&times| times <= 1));
+            all += found.iter().sum::<usize>();
             for (number, of) in boxes.iter().enumerate() {
-                let corners = (0..8)
-                    .map(|corner| DVec3::select(glam::BVec3::new(corner & 1 > 0, corner & 2 > 0, corner & 4 > 0), of.max, of.min));
-                let inside = |p: DVec3, half: &HalfSpace| half.normal.dot(p) >= half.offset;
-                let reaches_in = corners
-                    .clone()
-                    .any(|p| p.cmpge(bounds.min).all() && p.cmple(bounds.max).all() && within.iter().all(|half| inside(p, half)));
-                let is_outside = within.iter().any(|half| corners.clone().all(|p| half.normal.dot(p) < half.offset - 1e-6));
-                assert!(found[number] <= 1 && (!reaches_in || found[number] == 1) && (!is_outside || found[number] == 0));
+                let corner = |k: u32| DVec3::select(glam::BVec3::new(k & 1 > 0, k & 2 > 0, k & 4 > 0), of.max, of.min);
+                let reaches_in = (0..8).map(corner).any(|p| {
+                    let is_near = p.cmpge(bounds.min).all() && p.cmple(bounds.max).all();
+                    is_near && within.iter().all(|half| half.normal.dot(p) >= half.offset)
+                });
+                inside += usize::from(reaches_in);
+                assert!(!reaches_in || found[number] == 1);
             }
         }
+        // Leaves hold several boxes, of which some are found in vain.
+        assert!(inside > 500 && all < 10 * inside, "{inside} reach in, {all} were found");
     }
 }

@@ -34,8 +34,8 @@ fn random_points(scene: &Scene, count: usize, seed: u64) -> Vec<(SurfaceId, [f64
 
 /// Holds exact values against rays: each point by itself, and all by the mean square of what they are off by in standard errors.
 ///
-/// The standard error of few rays that differ, or none, is not known to be small: to it is added what one ray of all is worth.
-fn check(name: &str, scene: &Scene, points: &[(SurfaceId, [f64; 3])]) {
+/// `rounding` is what rounding of coordinates leaves of the light, in W/m^2. The standard error of few rays that differ, or none, is not known to be small: to it is added what one ray of all is worth.
+fn check(name: &str, scene: &Scene, points: &[(SurfaceId, [f64; 3])], rounding: f64) {
     let exact = exact(scene, points);
     let rays = backend(scene, Backend::Auto);
     let effort = DirectEffort { rays: RAYS, method: Method::Rays };
@@ -46,7 +46,7 @@ fn check(name: &str, scene: &Scene, points: &[(SurfaceId, [f64; 3])]) {
         let (point, channel) = (points[index / channels], index % channels);
         let (found, variance) = (mean(&|run| run.irradiance[index]), mean(&|run| run.variance[index]) / TIMES as f64);
         let of_one_ray = unoccluded(scene, point)[channel] / (f64::from(RAYS) * TIMES as f64);
-        let standard_error = variance.sqrt() + of_one_ray + ROUNDING;
+        let standard_error = variance.sqrt() + of_one_ray + rounding;
         let off = (exact - found).abs();
         assert!(off <= SIGMAS * standard_error, "{name}: {exact} exactly, {found} +- {standard_error:e} by rays, at {point:?}");
         lit += usize::from(*exact > 0.0);
@@ -100,7 +100,7 @@ fn random_room(seed: u64) -> Scene {
 fn random_rooms_whose_furniture_touches() {
     for seed in 0..12 {
         let scene = random_room(seed);
-        check(&format!("seed {seed}"), &scene, &random_points(&scene, 60, seed));
+        check(&format!("seed {seed}"), &scene, &random_points(&scene, 60, seed), ROUNDING);
     }
 }
 
@@ -121,9 +121,10 @@ fn turned_and_rounded(scene: &Scene) -> Scene {
 
 #[test]
 fn rooms_that_are_turned_and_rounded() {
+    // Exact values take a lamp's corners as they are, rays its plane: they are a micrometre apart, and lamps about a metre away.
     for seed in 40..46 {
         let scene = turned_and_rounded(&random_room(seed));
-        check(&format!("seed {seed}"), &scene, &random_points(&scene, 80, seed));
+        check(&format!("seed {seed}"), &scene, &random_points(&scene, 80, seed), 1e-6);
     }
 }
 
@@ -131,7 +132,7 @@ fn rooms_that_are_turned_and_rounded() {
 fn crowded_rooms() {
     for (boxes, seed) in [(10, 1), (40, 2), (120, 3)] {
         let scene = crowded(boxes, seed);
-        check(&format!("{boxes} boxes"), &scene, &random_points(&scene, 100, seed));
+        check(&format!("{boxes} boxes"), &scene, &random_points(&scene, 100, seed), ROUNDING);
     }
 }
 
@@ -140,7 +141,7 @@ fn scenes_of_the_repository() {
     for name in ["cornell", "room", "full_office", "living_room"] {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.obj"));
         let scene = read_scene(&file, &ImportOptions::default()).unwrap().scene;
-        check(name, &scene, &random_points(&scene, 200, 5));
+        check(name, &scene, &random_points(&scene, 200, 5), ROUNDING);
     }
 }
 
@@ -150,7 +151,7 @@ fn scenes_of_other_programs() {
     for name in ["cornell", "office"] {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../shared/peers/scenes/{name}.obj"));
         let scene = read_scene(&file, &ImportOptions::default()).unwrap().scene;
-        check(name, &scene, &random_points(&scene, 200, 5));
+        check(name, &scene, &random_points(&scene, 200, 5), ROUNDING);
     }
 }
 
