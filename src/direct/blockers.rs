@@ -38,12 +38,12 @@ impl Blocker {
 }
 
 /// The blockers of a scene.
-pub(super) struct Blockers {
+pub(crate) struct Blockers {
     vertices: Vec<DVec3>,
     blockers: Vec<Blocker>,
     tree: BoxTree,
     /// [`OccluderMesh::contact_tolerance`].
-    pub contact: f64,
+    pub(super) contact: f64,
 }
 
 impl Blockers {
@@ -72,22 +72,22 @@ impl Blockers {
         Self { tree, vertices, blockers, contact: OccluderMesh::of_scene(scene).contact_tolerance() }
     }
 
-    pub fn get(&self, number: u32) -> &Blocker {
+    pub(super) fn get(&self, number: u32) -> &Blocker {
         &self.blockers[number as usize]
     }
 
-    pub fn vertices(&self, blocker: &Blocker) -> &[DVec3] {
+    pub(super) fn vertices(&self, blocker: &Blocker) -> &[DVec3] {
         &self.vertices[blocker.first_vertex as usize..][..blocker.vertex_count as usize]
     }
 
     /// How far from a blocker's plane a point touches it.
-    pub fn touch(&self, blocker: &Blocker) -> f64 {
+    pub(super) fn touch(&self, blocker: &Blocker) -> f64 {
         self.contact + blocker.off_plane
     }
 
     /// Calls `visit` with each blocker whose box may touch `bounds` and lies wholly outside none of the half-spaces, until it says that this is
     /// enough.
-    pub fn until_enough_between(&self, bounds: &Aabb, within: &[HalfSpace], mut visit: impl FnMut(u32, &Blocker) -> bool) {
+    pub(super) fn until_enough_between(&self, bounds: &Aabb, within: &[HalfSpace], mut visit: impl FnMut(u32, &Blocker) -> bool) {
         self.tree.until_enough_between(bounds, within, |number| visit(number, &self.blockers[number as usize]));
     }
 }

@@ -67,10 +67,11 @@ pub(crate) struct Receiver {
 
 /// The direct light of some emitters.
 pub(crate) struct DirectLight<'a> {
-    scene: &'a Scene,
-    rays: &'a Rays<'a>,
-    blockers: Blockers,
-    emitters: Vec<SurfaceId>,
+    pub scene: &'a Scene,
+    pub rays: &'a Rays<'a>,
+    /// All of the scene's.
+    pub blockers: &'a Blockers,
+    pub emitters: &'a [SurfaceId],
 }
 
 /// An emitter as a point sees it with nothing in between.
@@ -95,17 +96,7 @@ struct Sums<'a> {
     variance: &'a mut [f64],
 }
 
-impl<'a> DirectLight<'a> {
-    /// The light of `emitters`.
-    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, emitters: Vec<SurfaceId>) -> Self {
-        Self { scene, rays, blockers: Blockers::of(scene), emitters }
-    }
-
-    /// All surfaces that emit.
-    pub fn emitters_of(scene: &Scene) -> Vec<SurfaceId> {
-        (0..scene.surfaces().len() as u32).map(SurfaceId).filter(|&id| scene.material_of(id).emits()).collect()
-    }
-
+impl DirectLight<'_> {
     /// Adds the direct irradiance at a point, in W/m^2 by channel, and its variance.
     pub fn add_irradiance(
         &self,
@@ -147,7 +138,7 @@ impl<'a> DirectLight<'a> {
         if source.height(receiver.point) <= self.blockers.contact {
             return 0.0;
         }
-        part.find(&self.view(receiver, source, source_plane), &self.blockers, u64::MAX).form_factor
+        part.find(&self.view(receiver, source, source_plane), self.blockers, u64::MAX).form_factor
     }
 
     fn view<'v>(&self, receiver: &Receiver, source: Facet<'v>, source_plane: u32) -> View<'v> {
@@ -170,7 +161,7 @@ impl<'a> DirectLight<'a> {
         let surface = self.scene.surface(receiver.surface);
         let normal = surface.polygon.facet().normal;
         let mut total = 0.0;
-        for &emitter in &self.emitters {
+        for &emitter in self.emitters {
             let of = self.scene.surface(emitter);
             if of.plane() == surface.plane() {
                 continue;
@@ -203,7 +194,7 @@ impl<'a> DirectLight<'a> {
             Method::Cheaper => (own * WORTH * STEPS_PER_RAY) as u64,
             Method::Rays => 0,
         };
-        let visible = part.find(&view, &self.blockers, most_steps);
+        let visible = part.find(&view, self.blockers, most_steps);
         if visible.is_decided {
             return visible.form_factor;
         }

@@ -17,6 +17,7 @@ use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::Visibility;
 
+pub(crate) use blockers::Blockers;
 pub use irradiance::{DirectEffort, Method};
 pub(crate) use irradiance::{DirectLight, DirectScratch, Receiver};
 
@@ -41,7 +42,10 @@ pub fn direct_irradiance(
 ) -> DirectIrradiance {
     let channels = scene.channels();
     let rays = Rays::new(visibility, scene);
-    let light = DirectLight::new(scene, &rays, DirectLight::emitters_of(scene));
+    let blockers = Blockers::of(scene);
+    let emitters: Vec<SurfaceId> =
+        (0..scene.surfaces().len() as u32).map(SurfaceId).filter(|&id| scene.material_of(id).emits()).collect();
+    let light = DirectLight { scene, rays: &rays, blockers: &blockers, emitters: &emitters };
     let (mut irradiance, mut variance) = (vec![0.0; points.len() * channels], vec![0.0; points.len() * channels]);
     let sums = irradiance.par_chunks_mut(channels).zip(variance.par_chunks_mut(channels));
     points.par_iter().zip(sums).for_each_init(DirectScratch::default, |scratch, (&(surface, point), (irradiance, variance))| {
