@@ -74,6 +74,7 @@ fn main() {
         let claimed = |found: &DirectIrradiance| {
             (found.variance.iter().sum::<f64>() / found.irradiance.iter().map(|h| h * h).sum::<f64>()).sqrt()
         };
+        assert!(off <= 2.0 * claimed(&many.found) + 1e-12, "{name}: exact values and rays are {off:e} apart");
         println!("| {name} | exact | {:.2} | {off:.1e} | {:.1e} | |", exact.micros, claimed(&many.found));
         for rays in [16, 64, 256, 1024] {
             for (way, method) in [("rays", Method::Rays), ("cheaper", Method::Cheaper)] {
