@@ -37,6 +37,9 @@ impl Blocker {
     }
 }
 
+/// Bytes of a box as given, and of two nodes of the tree with what it is built from.
+const BOXES: usize = 32 + 2 * 64 + 4;
+
 /// The blockers of a scene.
 pub(crate) struct Blockers {
     vertices: Vec<DVec3>,
@@ -47,6 +50,9 @@ pub(crate) struct Blockers {
 }
 
 impl Blockers {
+    /// Bytes that a surface of four corners takes, with its boxes in the tree and while that is built.
+    pub const BYTES_OF_SURFACE: usize = size_of::<Blocker>() + 4 * size_of::<DVec3>() + BOXES;
+
     /// All surfaces of a scene; of a sheet with two sides only the first.
     pub fn of(scene: &Scene) -> Self {
         let (mut vertices, mut blockers) = (Vec::new(), Vec::new());

@@ -107,38 +107,42 @@ impl DirectLight<'_> {
         variance: &mut [f64],
     ) {
         let mut sums = Sums { irradiance, variance };
-        let DirectScratch { seen, part, undecided } = scratch;
-        let total = self.see_unoccluded(receiver, seen);
-        if total <= 0.0 {
-            return;
-        }
+        let mut seen = std::mem::take(&mut scratch.seen);
+        let total = self.see_unoccluded(receiver, &mut seen);
+        scratch.undecided.restart();
 
-        // Emitters with a ray or more of their own.
-        undecided.restart();
-        for seen in &*seen {
-            let own = f64::from(effort.rays) * seen.unoccluded / total;
-            if own >= 1.0 || effort.method == Method::Exact || self.is_clear(receiver, seen.emitter) {
-                let form_factor = self.decide(receiver, seen, (effort.method, own), part, undecided);
-                self.add(sums.irradiance, seen.emitter, form_factor);
+        // Emitters with a ray or more of their own; of others, where nothing can stand between.
+        let own = |seen: &Seen| f64::from(effort.rays) * seen.unoccluded / total;
+        seen.retain(|seen| {
+            let is_alone = own(seen) >= 1.0 || effort.method == Method::Exact || self.is_clear(receiver, seen.emitter);
+            if is_alone {
+                let form_factor = self.decide(receiver, seen, (effort.method, own(seen)), scratch);
+                let exitance = &self.scene.material_of(seen.emitter).exitance;
+                sums.irradiance.iter_mut().zip(exitance).for_each(|(h, e)| *h += form_factor * e);
             }
-        }
+            !is_alone
+        });
 
         // Emitters that share rays.
-        if effort.method != Method::Exact {
-            seen.retain(|seen| f64::from(effort.rays) * seen.unoccluded / total < 1.0 && !self.is_clear(receiver, seen.emitter));
-            let together: f64 = seen.iter().map(|seen| seen.unoccluded).sum();
-            self.draw_shared(receiver, seen, f64::from(effort.rays) * together / total, undecided);
-        }
-        self.add_undecided(undecided, &mut sums);
+        let shared: f64 = seen.iter().map(own).sum();
+        self.draw_shared(receiver, &seen, shared, &mut scratch.undecided);
+        self.add_undecided(&mut scratch.undecided, &mut sums);
+        scratch.seen = seen;
     }
 
     /// The form factor of the visible part of a source, any convex polygon in the plane with number `source_plane`: exact, whatever it
     /// costs. 0 from its back and from its plane.
-    pub fn visible_form_factor(&self, receiver: &Receiver, source: Facet<'_>, source_plane: u32, part: &mut VisiblePart) -> f64 {
+    pub fn visible_form_factor(
+        &self,
+        receiver: &Receiver,
+        source: Facet<'_>,
+        source_plane: u32,
+        scratch: &mut DirectScratch,
+    ) -> f64 {
         if source.height(receiver.point) <= self.blockers.contact {
             return 0.0;
         }
-        part.find(&self.view(receiver, source, source_plane), self.blockers, u64::MAX).form_factor
+        scratch.part.find(&self.view(receiver, source, source_plane), self.blockers, u64::MAX).form_factor
     }
 
     fn view<'v>(&self, receiver: &Receiver, source: Facet<'v>, source_plane: u32) -> View<'v> {
@@ -177,29 +181,22 @@ impl DirectLight<'_> {
     }
 
     /// The form factor of an emitter as far as it is exact; what is undecided gets rays, about `own`.
-    fn decide(
-        &self,
-        receiver: &Receiver,
-        seen: &Seen,
-        (method, own): (Method, f64),
-        part: &mut VisiblePart,
-        undecided: &mut UndecidedRays,
-    ) -> f64 {
+    fn decide(&self, receiver: &Receiver, seen: &Seen, (method, own): (Method, f64), scratch: &mut DirectScratch) -> f64 {
         if self.is_clear(receiver, seen.emitter) {
             return seen.form_factor;
         }
         let view = self.view_of(receiver, seen.emitter);
         let most_steps = match method {
-            Method::Exact => return self.visible_form_factor(receiver, view.source, view.source_plane, part),
+            Method::Exact => return self.visible_form_factor(receiver, view.source, view.source_plane, scratch),
             Method::Cheaper => (own * WORTH * STEPS_PER_RAY) as u64,
             Method::Rays => 0,
         };
-        let visible = part.find(&view, self.blockers, most_steps);
+        let visible = scratch.part.find(&view, self.blockers, most_steps);
         if visible.is_decided {
             return visible.form_factor;
         }
         let seed = sampling::hash(receiver.seed, streams::EMITTER_PIECES + u64::from(seen.emitter.0));
-        undecided.draw_to_pieces(&view, seen.emitter, part.pieces(), own.round() as u32, seed);
+        scratch.undecided.draw_to_pieces(&view, seen.emitter, scratch.part.pieces(), own.round() as u32, seed);
         0.0
     }
 
@@ -249,9 +246,5 @@ impl DirectLight<'_> {
                 sums.variance[channel] += (first - second).powi(2);
             }
         });
-    }
-
-    fn add(&self, irradiance: &mut [f64], emitter: SurfaceId, form_factor: f64) {
-        irradiance.iter_mut().zip(&self.scene.material_of(emitter).exitance).for_each(|(h, e)| *h += form_factor * e);
     }
 }

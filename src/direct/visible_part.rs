@@ -13,7 +13,7 @@ use super::view::View;
 
 /// What a point sees of a source; memory that is reused.
 #[derive(Default)]
-pub(crate) struct VisiblePart {
+pub(super) struct VisiblePart {
     pieces: Pieces,
     outline: Outline,
     candidates: Candidates,
@@ -30,7 +30,7 @@ pub(super) struct Visible {
 
 impl VisiblePart {
     /// Finds the part of the source that the point sees, in no more than about so many [`steps`](Pieces::steps).
-    pub(super) fn find(&mut self, view: &View<'_>, blockers: &Blockers, most_steps: u64) -> Visible {
+    pub fn find(&mut self, view: &View<'_>, blockers: &Blockers, most_steps: u64) -> Visible {
         let Self { pieces, outline, candidates } = self;
         pieces.restart(view.source.vertices.iter().map(|&v| v - view.point));
         pieces.keep_inside(view.normal);
@@ -55,7 +55,7 @@ impl VisiblePart {
     }
 
     /// The pieces that were found last, by unit directions to their corners.
-    pub(super) fn pieces(&self) -> impl ExactSizeIterator<Item = &[DVec3]> + Clone {
+    pub fn pieces(&self) -> impl ExactSizeIterator<Item = &[DVec3]> + Clone {
         self.pieces.iter()
     }
 }
