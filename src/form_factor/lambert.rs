@@ -45,6 +45,16 @@ pub(crate) fn point_to_polygon(x: DVec3, normal: DVec3, source: &Facet<'_>) -> f
     (sum * (-0.5 / PI)).clamp(0.0, 1.0)
 }
 
+/// The same for a polygon of which the directions to its corners are known: of any length, counter-clockwise seen from its front.
+pub(crate) fn from_directions(corners: &[DVec3], normal: DVec3) -> f64 {
+    let sum = match *corners {
+        [a, b, c] => sum_of_few(&[a, b, c], normal),
+        [a, b, c, d] => sum_of_few(&[a, b, c, d], normal),
+        ref many => sum_above_horizon(many.iter().copied(), normal),
+    };
+    (sum * (-0.5 / PI)).clamp(0.0, 1.0)
+}
+
 /// The sum over the edges of a triangle or quadrilateral: straight through where all of it is above the horizon.
 #[inline(always)]
 fn sum_of_few<const N: usize>(vertices: &[DVec3; N], normal: DVec3) -> f64 {

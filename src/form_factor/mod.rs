@@ -15,7 +15,7 @@ use crate::geometry::Polygon;
 use bounds::estimate_unoccluded_range;
 pub(crate) use bounds::{Search, bound_at_point, bound_unoccluded, centre_and_vertices};
 pub(crate) use exact::exact_exchange;
-pub(crate) use lambert::{kernel, point_to_polygon};
+pub(crate) use lambert::{from_directions, kernel, point_to_polygon};
 pub use quadrature::Estimate;
 pub(crate) use quadrature::{estimate_exchange, sided_exchange};
 

@@ -38,8 +38,12 @@ impl ClearPairs {
 
     /// Whether a segment lies between surfaces of a clear pair of planes.
     pub fn is_clear(&self, segment: &Segment) -> bool {
-        let Segment { from_plane, to_plane, .. } = *segment;
-        from_plane != NO_PLANE && to_plane != NO_PLANE && self.clear[from_plane as usize * self.planes + to_plane as usize]
+        self.is_clear_between([segment.from_plane, segment.to_plane])
+    }
+
+    /// Whether a pair of planes is clear.
+    pub fn is_clear_between(&self, [from, to]: [u32; 2]) -> bool {
+        from != NO_PLANE && to != NO_PLANE && self.clear[from as usize * self.planes + to as usize]
     }
 }
 

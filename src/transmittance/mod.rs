@@ -83,6 +83,15 @@ impl<'a> Rays<'a> {
         self.segments.add(segments.len(), start);
     }
 
+    /// Whether it is proved that nothing occludes anything between surfaces of two planes.
+    pub fn is_clear_between(&self, planes: [u32; 2]) -> bool {
+        match &self.proof {
+            Proof::Everywhere => true,
+            Proof::Between(pairs) => pairs.is_clear_between(planes),
+            Proof::Nowhere => false,
+        }
+    }
+
     /// Whether it is proved that nothing occludes anything in the whole scene.
     pub fn is_clear_everywhere(&self) -> bool {
         matches!(self.proof, Proof::Everywhere)

@@ -23,6 +23,7 @@
 //! thinner than this, or nearer than this to an end, may be missed.
 
 mod backend;
+mod box_tree;
 mod brute_force;
 mod build;
 #[cfg(has_embree)]
@@ -35,6 +36,7 @@ mod obvhs;
 mod occluders;
 
 pub use backend::{Backend, VisibilityError};
+pub(crate) use box_tree::{BoxTree, HalfSpace};
 pub use build::build;
 pub use mesh::OccluderMesh;
 pub(crate) use near::SurfaceBoxes;

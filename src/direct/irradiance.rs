@@ -1,0 +1,250 @@
+//! Direct irradiance at a point: exact where that costs less than rays, else by rays with a variance.
+//!
+//! ```text
+//! H(x) = sum over emitters s of E_s F(x, visible part of s)
+//! ```
+//!
+//! # What is exact
+//! A caller says how many rays it would cast from a point. An emitter has a share n of them by what it would bring with nothing in between. If
+//! that is a ray or more, its visible part is looked for exactly, and given up for rays to what is undecided once that has cost more than it is
+//! worth. The variance of n stratified rays to what has edges falls with n^-3/2 (Mitchell 1996): one ray more takes away a part 3/(2n) of it. So
+//! to have none at all is worth what 2n/3 rays more cost, and the n rays that are not cast:
+//!
+//! ```text
+//! worth of an exact part = (1 + 2/3) n rays
+//! ```
+//!
+//! What a part will cost is not known beforehand. To give up at its worth costs at most twice what the better choice does (ski rental; Karlin,
+//! Manasse, Rudolph, Sleator 1988). Emitters whose share is less than a ray share rays.
+
+use glam::DVec3;
+
+use super::blockers::Blockers;
+use super::undecided::UndecidedRays;
+use super::view::View;
+use super::visible_part::VisiblePart;
+use crate::form_factor::point_to_polygon;
+use crate::geometry::{Facet, sampling, streams};
+use crate::scene::{Scene, SurfaceId};
+use crate::transmittance::Rays;
+
+/// Work on the visible part, in corners held against planes, that takes as long as a ray: some 2 ns each, and 0.12 us. What both cost is told by
+/// `cargo bench --bench direct`; a wrong figure costs time, not light.
+const STEPS_PER_RAY: f64 = 60.0;
+
+/// What an exact part is worth, in the rays that it spares: see above.
+const WORTH: f64 = 1.0 + 2.0 / 3.0;
+
+/// How visible parts are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Exactly, or by rays where these are cheaper.
+    #[default]
+    Cheaper,
+    /// Exactly, whatever it costs.
+    Exact,
+    /// By rays.
+    Rays,
+}
+
+/// How much work a point may take.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectEffort {
+    /// Rays from a point.
+    pub rays: u32,
+    /// How visible parts are found.
+    pub method: Method,
+}
+
+/// Where light arrives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Receiver {
+    pub point: DVec3,
+    pub surface: SurfaceId,
+    /// Of the random numbers of its rays.
+    pub seed: u64,
+}
+
+/// The direct light of some emitters.
+pub(crate) struct DirectLight<'a> {
+    pub scene: &'a Scene,
+    pub rays: &'a Rays<'a>,
+    /// All of the scene's.
+    pub blockers: &'a Blockers,
+    pub emitters: &'a [SurfaceId],
+}
+
+/// An emitter as a point sees it with nothing in between.
+struct Seen {
+    emitter: SurfaceId,
+    form_factor: f64,
+    /// The irradiance that it brings in its brightest channel, in W/m^2.
+    unoccluded: f64,
+}
+
+/// Memory that is reused from point to point.
+#[derive(Default)]
+pub(crate) struct DirectScratch {
+    seen: Vec<Seen>,
+    part: VisiblePart,
+    undecided: UndecidedRays,
+}
+
+/// Sums by channel.
+struct Sums<'a> {
+    irradiance: &'a mut [f64],
+    variance: &'a mut [f64],
+}
+
+impl DirectLight<'_> {
+    /// Adds the direct irradiance at a point, in W/m^2 by channel, and its variance.
+    pub fn add_irradiance(
+        &self,
+        receiver: &Receiver,
+        effort: DirectEffort,
+        scratch: &mut DirectScratch,
+        irradiance: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        let mut sums = Sums { irradiance, variance };
+        let mut seen = std::mem::take(&mut scratch.seen);
+        let total = self.see_unoccluded(receiver, &mut seen);
+        scratch.undecided.restart();
+
+        // Emitters with a ray or more of their own; of others, where nothing can stand between.
+        let own = |seen: &Seen| f64::from(effort.rays) * seen.unoccluded / total;
+        seen.retain(|seen| {
+            let is_alone = own(seen) >= 1.0 || effort.method == Method::Exact || self.is_clear(receiver, seen.emitter);
+            if is_alone {
+                let form_factor = self.decide(receiver, seen, (effort.method, own(seen)), scratch);
+                let exitance = &self.scene.material_of(seen.emitter).exitance;
+                sums.irradiance.iter_mut().zip(exitance).for_each(|(h, e)| *h += form_factor * e);
+            }
+            !is_alone
+        });
+
+        // Emitters that share rays.
+        let shared: f64 = seen.iter().map(own).sum();
+        self.draw_shared(receiver, &seen, shared, &mut scratch.undecided);
+        self.add_undecided(&mut scratch.undecided, &mut sums);
+        scratch.seen = seen;
+    }
+
+    /// The form factor of the visible part of a source, any convex polygon in the plane with number `source_plane`: exact, whatever it
+    /// costs. 0 from its back and from its plane.
+    pub fn visible_form_factor(
+        &self,
+        receiver: &Receiver,
+        source: Facet<'_>,
+        source_plane: u32,
+        scratch: &mut DirectScratch,
+    ) -> f64 {
+        if source.height(receiver.point) <= self.blockers.contact {
+            return 0.0;
+        }
+        scratch.part.find(&self.view(receiver, source, source_plane), self.blockers, u64::MAX).form_factor
+    }
+
+    fn view<'v>(&self, receiver: &Receiver, source: Facet<'v>, source_plane: u32) -> View<'v> {
+        let surface = self.scene.surface(receiver.surface);
+        View { point: receiver.point, normal: surface.polygon.facet().normal, plane: surface.plane(), source, source_plane }
+    }
+
+    fn view_of(&self, receiver: &Receiver, emitter: SurfaceId) -> View<'_> {
+        let emitter = self.scene.surface(emitter);
+        self.view(receiver, emitter.polygon.facet(), emitter.plane())
+    }
+
+    fn is_clear(&self, receiver: &Receiver, emitter: SurfaceId) -> bool {
+        self.rays.is_clear_between([receiver.surface, emitter].map(|surface| self.scene.surface(surface).plane()))
+    }
+
+    /// Lists the emitters that the point would see with nothing in between; gives what they would bring together.
+    fn see_unoccluded(&self, receiver: &Receiver, seen: &mut Vec<Seen>) -> f64 {
+        seen.clear();
+        let surface = self.scene.surface(receiver.surface);
+        let normal = surface.polygon.facet().normal;
+        let mut total = 0.0;
+        for &emitter in self.emitters {
+            let of = self.scene.surface(emitter);
+            if of.plane() == surface.plane() {
+                continue;
+            }
+            let form_factor = point_to_polygon(receiver.point, normal, &of.polygon.facet());
+            let brightest = self.scene.material_of(emitter).exitance.iter().copied().fold(0.0, f64::max);
+            if form_factor > 0.0 {
+                seen.push(Seen { emitter, form_factor, unoccluded: form_factor * brightest });
+                total += form_factor * brightest;
+            }
+        }
+        total
+    }
+
+    /// The form factor of an emitter as far as it is exact; what is undecided gets rays, about `own`.
+    fn decide(&self, receiver: &Receiver, seen: &Seen, (method, own): (Method, f64), scratch: &mut DirectScratch) -> f64 {
+        if self.is_clear(receiver, seen.emitter) {
+            return seen.form_factor;
+        }
+        let view = self.view_of(receiver, seen.emitter);
+        let most_steps = match method {
+            Method::Exact => return self.visible_form_factor(receiver, view.source, view.source_plane, scratch),
+            Method::Cheaper => (own * WORTH * STEPS_PER_RAY) as u64,
+            Method::Rays => 0,
+        };
+        let visible = scratch.part.find(&view, self.blockers, most_steps);
+        if visible.is_decided {
+            return visible.form_factor;
+        }
+        let seed = sampling::hash(receiver.seed, streams::EMITTER_PIECES + u64::from(seen.emitter.0));
+        scratch.undecided.draw_to_pieces(&view, seen.emitter, scratch.part.pieces(), own.round() as u32, seed);
+        0.0
+    }
+
+    /// Draws about `count` rays to emitters by what they would bring: two in each of equal shares of that.
+    fn draw_shared(&self, receiver: &Receiver, seen: &[Seen], count: f64, undecided: &mut UndecidedRays) {
+        if seen.is_empty() {
+            return;
+        }
+        let pairs = (0.5 * count).ceil().max(1.0);
+        let total: f64 = seen.iter().map(|seen| seen.unoccluded).sum();
+        let seed = sampling::hash(receiver.seed, streams::EMITTERS);
+        let group = undecided.start_group();
+        let (mut current, mut below) = (0, 0.0);
+        for pair in 0..pairs as u32 {
+            // Emitters before `current` lie below this share.
+            let least = f64::from(pair) / pairs * total;
+            while current + 1 < seen.len() && below + seen[current].unoccluded <= least {
+                below += seen[current].unoccluded;
+                current += 1;
+            }
+            for ray in 0..2 {
+                let random = sampling::hash(seed, u64::from(2 * pair + ray));
+                let drawn = (f64::from(pair) + sampling::unit(random)) / pairs * total;
+                let (mut index, mut above) = (current, below + seen[current].unoccluded);
+                while index + 1 < seen.len() && above <= drawn {
+                    index += 1;
+                    above += seen[index].unoccluded;
+                }
+                let Seen { emitter, form_factor, unoccluded } = seen[index];
+                let view = self.view_of(receiver, emitter);
+                let share = total / (2.0 * pairs * unoccluded);
+                undecided.draw(&view, emitter, &view.source, (form_factor, share, group), sampling::hash(random, streams::THIRD));
+            }
+        }
+    }
+
+    /// Casts the rays, and adds what they find.
+    fn add_undecided(&self, undecided: &mut UndecidedRays, sums: &mut Sums<'_>) {
+        if undecided.is_empty() {
+            return;
+        }
+        undecided.cast(self.rays, |emitters, form_factors| {
+            let [first, second] = emitters.map(|emitter| &self.scene.material_of(emitter).exitance);
+            for (channel, (first, second)) in first.iter().zip(second).enumerate() {
+                let [first, second] = [form_factors[0] * first, form_factors[1] * second];
+                sums.irradiance[channel] += first + second;
+                sums.variance[channel] += (first - second).powi(2);
+            }
+        });
+    }
+}
