@@ -11,6 +11,7 @@
 
 pub mod bounds;
 mod cells;
+pub mod discontinuities;
 mod error;
 pub mod form_factor;
 pub mod geometry;

@@ -1,0 +1,193 @@
+//! Where irradiance on a surface is not smooth: lines, from the scene and from what is said to send light (Lischinski 1994, sections 2.4 and 4.1.2).
+//!
+//! - **D0**, irradiance jumps: where surfaces touch or cross ([`contacts`]).
+//! - **D1** and **D2**, its first or second derivative jumps: edge-vertex events of sources with convex or other polygons between ([`events`]).
+//!
+//! All curves of such events are straight, since the events lie in planes. They are exact but for what counts as touching, a millionth of the scene's
+//! size: files round coordinates by as much, so the signs of exact predicates would mean nothing. What is left out stands in [`events`].
+//!
+//! **What of it matters.** Each segment has a bound of how much irradiance it can change ([`effect`]). Of each receiver the least are left out, as
+//! many as together stay below what the receiver tolerates. A source that cannot bring more than that to a receiver at all casts no curve there,
+//! so sources may be all surfaces that shine or reflect (section 6.2.2): those that dominate a receiver remain.
+//!
+//! **Cost.** With `l` source edges and `m` edges there are `O(l m)` wedges; each asks a tree of boxes for what its plane cuts.
+
+mod contacts;
+mod corners;
+mod counters;
+mod curves;
+mod edges;
+mod effect;
+mod emitters;
+mod events;
+mod faces;
+mod fan;
+mod points;
+mod svg;
+mod weld;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+pub use counters::Counters;
+pub use svg::svg;
+
+use crate::progress::Stop;
+use crate::scene::{Scene, SurfaceId};
+use curves::{Curve, Found};
+use effect::bound_irradiance;
+use emitters::Emitter;
+use events::Tracer;
+use faces::Faces;
+
+/// The least derivative of irradiance that jumps across a curve, 0 being irradiance itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Degree {
+    /// Irradiance jumps.
+    D0,
+    /// Its gradient jumps.
+    D1,
+    /// Its curvature jumps.
+    D2,
+}
+
+/// A straight piece of a curve on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    pub(crate) ends: [DVec3; 2],
+    /// How sharp the curve is; where several coincide, the sharpest.
+    pub degree: Degree,
+    /// Whose light it belongs to; of several the one that changes most, and the first surface of a source in pieces. `None` for contacts.
+    pub source: Option<SurfaceId>,
+    /// At most what can come and go around the curve of the irradiance by its sources, in W/m^2: of points of the curve, what the edges that cast
+    /// it can hide. Infinite for contacts.
+    pub change: f64,
+}
+
+impl Segment {
+    /// Both ends, in metres, in the plane of the surface to the tolerance.
+    pub fn ends(&self) -> [[f64; 3]; 2] {
+        self.ends.map(|end| end.to_array())
+    }
+}
+
+/// A surface that sends light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Source {
+    /// Which.
+    pub surface: SurfaceId,
+    /// W/m^2, taken as constant; sources of 0 or less send nothing.
+    pub radiosity: f64,
+}
+
+/// The number of no emitter.
+const NO_EMITTER: u32 = u32::MAX;
+
+/// The discontinuities of all surfaces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Discontinuities {
+    segments: Vec<Segment>,
+    /// Where the segments of each surface begin, and one more.
+    first: Vec<u32>,
+    counters: Counters,
+}
+
+impl Discontinuities {
+    /// The segments of a surface, the sharpest first, and of these the ones of most effect. They do not overlap, but may cross; their ends are the same
+    /// to the bit where they meet.
+    pub fn of(&self, surface: SurfaceId) -> &[Segment] {
+        &self.segments[self.first[surface.index()] as usize..self.first[surface.index() + 1] as usize]
+    }
+
+    /// What it took.
+    pub fn counters(&self) -> &Counters {
+        &self.counters
+    }
+}
+
+/// The discontinuities of the light that emitters send, the sum of their channels: what changes irradiance by less than `tolerance` of the largest
+/// exitance is left out.
+pub fn of_emitters(scene: &Scene, tolerance: f64) -> Discontinuities {
+    let exitance = |id: SurfaceId| scene.material_of(id).exitance.iter().sum::<f64>();
+    let ids = (0..scene.surfaces().len() as u32).map(SurfaceId);
+    let sources: Vec<Source> = ids.map(|surface| Source { surface, radiosity: exitance(surface) }).collect();
+    let most = sources.iter().map(|source| source.radiosity).fold(0.0, f64::max);
+    find(scene, &sources, &|_| tolerance * most, &|| false)
+}
+
+/// The discontinuities of the light of `sources`. Each receiver may be wrong by its `tolerance` in W/m^2 for what is left out on it.
+///
+/// The same for any number of threads. Once `stop` says so, what was found by then is returned.
+pub(crate) fn find(scene: &Scene, sources: &[Source], tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync), stop: Stop<'_>) -> Discontinuities {
+    let faces = Faces::of(scene);
+    let count = scene.surfaces().len();
+    let mut found = Found::default();
+
+    // Contacts.
+    let contacts: Vec<Found> = (0..count as u32).into_par_iter().map(|id| {
+        let mut found = Found::default();
+        if !stop() {
+            contacts::find(&faces, SurfaceId(id), &mut found);
+        }
+        found
+    }).collect();
+    contacts.into_iter().for_each(|part| found.append(part));
+
+    // Events of each emitter.
+    let emitters = emitters::emitters(&faces, sources);
+    let (edges, corners) = rayon::join(|| edges::welded(&faces), || corners::welded(&faces));
+    found.counters.edges = edges.len() as u64;
+    found.counters.corners = corners.len() as u64;
+    for (number, emitter) in emitters.iter().enumerate() {
+        found.counters.source_edges += emitter.rims.len() as u64;
+        let is_lit = lit_by(&faces, emitter, tolerance);
+        found.counters.weak_pairs += is_lit.iter().filter(|&&is_lit| !is_lit).count() as u64;
+        if !is_lit.contains(&true) {
+            continue;
+        }
+        let follow = |body: &dyn Fn(&mut Tracer<'_>)| {
+            let mut found = Found::default();
+            if !stop() {
+                body(&mut Tracer::new(&faces, emitter, number as u32, &is_lit, &mut found));
+            }
+            found
+        };
+        /// Edges or corners that a thread takes at a time.
+        const AT_ONCE: usize = 32;
+        let of_edges = edges.par_chunks(AT_ONCE).map(|some| follow(&|tracer| some.iter().for_each(|edge| tracer.edge(edge))));
+        let of_corners = corners.par_chunks(AT_ONCE).map(|some| follow(&|tracer| some.iter().for_each(|corner| tracer.corner(corner))));
+        let parts: Vec<Found> = of_edges.chain(of_corners).collect();
+        parts.into_iter().for_each(|part| found.append(part));
+        found.append(follow(&|tracer| tracer.horizon()));
+    }
+    gather(&faces, found, &emitters, tolerance)
+}
+
+/// The receivers that get more from an emitter than they tolerate.
+fn lit_by(faces: &Faces<'_>, emitter: &Emitter, tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync)) -> Vec<bool> {
+    let ids = 0..faces.scene.surfaces().len() as u32;
+    ids.into_par_iter().map(|id| bound_irradiance(faces, emitter, SurfaceId(id)) > tolerance(SurfaceId(id))).collect()
+}
+
+/// Welds the curves of each receiver.
+fn gather(faces: &Faces<'_>, found: Found, emitters: &[Emitter], tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync)) -> Discontinuities {
+    let Found { curves, mut counters } = found;
+    let mut per_receiver: Vec<Vec<Curve>> = vec![Vec::new(); faces.scene.surfaces().len()];
+    for curve in curves {
+        per_receiver[curve.receiver.index()].push(curve);
+    }
+    let name = |emitter: u32| emitters[emitter as usize].pieces[0];
+    let of = |(id, curves): (usize, Vec<Curve>)| weld::weld(faces, curves, tolerance(SurfaceId(id as u32)), name);
+    let welded: Vec<_> = per_receiver.into_par_iter().enumerate().map(of).collect();
+
+    let (mut segments, mut first) = (Vec::new(), vec![0]);
+    for (own, counted) in welded {
+        segments.extend(own);
+        first.push(segments.len() as u32);
+        counters += counted;
+    }
+    Discontinuities { segments, first, counters }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,1 @@
+//! Curves of small scenes, against what is computed by hand.
