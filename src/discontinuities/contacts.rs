@@ -45,7 +45,8 @@ fn meeting(vertices: &[DVec3], plane: &Plane, tolerance: f64) -> Option<[DVec3; 
         }
     }
     let &first = points.first()?;
-    let farthest = |from: DVec3| points.iter().copied().max_by(|a, b| a.distance_squared(from).total_cmp(&b.distance_squared(from)));
+    let farthest =
+        |from: DVec3| points.iter().copied().max_by(|a, b| a.distance_squared(from).total_cmp(&b.distance_squared(from)));
     let one = farthest(first)?;
     Some([one, farthest(one)?])
 }

@@ -110,7 +110,12 @@ fn halves_of_wide([from, to]: [DVec3; 2], normal: DVec3) -> Vec<Sector> {
 
 /// The sectors of some faces around a place.
 pub(super) fn sectors_of<'a>(facets: impl Iterator<Item = Facet<'a>>, place: DVec3, tolerance: f64) -> Vec<Sector> {
-    facets.filter_map(|facet| if let Around::Sectors(sectors) = sectors_around(&facet, place, tolerance) { Some(sectors) } else { None }).flatten().collect()
+    facets
+        .filter_map(
+            |facet| if let Around::Sectors(sectors) = sectors_around(&facet, place, tolerance) { Some(sectors) } else { None },
+        )
+        .flatten()
+        .collect()
 }
 
 /// Whether faces around a point, seen along `direction`, have a corner of their outline there: they neither cover all that is around it nor

@@ -17,8 +17,11 @@ use super::emitters::Emitter;
 use super::faces::{Faces, Plane};
 use crate::scene::SurfaceId;
 
-/// Curves are bounded in so many pieces.
-const PIECES: usize = 4;
+/// Curves are bounded in pieces of this part of their distance from the source, which bounds that to as much.
+const PIECE: f64 = 0.25;
+
+/// The most pieces of a curve: they keep the cost of a curve small.
+const MOST_PIECES: f64 = 32.0;
 
 /// What passes before the source along a curve.
 #[derive(Clone, Copy, Debug)]
@@ -33,10 +36,11 @@ pub(super) enum Passing {
 pub(super) fn bound_change(faces: &Faces<'_>, emitter: &Emitter, receiver: SurfaceId, curve: [DVec3; 2], passing: Passing) -> f64 {
     let facet = faces.facet(receiver);
     let plane = Plane { origin: facet.centroid, normal: facet.normal };
-    let length = curve[0].distance(curve[1]) / PIECES as f64;
+    let distance = distance_to_segment(emitter.plane.origin, curve);
+    let count = (curve[0].distance(curve[1]) / (PIECE * distance)).ceil().clamp(1.0, MOST_PIECES);
+    let reach = 0.5 * curve[0].distance(curve[1]) / count;
     let piece = |k: usize| {
-        let middle = curve[0].lerp(curve[1], (k as f64 + 0.5) / PIECES as f64);
-        let reach = 0.5 * length;
+        let middle = curve[0].lerp(curve[1], (k as f64 + 0.5) / count);
         match passing {
             Passing::Horizon => irradiance(faces, emitter, &plane, middle, reach, true),
             Passing::Edge(edge, edges) => {
@@ -48,7 +52,7 @@ pub(super) fn bound_change(faces: &Faces<'_>, emitter: &Emitter, receiver: Surfa
             }
         }
     };
-    (0..PIECES).map(piece).fold(0.0, f64::max)
+    (0..count as usize).map(piece).fold(0.0, f64::max)
 }
 
 /// At most what a receiver gets from an emitter anywhere, in W/m^2.

@@ -277,7 +277,7 @@ impl<'a> Tracer<'a> {
     fn collect(&mut self, fan: &Fan, windows: &[[f64; 2]], w: f64, event: Event) {
         let Self { faces, emitter, number, is_lit, found, cuts } = self;
         first_hits(cuts, windows, w, |cut, rays| {
-            let ends = rays.map(|u| fan.point(cut, u));
+            let ends = rays.map(|u| cut.point(u));
             let direction = fan.direction(0.5 * (rays[0] + rays[1]));
             let Some(receiver) = faces.scene.side_towards(cut.surface, -direction).filter(|id| is_lit[id.index()]) else { return };
             if found.admit(faces, receiver, ends) {

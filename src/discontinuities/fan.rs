@@ -27,7 +27,9 @@ pub(super) struct Cut {
     /// From which ray to which, ascending.
     pub u: [f64; 2],
     /// How near at both.
-    pub w: [f64; 2],
+    w: [f64; 2],
+    /// Where it is at both.
+    ends: [DVec3; 2],
 }
 
 /// Parts of a fan's rays, ascending and apart.
@@ -68,7 +70,7 @@ impl Fan {
     }
 
     /// The part of a segment of the plane that lies in the fan.
-    pub fn project(&self, from: DVec3, to: DVec3, surface: SurfaceId, plane: u32) -> Option<Cut> {
+    pub fn project(&self, mut from: DVec3, mut to: DVec3, surface: SurfaceId, plane: u32) -> Option<Cut> {
         let coordinates = |point: DVec3| {
             let arm = point - self.apex;
             [self.to_t.dot(arm), self.to_tu.dot(arm)]
@@ -82,23 +84,23 @@ impl Fan {
             if at_p < 0.0 && at_q < 0.0 {
                 return None;
             }
-            let between = |s: f64| [p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])];
-            let crossing = between(at_p / (at_p - at_q));
+            let s = at_p / (at_p - at_q);
+            let crossing = ([p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])], from.lerp(to, s));
             if at_p < 0.0 {
-                p = crossing;
+                (p, from) = crossing;
             } else if at_q < 0.0 {
-                q = crossing;
+                (q, to) = crossing;
             }
         }
 
         let [u, w] = [[p[1] / p[0], q[1] / q[0]].map(|u: f64| u.clamp(0.0, 1.0)), [1.0 / p[0], 1.0 / q[0]]];
-        let (u, w) = if u[0] <= u[1] { (u, w) } else { ([u[1], u[0]], [w[1], w[0]]) };
-        (u[1] - u[0] > SAME_RAY).then_some(Cut { surface, plane, u, w })
-    }
-
-    /// The point on ray `u` where `cut` is.
-    pub fn point(&self, cut: &Cut, u: f64) -> DVec3 {
-        self.apex + self.direction(u) / cut.nearness(u)
+        let mut cut = Cut { surface, plane, u, w, ends: [from, to] };
+        if u[0] > u[1] {
+            cut.u.reverse();
+            cut.w.reverse();
+            cut.ends.reverse();
+        }
+        (cut.u[1] - cut.u[0] > SAME_RAY).then_some(cut)
     }
 }
 
@@ -107,6 +109,12 @@ impl Cut {
     fn nearness(&self, u: f64) -> f64 {
         let part = ((u - self.u[0]) / (self.u[1] - self.u[0])).clamp(0.0, 1.0);
         self.w[0] + part * (self.w[1] - self.w[0])
+    }
+
+    /// Where it is on ray `u`: between its ends, also where it is seen nearly end-on.
+    pub fn point(&self, u: f64) -> DVec3 {
+        let (after, before) = ((u - self.u[0]).max(0.0) * self.w[1], (self.u[1] - u).max(0.0) * self.w[0]);
+        self.ends[0].lerp(self.ends[1], (after / (after + before)).clamp(0.0, 1.0))
     }
 
     /// The rays of `range` on which `above`, linear in u, is positive.
@@ -172,7 +180,8 @@ pub(super) fn hide(windows: &mut Windows, cuts: &[Cut], w: f64) {
 pub(super) fn first_hits(cuts: &[Cut], windows: &[[f64; 2]], w: f64, mut visit: impl FnMut(&Cut, [f64; 2])) {
     let beyond = |cut: &Cut| {
         let [low, high] = cut.farther_than(w)?;
-        Some(Cut { u: [low, high], w: [cut.nearness(low), cut.nearness(high)], ..*cut })
+        let at_both = [low, high].map(|u| (cut.nearness(u), cut.point(u)));
+        Some(Cut { u: [low, high], w: at_both.map(|(w, _)| w), ends: at_both.map(|(_, point)| point), ..*cut })
     };
     let targets: Vec<Cut> = cuts.iter().filter_map(beyond).collect();
     let mut seen = Windows::new();

@@ -118,19 +118,27 @@ pub fn of_emitters(scene: &Scene, tolerance: f64) -> Discontinuities {
 /// The discontinuities of the light of `sources`. Each receiver may be wrong by its `tolerance` in W/m^2 for what is left out on it.
 ///
 /// The same for any number of threads. Once `stop` says so, what was found by then is returned.
-pub(crate) fn find(scene: &Scene, sources: &[Source], tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync), stop: Stop<'_>) -> Discontinuities {
+pub(crate) fn find(
+    scene: &Scene,
+    sources: &[Source],
+    tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync),
+    stop: Stop<'_>,
+) -> Discontinuities {
     let faces = Faces::of(scene);
     let count = scene.surfaces().len();
     let mut found = Found::default();
 
     // Contacts.
-    let contacts: Vec<Found> = (0..count as u32).into_par_iter().map(|id| {
-        let mut found = Found::default();
-        if !stop() {
-            contacts::find(&faces, SurfaceId(id), &mut found);
-        }
-        found
-    }).collect();
+    let contacts: Vec<Found> = (0..count as u32)
+        .into_par_iter()
+        .map(|id| {
+            let mut found = Found::default();
+            if !stop() {
+                contacts::find(&faces, SurfaceId(id), &mut found);
+            }
+            found
+        })
+        .collect();
     contacts.into_iter().for_each(|part| found.append(part));
 
     // Events of each emitter.
@@ -155,7 +163,8 @@ pub(crate) fn find(scene: &Scene, sources: &[Source], tolerance: &(dyn Fn(Surfac
         /// Edges or corners that a thread takes at a time.
         const AT_ONCE: usize = 32;
         let of_edges = edges.par_chunks(AT_ONCE).map(|some| follow(&|tracer| some.iter().for_each(|edge| tracer.edge(edge))));
-        let of_corners = corners.par_chunks(AT_ONCE).map(|some| follow(&|tracer| some.iter().for_each(|corner| tracer.corner(corner))));
+        let of_corners =
+            corners.par_chunks(AT_ONCE).map(|some| follow(&|tracer| some.iter().for_each(|corner| tracer.corner(corner))));
         let parts: Vec<Found> = of_edges.chain(of_corners).collect();
         parts.into_iter().for_each(|part| found.append(part));
         found.append(follow(&|tracer| tracer.horizon()));
@@ -188,6 +197,3 @@ fn gather(faces: &Faces<'_>, found: Found, emitters: &[Emitter], tolerance: &(dy
     }
     Discontinuities { segments, first, counters }
 }
-
-#[cfg(test)]
-mod tests;

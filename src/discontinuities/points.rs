@@ -21,9 +21,10 @@ impl Welder {
         let around = [-1, 0, 1].into_iter().flat_map(|x| [-1, 0, 1].into_iter().flat_map(move |y| [-1, 0, 1].map(|z| [x, y, z])));
         for offset in around {
             let neighbour: [i64; 3] = std::array::from_fn(|k| cell[k].saturating_add(offset[k]));
-            let known = self.cells.get(&neighbour).and_then(|points| {
-                points.iter().find(|known| known.distance_squared(point) <= self.tolerance * self.tolerance)
-            });
+            let known = self
+                .cells
+                .get(&neighbour)
+                .and_then(|points| points.iter().find(|known| known.distance_squared(point) <= self.tolerance * self.tolerance));
             if let Some(&known) = known {
                 return (known, false);
             }

@@ -38,7 +38,12 @@ struct Lines {
 }
 
 /// The segments of a receiver, and what became of its curves. `name` tells which surface an emitter is.
-pub(super) fn weld(faces: &Faces<'_>, mut curves: Vec<Curve>, tolerance: f64, name: impl Fn(u32) -> SurfaceId) -> (Vec<Segment>, Counters) {
+pub(super) fn weld(
+    faces: &Faces<'_>,
+    mut curves: Vec<Curve>,
+    tolerance: f64,
+    name: impl Fn(u32) -> SurfaceId,
+) -> (Vec<Segment>, Counters) {
     let Some(first) = curves.first() else { return Default::default() };
     let facet = faces.facet(first.receiver);
     let frame = Frame::around(facet.normal);
@@ -96,7 +101,12 @@ fn length_sq(curve: &Curve) -> f64 {
 fn by_place(a: &Segment, b: &Segment) -> std::cmp::Ordering {
     let coordinates = |segment: &Segment| segment.ends.map(|end| end.to_array());
     let (a, b) = (coordinates(a), coordinates(b));
-    a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+    a.as_flattened()
+        .iter()
+        .zip(b.as_flattened())
+        .map(|(a, b)| a.total_cmp(b))
+        .find(|order| order.is_ne())
+        .unwrap_or(std::cmp::Ordering::Equal)
 }
 
 impl Lines {
@@ -110,9 +120,10 @@ impl Lines {
         let turn = 2.0 * tolerance / a.distance(b) + 1e-12;
         let key = |angle: f64| angle.max(0.0).to_bits();
         let around = [[angle - turn, angle + turn], [angle - turn + PI, PI], [0.0, angle + turn - PI]];
-        let known = around.into_iter().filter(|[low, high]| low <= high).flat_map(|[low, high]| {
-            self.by_angle.range((key(low), 0)..=(key(high), usize::MAX)).map(|(&(_, index), ())| index)
-        });
+        let known = around
+            .into_iter()
+            .filter(|[low, high]| low <= high)
+            .flat_map(|[low, high]| self.by_angle.range((key(low), 0)..=(key(high), usize::MAX)).map(|(&(_, index), ())| index));
         let holds = |line: &Line| [a, b].iter().all(|&end| line.along.perp_dot(end - line.origin).abs() <= tolerance);
         let index = known.filter(|&index| holds(&self.lines[index])).min().unwrap_or_else(|| {
             self.by_angle.insert((key(angle), self.lines.len()), ());
@@ -147,7 +158,8 @@ impl Line {
                 *largest = largest.max(stretch.change);
             }
             let change = changes.values().sum();
-            let most = changes.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0))).map_or(NO_EMITTER, |(&emitter, _)| emitter);
+            let most =
+                changes.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0))).map_or(NO_EMITTER, |(&emitter, _)| emitter);
             let next = Stretch { from: pair[0], to: pair[1], degree, emitter: most, change };
             match laid.last_mut().filter(|last| last.to == next.from && last.degree == degree && last.emitter == most) {
                 Some(last) => {

@@ -7,7 +7,7 @@
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use patchlight::discontinuities::{Degree, Segment, of_emitters};
 use patchlight::form_factor::point_form_factor;
-use patchlight::geometry::Polygon;
+use patchlight::geometry::{Polygon, PolygonError};
 use patchlight::scene::SurfaceId;
 
 use super::random::Random;
@@ -25,27 +25,46 @@ struct Shadow {
 }
 
 impl Shadow {
-    /// The form factor from a point of the floor to what it sees of the source: all, less what lies in the occluder's image on the source's plane.
+    /// The form factor from a point of the floor to what it sees of the source: all, less what the occluder hides. It depends on directions alone, so
+    /// both are taken by where their rays cross the height 1 above the point.
     fn irradiance(&self, at: DVec2) -> f64 {
         let eye = DVec3::new(at.x, at.y, 0.0);
-        let factor = |polygon: &Polygon| point_form_factor(eye.to_array(), [0.0, 0.0, 1.0], polygon);
         let (origin, normal) = (DVec3::from(self.source.centroid()), DVec3::from(self.source.normal()));
         let height = |point: DVec3| normal.dot(point - origin);
-        let image = |&corner: &DVec3| eye + (corner - eye) * (height(eye) / (height(eye) - height(corner)));
+        if height(eye) <= 0.0 {
+            return 0.0;
+        }
+        let image = |point: DVec3| (point - eye).truncate() / point.z;
+        let factor = |polygon: &[DVec2]| {
+            let area: f64 = (0..polygon.len()).map(|k| polygon[k].perp_dot(polygon[(k + 1) % polygon.len()])).sum();
+            let mut lifted: Vec<[f64; 3]> = polygon.iter().map(|p| (eye + p.extend(1.0)).to_array()).collect();
+            // Its front looks down.
+            if area > 0.0 {
+                lifted.reverse();
+            }
+            match Polygon::new(&lifted) {
+                Ok(polygon) => point_form_factor(eye.to_array(), [0.0, 0.0, 1.0], &polygon),
+                Err(PolygonError::TooFewVertices(_) | PolygonError::NoArea) => 0.0,
+                Err(error) => panic!("{error}: {lifted:?}"),
+            }
+        };
 
-        // In coordinates of the source's plane the source runs counter-clockwise.
-        let (u, v) = normal.any_orthonormal_pair();
-        let (u, v) = if u.cross(v).dot(normal) > 0.0 { (u, v) } else { (v, u) };
-        let flat = |point: DVec3| DVec2::new(u.dot(point - origin), v.dot(point - origin));
-        let hull = convex_hull(self.occluder.iter().map(image).map(flat).collect());
-        let mut hidden: Vec<DVec2> = self.source.vertices().map(|vertex| flat(vertex.into())).collect();
+        // What of the occluder is in front of the source's plane: its corners there, and where lines between corners cross the plane.
+        let (front, behind): (Vec<DVec3>, Vec<DVec3>) = self.occluder.iter().partition(|&&corner| height(corner) > 0.0);
+        let crossing = |a: DVec3, b: DVec3| a.lerp(b, height(a) / (height(a) - height(b)));
+        let crossings = front.iter().flat_map(|&a| behind.iter().map(move |&b| crossing(a, b)));
+        let hull = convex_hull(front.iter().copied().chain(crossings).map(image).collect());
+
+        let source: Vec<DVec2> = self.source.vertices().map(|vertex| image(vertex.into())).collect();
+        let mut hidden = if hull.len() < 3 { Vec::new() } else { source.clone() };
         for (k, &a) in hull.iter().enumerate() {
             let along = hull[(k + 1) % hull.len()] - a;
-            hidden = clipped(&hidden, |point| along.perp_dot(point - a));
+            // A line through two that differ by rounding has any direction.
+            if along.length() > 1e-12 {
+                hidden = clipped(&hidden, |point| along.perp_dot(point - a));
+            }
         }
-        let lifted: Vec<[f64; 3]> = hidden.iter().map(|point| (origin + point.x * u + point.y * v).to_array()).collect();
-        let hidden = if lifted.len() < 3 { 0.0 } else { Polygon::new(&lifted).map_or(0.0, |polygon| factor(&polygon)) };
-        factor(&self.source) - hidden
+        factor(&source) - factor(&hidden)
     }
 }
 
@@ -112,10 +131,16 @@ fn random_shadow(random: &mut Random) -> (Shadow, Vec<Polygon>) {
         DMat3::from_quat(DQuat::from_axis_angle(random.direction().into(), if is_aligned { 0.0 } else { most * random.signed() }))
     };
     let down = DMat3::from_cols(DVec3::Y, DVec3::X, -DVec3::Z);
-    let frame = tilt(random, 0.4) * down;
-    let source = convex(random, DVec3::new(0.0, 0.0, 3.0), frame, 0.5, is_aligned);
+    let frame = tilt(random, 2.0) * down;
+    let source = convex(random, DVec3::new(0.0, 0.0, 2.5), frame, 0.5, is_aligned);
 
-    let centre = DVec3::new(0.5 * random.signed(), 0.5 * random.signed(), 1.4 + 0.4 * random.signed());
+    // Clear of the source and of the floor, else anywhere: before the source, beside it, across its plane.
+    let centre = loop {
+        let centre = DVec3::new(random.signed(), random.signed(), 0.6 + 2.4 * random.unit());
+        if centre.distance(DVec3::new(0.0, 0.0, 2.5)) > 1.25 {
+            break centre;
+        }
+    };
     let turn = tilt(random, 3.0);
     let faces = if random.below(2) == 0 {
         vec![convex(random, centre, turn, 0.3, is_aligned)]
@@ -123,7 +148,13 @@ fn random_shadow(random: &mut Random) -> (Shadow, Vec<Polygon>) {
         let edges = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| turn * axis * (0.1 + 0.4 * random.unit()));
         box_faces((centre - 0.5 * edges.iter().sum::<DVec3>()).to_array(), edges.map(|edge| edge.to_array()))
     };
-    let occluder = faces.iter().flat_map(|face| face.vertices().map(DVec3::from).collect::<Vec<_>>()).collect();
+    // Each corner once: a line through two that differ by rounding has any direction.
+    let mut occluder: Vec<DVec3> = Vec::new();
+    for corner in faces.iter().flat_map(|face| face.vertices().map(DVec3::from).collect::<Vec<_>>()) {
+        if occluder.iter().all(|known| known.distance(corner) > 1e-9) {
+            occluder.push(corner);
+        }
+    }
     let floor = rectangle([-HALF, -HALF, 0.0], [2.0 * HALF, 0.0, 0.0], [0.0, 2.0 * HALF, 0.0]);
     let polygons = [source.clone(), floor].into_iter().chain(faces).collect();
     (Shadow { source, occluder }, polygons)
@@ -154,6 +185,9 @@ fn third_difference(f: &dyn Fn(f64) -> f64, [low, high]: [f64; 2], h: f64) -> (f
     values.windows(4).map(third).enumerate().fold((0.0, low), |best, (k, value)| if value > best.0 { (value, at(k)) } else { best })
 }
 
+/// Scenes of each test.
+const TRIALS: u32 = 600;
+
 /// Below this a difference is rounding: sums of a few numbers of at most 1.
 const NOISE: f64 = 1e-13;
 
@@ -161,13 +195,13 @@ const NOISE: f64 = 1e-13;
 fn between_curves_irradiance_is_smooth() {
     let mut random = Random::new(1);
     let (mut pieces, mut shadowed) = (0, 0);
-    for trial in 0..150 {
+    for trial in 0..TRIALS {
         let (shadow, polygons) = random_shadow(&mut random);
         let found = of_emitters(&lit_by_first(&polygons), 0.0);
         for _ in 0..3 {
             let [from, to] = [0, 1].map(|_| DVec2::new(2.5 * random.signed(), 2.5 * random.signed()));
             let f = |t: f64| shadow.irradiance(from.lerp(to, t));
-            let h = 5e-4;
+            let h = 1e-3;
             for pair in crossings(found.of(FLOOR), from, to).windows(2) {
                 // In pieces of some steps, clear of the curves.
                 let mut low = pair[0] + 2.0 * h;
@@ -177,7 +211,7 @@ fn between_curves_irradiance_is_smooth() {
                     let (fine, _) = third_difference(&f, [(at - 2.0 * h).max(low), (at + 5.0 * h).min(high)], h / 8.0);
                     assert!(fine < NOISE || fine < coarse / 200.0, "trial {trial}: a curve is missing at {} of {from} {to}", at);
                     pieces += 1;
-                    shadowed += u32::from(coarse > 1e-10);
+                    shadowed += u32::from(coarse > 1e3 * NOISE);
                     low = high - 4.0 * h;
                     if high >= pair[1] - 2.0 * h {
                         break;
@@ -186,14 +220,14 @@ fn between_curves_irradiance_is_smooth() {
             }
         }
     }
-    assert!(pieces > 10_000 && shadowed > 2_000, "{pieces} pieces, {shadowed} of them with a gradient that bends");
+    assert!(pieces > 20_000 && shadowed > 10_000, "{pieces} pieces, {shadowed} of them where differences are far above rounding");
 }
 
 #[test]
 fn across_each_curve_irradiance_is_not_smooth() {
     let mut random = Random::new(2);
     let mut counts = [0; 3];
-    for trial in 0..150 {
+    for trial in 0..TRIALS {
         let (shadow, polygons) = random_shadow(&mut random);
         let found = of_emitters(&lit_by_first(&polygons), 0.0);
         let segments = found.of(FLOOR);
@@ -203,24 +237,24 @@ fn across_each_curve_irradiance_is_not_smooth() {
 
             // Clear of all others.
             let h = 4e-3;
-            let clear = |(k, other): (usize, &Segment)| {
-                k == own || super::distance([middle.x, middle.y, 0.0], other.ends()) > 4.0 * h
-            };
+            let clear =
+                |(k, other): (usize, &Segment)| k == own || super::distance([middle.x, middle.y, 0.0], other.ends()) > 4.0 * h;
             if !segments.iter().enumerate().all(clear) || a.distance(b) < 0.05 {
                 continue;
             }
             let f = |t: f64| shadow.irradiance(middle + t * across);
             let gradient = |h: f64| (f(h) - 2.0 * f(0.0) + f(-h)).abs();
             let bend = |h: f64| (f(2.0 * h) - 2.0 * f(h) + 2.0 * f(-h) - f(-2.0 * h)).abs();
+            // Steps are as short as rounding lets them be; the limit lies between what a jump and what none gives.
             let (jump, smooth, scale) = match segment.degree {
                 Degree::D0 => panic!("trial {trial}: nothing touches"),
-                Degree::D1 => (gradient(h / 8.0), gradient(h), 20.0),
-                Degree::D2 => (bend(h / 8.0), bend(h), 200.0),
+                Degree::D1 => (gradient(h / 64.0), gradient(h / 8.0), f64::sqrt(8.0 * 64.0)),
+                Degree::D2 => (bend(h / 8.0), bend(h), f64::sqrt(64.0 * 512.0)),
             };
-            // A bound of what comes and goes bounds what comes and goes over this short way.
-            assert!((f(2.0 * h) - f(-2.0 * h)).abs() < segment.change.max(1.0), "trial {trial}: {segment:?}");
-            assert!(jump > smooth / scale, "trial {trial}: {segment:?}: {smooth:e} {jump:e}");
-            counts[segment.degree as usize] += 1;
+            // Where all that can be told is that light changes, it must.
+            let is_weak = smooth < 1e3 * NOISE;
+            assert!(smooth > 0.0 && (is_weak || jump > smooth / scale), "trial {trial}: {segment:?}: {smooth:e} {jump:e}");
+            counts[segment.degree as usize] += u32::from(!is_weak);
         }
     }
     assert!(counts[1] > 100 && counts[2] > 500, "{counts:?}");

@@ -1,1 +1,0 @@
-//! Curves of small scenes, against what is computed by hand.
