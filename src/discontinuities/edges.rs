@@ -9,6 +9,9 @@ use super::faces::{Faces, Plane};
 use crate::geometry::{Aabb, edges as sides_of};
 use crate::scene::SurfaceId;
 
+/// Shorter stretches, in tolerances, are none.
+const SHORTEST: f64 = 4.0;
+
 /// A face along an edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wing {
@@ -177,7 +180,9 @@ impl Line {
                 None => edges.push(Edge { ends, wings }),
             }
         }
-        edges.retain(|edge| !edge.wings.is_empty() && !edge.is_flat());
+        // What is left between places that should be one is no edge.
+        let is_edge = |edge: &Edge| edge.ends[0].distance(edge.ends[1]) > SHORTEST * faces.tolerance;
+        edges.retain(|edge| is_edge(edge) && !edge.wings.is_empty() && !edge.is_flat());
         edges
     }
 
@@ -195,21 +200,24 @@ impl Line {
     fn through(&self, faces: &Faces<'_>, surface: SurfaceId, range: [f64; 2], stretches: &mut Vec<Stretch>) {
         let facet = faces.facet(surface);
         let plane = Plane { origin: facet.centroid, normal: facet.normal };
+        let inwards =
+            || sides_of(facet.vertices).filter_map(|(start, edge)| Some((start, facet.normal.cross(edge).try_normalize()?)));
         let [mut from, mut to] = range;
-        for (start, edge) in sides_of(facet.vertices) {
-            let Some(inward) = facet.normal.cross(edge).try_normalize() else { continue };
-            // Farther inside than the tolerance, or the line is a side of the face.
-            let (depth, slope) = (inward.dot(self.origin - start) - faces.on_plane(), inward.dot(self.along));
+        for (start, inward) in inwards() {
+            let (depth, slope) = (inward.dot(self.origin - start), inward.dot(self.along));
             let crossing = -depth / slope;
             if slope > 0.0 && crossing.is_finite() {
                 from = from.max(crossing);
             } else if slope < 0.0 && crossing.is_finite() {
                 to = to.min(crossing);
-            } else if depth < 0.0 {
-                return;
             }
         }
-        if to - from <= faces.on_plane() || [from, to].iter().any(|&t| plane.height(self.at(t)).abs() > faces.tolerance) {
+
+        // It must be long enough, in the plane, and not run along a side.
+        let middle = self.at(0.5 * (from + to));
+        let is_inside = inwards().all(|(start, inward)| inward.dot(middle - start) > faces.on_plane());
+        let is_in_plane = [from, to].iter().all(|&t| plane.height(self.at(t)).abs() <= faces.tolerance);
+        if to - from <= faces.on_plane() || !is_inside || !is_in_plane {
             return;
         }
         let Some(inward) = facet.normal.cross(self.along).try_normalize() else { return };

@@ -9,6 +9,9 @@ use super::points::Welder;
 use crate::geometry::{Aabb, edges as sides_of};
 use crate::scene::SurfaceId;
 
+/// So many tolerances beside a place, what touches it is a few off.
+const CLEAR: f64 = 16.0;
+
 /// A part of the border of a source.
 #[derive(Clone, Debug)]
 pub(super) struct Rim {
@@ -20,11 +23,11 @@ pub(super) struct Rim {
     pub kin: Option<DVec3>,
 }
 
-/// A point of the border from which light is followed.
+/// A point of a border from which light is followed: of a source, or at the end of an edge.
 #[derive(Clone, Debug)]
 pub(super) struct Apex {
     pub place: DVec3,
-    /// Beside it, within the source.
+    /// Beside it, within the source or on the edge.
     inside: DVec3,
     /// The faces that touch it, out of the source's plane.
     pub touching: Vec<SurfaceId>,
@@ -47,10 +50,9 @@ pub(super) struct Emitter {
 }
 
 impl Apex {
-    /// The point `place` of the border of a source in `plane`, with the direction from there into the source.
+    /// The point `place` of a border, with the direction from there to its inside; `plane` is the source's.
     pub fn new(faces: &Faces<'_>, plane: &Plane, place: DVec3, inward: DVec3) -> Self {
-        // Far enough inside to be clear of what touches the border.
-        let inside = place + 16.0 * faces.tolerance * inward;
+        let inside = place + CLEAR * faces.tolerance * inward;
         let touches = |id: &SurfaceId| {
             let facet = faces.facet(*id);
             let is_in_plane = facet.vertices.iter().all(|&vertex| plane.height(vertex).abs() <= faces.on_plane());
@@ -58,6 +60,12 @@ impl Apex {
         };
         let touching = faces.near(&Aabb::around([place])).into_iter().filter(touches).collect();
         Self { place, inside, touching }
+    }
+
+    /// Forgets the faces that touch what is beside it as well.
+    pub fn leave_what_goes_on(&mut self, faces: &Faces<'_>) {
+        let inside = self.inside;
+        self.touching.retain(|&id| faces.facet(id).distance_to(inside) > faces.on_plane());
     }
 
     /// Whether the source beside it is not hidden from `target` by what touches the border there.

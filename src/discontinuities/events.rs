@@ -22,7 +22,7 @@ use super::edges::{Edge, Shadow};
 use super::effect::{Passing, bound_change};
 use super::emitters::{Apex, Emitter, Rim};
 use super::faces::{Faces, Plane};
-use super::fan::{Cut, Fan, Windows, first_hits, hide};
+use super::fan::{Cut, Fan, Windows, common, first_hits, hide};
 use crate::geometry::Frame;
 use crate::scene::SurfaceId;
 
@@ -197,14 +197,22 @@ impl<'a> Tracer<'a> {
     /// A segment of the source and an edge in one plane: all lines through both.
     fn parallel(&mut self, plane: &Plane, source: [DVec3; 2], edge: &Edge, ends: [DVec3; 2], event: Event) {
         let middle = 0.5 * (source[0] + source[1]);
-        let apexes = [source[0], source[1], middle].map(|place| Apex::new(self.faces, &self.emitter.plane, place, middle - place));
-        let touching = ends.map(|end| Apex::new(self.faces, &self.emitter.plane, end, DVec3::ZERO).touching);
+        let apexes = [source[0], source[1], middle]
+            .map(|place| Apex::new(self.faces, &self.emitter.plane, place, (middle - place).normalize_or_zero()));
+        let mut corners = [(ends[0], ends[1] - ends[0]), (ends[1], ends[0] - ends[1])]
+            .map(|(end, along)| Apex::new(self.faces, &self.emitter.plane, end, along.normalize_or_zero()));
+        let around = corners.each_ref().map(|corner| corner.touching.clone());
+        for corner in &mut corners {
+            corner.leave_what_goes_on(self.faces);
+        }
         for plane in self.free_sides(edge, plane) {
             for apex in &apexes {
                 self.through_edge(&plane, apex, ends, event);
             }
-            for (end, touching) in ends.into_iter().zip(&touching) {
-                self.through_corner(&plane, end, (source, &[[0.0, 1.0]]), touching, event);
+            for (corner, around) in corners.iter().zip(&around) {
+                let Some(fan) = Fan::new(corner.place, source.map(|end| end - corner.place), plane.normal) else { continue };
+                let windows = common(&self.open_windows(corner, &fan), &self.open_windows(corner, &fan.opposite()));
+                self.through_corner(&plane, corner.place, (source, &windows), around, event);
             }
         }
     }

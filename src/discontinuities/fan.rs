@@ -164,6 +164,12 @@ pub(super) fn take_out(windows: &mut Windows, [from, to]: [f64; 2]) {
     *windows = left.filter(|window| window[1] - window[0] > SAME_RAY).collect();
 }
 
+/// The rays of both.
+pub(super) fn common(some: &[[f64; 2]], others: &[[f64; 2]]) -> Windows {
+    let shared = some.iter().flat_map(|a| others.iter().map(|b| [a[0].max(b[0]), a[1].min(b[1])]));
+    shared.filter(|[low, high]| high - low > SAME_RAY).collect()
+}
+
 /// Takes out what is hidden by anything that is nearer than `w`.
 pub(super) fn hide(windows: &mut Windows, cuts: &[Cut], w: f64) {
     for cut in cuts {
