@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::counters::Counters;
 use super::faces::Faces;
-use super::{Degree, NO_EMITTER};
+use super::segments::{Degree, NO_EMITTER};
 use crate::geometry::edges as sides_of;
 use crate::scene::SurfaceId;
 

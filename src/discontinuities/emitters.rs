@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::Source;
 use super::corners::{Sector, facets, sectors_of};
 use super::faces::{Faces, Plane};
 use super::points::Welder;
+use super::segments::Source;
 use crate::geometry::{Aabb, edges as sides_of};
 use crate::scene::SurfaceId;
 

@@ -15,7 +15,6 @@
 
 use glam::DVec3;
 
-use super::Degree;
 use super::corners::{Corner, is_outline};
 use super::curves::{Curve, Found};
 use super::edges::{Edge, Shadow};
@@ -23,6 +22,7 @@ use super::effect::{Passing, bound_change};
 use super::emitters::{Apex, Emitter, Rim};
 use super::faces::{Faces, Plane};
 use super::fan::{Cut, Fan, Windows, common, first_hits, hide};
+use super::segments::Degree;
 use crate::geometry::Frame;
 use crate::scene::SurfaceId;
 

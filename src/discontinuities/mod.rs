@@ -1,12 +1,12 @@
 //! Where irradiance on a surface is not smooth: lines, from the scene and from what is said to send light (Lischinski 1994, sections 2.4 and 4.1.2).
 //!
-//! - **D0**, irradiance jumps: where surfaces touch or cross ([`contacts`]).
-//! - **D1** and **D2**, its first or second derivative jumps: edge-vertex events of sources with convex or other polygons between ([`events`]).
+//! - **D0**, irradiance jumps: where surfaces touch or cross (`contacts`).
+//! - **D1** and **D2**, its first or second derivative jumps: edge-vertex events of sources with convex or other polygons between (`events`).
 //!
 //! All curves of such events are straight, since the events lie in planes. They are exact but for what counts as touching, a millionth of the scene's
-//! size: files round coordinates by as much, so the signs of exact predicates would mean nothing. What is left out stands in [`events`].
+//! size: files round coordinates by as much, so the signs of exact predicates would mean nothing. What is left out stands in `events`.
 //!
-//! **What of it matters.** Each segment has a bound of how much irradiance it can change ([`effect`]). Of each receiver the least are left out, as
+//! **What of it matters.** Each segment has a bound of how much irradiance it can change (`effect`). Of each receiver the least are left out, as
 //! many as together stay below what the receiver tolerates. A source that cannot bring more than that to a receiver at all casts no curve there,
 //! so sources may be all surfaces that shine or reflect (section 6.2.2): those that dominate a receiver remain.
 //!
@@ -23,13 +23,14 @@ mod events;
 mod faces;
 mod fan;
 mod points;
+mod segments;
 mod svg;
 mod weld;
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 pub use counters::Counters;
+pub use segments::{Degree, Discontinuities, Segment, Source};
 pub use svg::svg;
 
 use crate::progress::Stop;
@@ -39,71 +40,6 @@ use effect::bound_irradiance;
 use emitters::Emitter;
 use events::Tracer;
 use faces::Faces;
-
-/// The least derivative of irradiance that jumps across a curve, 0 being irradiance itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Degree {
-    /// Irradiance jumps.
-    D0,
-    /// Its gradient jumps.
-    D1,
-    /// Its curvature jumps.
-    D2,
-}
-
-/// A straight piece of a curve on a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment {
-    pub(crate) ends: [DVec3; 2],
-    /// How sharp the curve is; where several coincide, the sharpest.
-    pub degree: Degree,
-    /// Whose light it belongs to; of several the one that changes most, and the first surface of a source in pieces. `None` for contacts.
-    pub source: Option<SurfaceId>,
-    /// At most what can come and go around the curve of the irradiance by its sources, in W/m^2: of points of the curve, what the edges that cast
-    /// it can hide. Infinite for contacts.
-    pub change: f64,
-}
-
-impl Segment {
-    /// Both ends, in metres, in the plane of the surface to the tolerance.
-    pub fn ends(&self) -> [[f64; 3]; 2] {
-        self.ends.map(|end| end.to_array())
-    }
-}
-
-/// A surface that sends light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Source {
-    /// Which.
-    pub surface: SurfaceId,
-    /// W/m^2, taken as constant; sources of 0 or less send nothing.
-    pub radiosity: f64,
-}
-
-/// The number of no emitter.
-const NO_EMITTER: u32 = u32::MAX;
-
-/// The discontinuities of all surfaces.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Discontinuities {
-    segments: Vec<Segment>,
-    /// Where the segments of each surface begin, and one more.
-    first: Vec<u32>,
-    counters: Counters,
-}
-
-impl Discontinuities {
-    /// The segments of a surface, the sharpest first, and of these the ones of most effect. They do not overlap, but may cross; their ends are the same
-    /// to the bit where they meet.
-    pub fn of(&self, surface: SurfaceId) -> &[Segment] {
-        &self.segments[self.first[surface.index()] as usize..self.first[surface.index() + 1] as usize]
-    }
-
-    /// What it took.
-    pub fn counters(&self) -> &Counters {
-        &self.counters
-    }
-}
 
 /// The discontinuities of the light that emitters send, the sum of their channels: what changes irradiance by less than `tolerance` of the largest
 /// exitance is left out.
@@ -195,5 +131,5 @@ fn gather(faces: &Faces<'_>, found: Found, emitters: &[Emitter], tolerance: &(dy
         first.push(segments.len() as u32);
         counters += counted;
     }
-    Discontinuities { segments, first, counters }
+    Discontinuities::new(segments, first, counters)
 }

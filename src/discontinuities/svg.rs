@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use glam::DVec3;
 
-use super::{Degree, Discontinuities};
+use super::segments::{Degree, Discontinuities};
 use crate::geometry::Frame;
 use crate::scene::{Scene, SurfaceId};
 

@@ -6,10 +6,11 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
+use super::counters::Counters;
 use super::curves::Curve;
 use super::faces::Faces;
 use super::points::Welder;
-use super::{Counters, Degree, NO_EMITTER, Segment};
+use super::segments::{Degree, NO_EMITTER, Segment};
 use crate::geometry::Frame;
 use crate::scene::SurfaceId;
 

@@ -91,7 +91,7 @@ fn soups_of_touching_polygons_go_through() {
         while polygons.len() < 14 {
             let [a, b, c]: [[f64; 3]; 3] = [corner(), corner(), corner()];
             let fourth: [f64; 3] = std::array::from_fn(|k| a[k] + c[k] - b[k]);
-            let corners = if polygons.len() % 2 == 0 { vec![a, b, c] } else { vec![a, b, c, fourth] };
+            let corners = if polygons.len().is_multiple_of(2) { vec![a, b, c] } else { vec![a, b, c, fourth] };
             polygons.extend(Polygon::new(&corners));
         }
         // Some again, and some a little off.
