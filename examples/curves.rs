@@ -1,7 +1,8 @@
 //! The discontinuities of scenes: a row of counts for each, and pictures of surfaces.
 //!
 //! `cargo run --release --example curves -- SCENE...` prints time and counts, after table 4.4 of Lischinski's thesis.
-//! `--picture SURFACE` before a scene writes `curves.svg`, that surface with its curves; `--picture floor` takes the lowest that looks up and has most.
+//! `--picture SURFACE` before a scene writes `curves.svg`, that surface with its curves; `--picture floor` takes the floor, or the
+//! piece of it that has most.
 //! `--tolerance X` leaves out what changes irradiance by no more than this part of the largest exitance.
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
@@ -52,11 +53,13 @@ fn print_row(file: &str, scene: &Scene, found: &Discontinuities, seconds: f64) {
     );
 }
 
-/// The surface with most segments among those of more than a hundredth of the area that look up along the axis along which most area does.
+/// The surface with most segments among the lowest of those that look up; y is up.
 fn floor(scene: &Scene, found: &Discontinuities) -> SurfaceId {
     let ids = || (0..scene.surfaces().len() as u32).map(SurfaceId);
-    let all: f64 = scene.surfaces().iter().map(|surface| surface.polygon.area()).sum();
-    let looks_up = |id: &SurfaceId| scene.surface(*id).polygon.normal()[1..].iter().any(|&up| up > 0.99);
-    let candidates = ids().filter(|id| looks_up(id) && scene.surface(*id).polygon.area() > 0.01 * all);
-    candidates.max_by_key(|&id| found.of(id).len()).unwrap_or(SurfaceId(0))
+    let polygon = |id: SurfaceId| &scene.surface(id).polygon;
+    let candidates: Vec<SurfaceId> = ids().filter(|&id| polygon(id).normal()[1] > 0.99).collect();
+    let lowest = candidates.iter().map(|&id| polygon(id).centroid()[1]).fold(f64::INFINITY, f64::min);
+    let room = 1e-3 * scene.bounds().diagonal();
+    let on_floor = candidates.into_iter().filter(|&id| polygon(id).centroid()[1] < lowest + room);
+    on_floor.max_by_key(|&id| found.of(id).len()).unwrap_or(SurfaceId(0))
 }
