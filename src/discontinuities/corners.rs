@@ -155,3 +155,30 @@ pub(super) fn is_outline(sectors: &[Sector], direction: DVec3) -> bool {
 pub(super) fn facets<'a>(faces: &'a Faces<'_>, ids: &'a [SurfaceId]) -> impl Iterator<Item = Facet<'a>> {
     ids.iter().map(|&id| faces.facet(id))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sectors(arms: &[[DVec3; 2]]) -> Vec<Sector> {
+        arms.iter().map(|&between| Sector { between }).collect()
+    }
+
+    #[test]
+    fn a_corner_is_on_the_outline_unless_what_is_seen_goes_around_or_straight_on() {
+        let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+        let sheet = sectors(&[[x, y]]);
+        assert!(is_outline(&sheet, z) && is_outline(&sheet, DVec3::new(0.3, 0.2, 1.0)));
+        assert!(!is_outline(&sheet, x + y), "edge-on");
+
+        // The corner of a box whose three faces run along x, y and z: on the outline only for those who do not see all three.
+        let corner = sectors(&[[x, y], [y, z], [z, x]]);
+        assert!(!is_outline(&corner, DVec3::new(1.0, 1.0, 1.0)) && !is_outline(&corner, DVec3::new(-1.0, -1.0, -1.0)));
+        assert!(is_outline(&corner, DVec3::new(1.0, 1.0, -0.5)) && is_outline(&corner, DVec3::new(1.0, -0.2, -0.5)));
+
+        // A sheet in two pieces beside a straight side.
+        let straight = sectors(&[[x, DVec3::new(0.3, 1.0, 0.0)], [DVec3::new(0.3, 1.0, 0.0), -x]]);
+        assert!(!is_outline(&straight, z) && !is_outline(&straight, DVec3::new(0.5, -0.3, 1.0)));
+        assert!(!is_outline(&[], z));
+    }
+}

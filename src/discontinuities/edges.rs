@@ -238,3 +238,66 @@ impl Wing {
 fn same_wings(a: &[Wing], b: &[Wing]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.continues(b))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Polygon;
+    use crate::scene::{Material, Scene, Sides};
+
+    fn welded_of(rectangles: &[[[f64; 3]; 3]]) -> Vec<Edge> {
+        let polygon = |[corner, u, v]: &[[f64; 3]; 3]| {
+            let at = |s: f64, t: f64| std::array::from_fn(|k| corner[k] + s * u[k] + t * v[k]);
+            Polygon::new(&[at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)]).unwrap()
+        };
+        let grey = Material { name: "grey".to_owned(), reflectance: vec![0.5], exitance: vec![0.0] };
+        let faces = rectangles.iter().zip(0..).map(|(rectangle, face)| (polygon(rectangle), 0, face)).collect();
+        welded(&Faces::of(&Scene::new(1, vec![grey], faces, Sides::Front).unwrap()))
+    }
+
+    const CUBE: [[[f64; 3]; 3]; 6] = [
+        [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]],
+        [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]],
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+        [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]],
+    ];
+
+    #[test]
+    fn a_cube_has_twelve_edges_however_its_faces_are_cut() {
+        let whole = welded_of(&CUBE);
+        assert!(whole.len() == 12 && whole.iter().all(|edge| edge.wings.len() == 2));
+        // The top in three pieces that meet in a T, one side in two.
+        let mut pieces = CUBE.to_vec();
+        pieces[1] = [[0.0, 0.0, 1.0], [0.4, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        pieces.push([[0.4, 0.0, 1.0], [0.6, 0.0, 0.0], [0.0, 0.7, 0.0]]);
+        pieces.push([[0.4, 0.7, 1.0], [0.6, 0.0, 0.0], [0.0, 0.3, 0.0]]);
+        pieces[4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.3]];
+        pieces.push([[0.0, 0.0, 0.3], [1.0, 0.0, 0.0], [0.0, 0.0, 0.7]]);
+        let pieces = welded_of(&pieces);
+        assert!(pieces.len() == 12 && pieces.iter().all(|edge| edge.wings.len() == 2), "{pieces:?}");
+        let length: f64 = pieces.iter().map(|edge| edge.ends[0].distance(edge.ends[1])).sum();
+        assert!((length - 12.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_edge_is_a_silhouette_where_its_faces_lie_on_one_side() {
+        let cube = welded_of(&CUBE);
+        let vertical = cube.iter().find(|edge| edge.ends.iter().all(|end| end.x == 1.0 && end.y == 1.0)).unwrap();
+        assert_eq!(vertical.shadow(DVec3::new(1.0, 1.0, 0.0).normalize(), 1e-5), Shadow::Behind);
+        assert_eq!(vertical.shadow(DVec3::new(-1.0, -1.0, 0.0).normalize(), 1e-5), Shadow::InFront);
+        assert_eq!(vertical.shadow(DVec3::new(1.0, -1.0, 0.0).normalize(), 1e-5), Shadow::Both);
+        assert_eq!(vertical.shadow(DVec3::X, 1e-5), Shadow::Behind);
+    }
+
+    #[test]
+    fn edges_on_a_face_end_nothing() {
+        // The cube on a wide floor: the lower four are no edges of the outline, the floor has its own.
+        let mut scene = CUBE.to_vec();
+        scene.push([[-5.0, -5.0, 0.0], [10.0, 0.0, 0.0], [0.0, 10.0, 0.0]]);
+        let edges = welded_of(&scene);
+        assert_eq!(edges.len(), 8 + 4, "{edges:?}");
+        assert!(edges.iter().all(|edge| edge.ends[0].distance(edge.ends[1]) > 0.5));
+    }
+}

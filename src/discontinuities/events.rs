@@ -123,7 +123,7 @@ impl<'a> Tracer<'a> {
             for quarter in 0..4 {
                 let arms = [around[quarter], around[(quarter + 1) % 4]];
                 let Some(fan) = Fan::new(apex.place, arms, plane.normal) else { continue };
-                self.faces.cut(&plane, &fan, &apex.touching, &mut self.cuts);
+                self.faces.cut(&plane, (&fan, f64::INFINITY), &apex.touching, &mut self.cuts);
                 let windows = self.open_windows(apex, &fan);
                 self.found.counters.wedges += 1;
                 self.collect(&fan, &windows, f64::INFINITY, event);
@@ -226,16 +226,19 @@ impl<'a> Tracer<'a> {
         }
         let Some(fan) = Fan::new(apex.place, [a, b], plane.normal) else { return };
         self.found.counters.wedges += 1;
-        self.faces.cut(plane, &fan, &apex.touching, &mut self.cuts);
 
-        // What is nearer hides the edge; what is farther is lit beside it.
+        // What is nearer hides the edge.
         let margin = self.faces.on_plane() / distance;
         let mut windows = self.open_windows(apex, &fan);
+        self.faces.cut(plane, (&fan, 1.0), &apex.touching, &mut self.cuts);
         hide(&mut windows, &self.cuts, 1.0 + margin);
         if windows.is_empty() {
             self.found.counters.hidden_wedges += 1;
             return;
         }
+
+        // What is farther is lit beside it.
+        self.faces.cut(plane, (&fan, f64::INFINITY), &apex.touching, &mut self.cuts);
         self.collect(&fan, &windows, 1.0 - margin, event);
     }
 
@@ -248,13 +251,13 @@ impl<'a> Tracer<'a> {
         let behind = fan.opposite();
         for plane in [*plane, plane.reversed()] {
             self.found.counters.wedges += 1;
-            let mut is_touched = self.faces.cut(&plane, &fan, but, &mut self.cuts);
+            let mut is_touched = self.faces.cut(&plane, (&fan, 1.0), but, &mut self.cuts);
             let mut windows: Windows = parts.to_vec();
             hide(&mut windows, &self.cuts, 1.0 + self.faces.on_plane() / distance);
             if windows.is_empty() {
                 self.found.counters.hidden_wedges += 1;
             } else {
-                is_touched |= self.faces.cut(&plane, &behind, but, &mut self.cuts);
+                is_touched |= self.faces.cut(&plane, (&behind, f64::INFINITY), but, &mut self.cuts);
                 self.collect(&behind, &windows, f64::INFINITY, event);
             }
             // Where nothing touches the plane both its sides are alike.

@@ -79,12 +79,13 @@ impl<'a> Faces<'a> {
     ///
     /// The plane is thought of as moved a little along its normal, so that what only touches it from behind does not cut it, and what touches it
     /// from the front does: where surfaces meet in the plane, no ray slips through between them. Answers whether anything touches it.
-    pub fn cut(&self, plane: &Plane, fan: &Fan, but: &[SurfaceId], cuts: &mut Vec<Cut>) -> bool {
+    /// Faces of `but` do not count, nor those all farther than `farthest` times the fan's segment.
+    pub fn cut(&self, plane: &Plane, (fan, farthest): (&Fan, f64), but: &[SurfaceId], cuts: &mut Vec<Cut>) -> bool {
         cuts.clear();
         let mut is_touched = false;
         let spread = plane.normal.abs();
         let may_meet = |centre: DVec3, half: DVec3| {
-            plane.height(centre).abs() <= spread.dot(half) + self.on_plane() && fan.may_reach(centre, half)
+            plane.height(centre).abs() <= spread.dot(half) + self.on_plane() && fan.may_reach(centre, half, farthest)
         };
         self.boxes.for_each_where(may_meet, |id| {
             if self.is_second_side(id) || but.contains(&id) {

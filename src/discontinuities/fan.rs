@@ -61,12 +61,15 @@ impl Fan {
         self.a + u * self.span
     }
 
-    /// Whether a box, by its centre and half its extent, may hold points of the fan.
+    /// Whether a box, by its centre and half its extent, may hold points of the fan, no farther than `farthest` times the segment.
     #[inline]
-    pub fn may_reach(&self, centre: DVec3, half: DVec3) -> bool {
+    pub fn may_reach(&self, centre: DVec3, half: DVec3, farthest: f64) -> bool {
         let from = centre - self.apex;
         let largest = |along: DVec3| along.dot(from) + along.abs().dot(half);
-        largest(self.to_t) >= 0.0 && largest(self.to_tu) >= 0.0 && largest(self.to_t - self.to_tu) >= 0.0
+        largest(self.to_t) >= 0.0
+            && -largest(-self.to_t) <= farthest
+            && largest(self.to_tu) >= 0.0
+            && largest(self.to_t - self.to_tu) >= 0.0
     }
 
     /// The part of a segment of the plane that lies in the fan.
@@ -204,5 +207,68 @@ pub(super) fn first_hits(cuts: &[Cut], windows: &[[f64; 2]], w: f64, mut visit: 
             }
         }
         seen.iter().for_each(|&rays| visit(target, rays));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::sampling;
+
+    /// The distance along a ray to a segment of the xy plane, in lengths of the ray's direction.
+    fn distance(from: DVec3, direction: DVec3, [a, b]: [DVec3; 2]) -> Option<f64> {
+        let cross = |p: DVec3, q: DVec3| p.x * q.y - p.y * q.x;
+        let span = cross(direction, b - a);
+        let (t, s) = (cross(a - from, b - a) / span, cross(a - from, direction) / span);
+        (t > 0.0 && (0.0..=1.0).contains(&s)).then_some(t)
+    }
+
+    /// Segments that do not cross: within parallel strips.
+    fn segments(seed: u64) -> Vec<[DVec3; 2]> {
+        let unit = |k: u64| sampling::unit(sampling::hash(seed, k));
+        let end = |k: u64, strip: u64| DVec3::new(4.0 * unit(k) - 2.0, 0.1 + 0.25 * (strip as f64 + unit(k + 1)), 0.0);
+        (0..12).map(|strip| [end(4 * strip, strip), end(4 * strip + 2, strip)]).collect()
+    }
+
+    #[test]
+    fn rays_hit_first_what_is_nearest_behind_the_segment() {
+        let apex = DVec3::new(0.1, -0.3, 0.0);
+        let [a, b] = [DVec3::new(-0.4, 1.3, 0.0), DVec3::new(0.6, 1.1, 0.0)];
+        let fan = Fan::new(apex, [a - apex, b - apex], DVec3::Z).unwrap();
+        let (mut hits, mut misses) = (0, 0);
+        for seed in 0..200 {
+            let segments = segments(seed);
+            let cuts: Vec<Cut> = (0..).zip(&segments).filter_map(|(k, s)| fan.project(s[0], s[1], SurfaceId(k), k)).collect();
+            let mut found = Vec::new();
+            first_hits(&cuts, &[[0.0, 1.0]], 1.0, |cut, rays| found.push((*cut, rays)));
+            let mut open = vec![[0.0, 1.0]];
+            hide(&mut open, &cuts, 1.0);
+            for k in 0..50 {
+                let u = (f64::from(k) + 0.5) / 50.0;
+                let at = |k: usize| distance(apex, fan.direction(u), segments[k]);
+                let nearest = (0..12).filter_map(|k| Some((at(k).filter(|&t| t > 1.0)?, k))).min_by(|a, b| a.0.total_cmp(&b.0));
+                let hit: Vec<_> = found.iter().filter(|(_, rays)| (rays[0]..rays[1]).contains(&u)).collect();
+                assert!(hit.len() <= 1, "seed {seed}: {hit:?}");
+                assert_eq!(hit.first().map(|(cut, _)| cut.surface.index()), nearest.map(|(_, k)| k), "seed {seed} ray {u}");
+                if let (Some((cut, _)), Some((t, _))) = (hit.first(), nearest) {
+                    assert!(cut.point(u).distance(apex + t * fan.direction(u)) < 1e-9);
+                }
+                let is_hidden = (0..12).filter_map(at).any(|t| t < 1.0);
+                assert_eq!(open.iter().any(|window| (window[0]..window[1]).contains(&u)), !is_hidden);
+                hits += u32::from(nearest.is_some());
+                misses += u32::from(is_hidden);
+            }
+        }
+        assert!(hits > 1000 && misses > 1000, "{hits} {misses}");
+    }
+
+    #[test]
+    fn windows_are_shared_and_taken_out() {
+        let mut windows = vec![[0.0, 0.4], [0.6, 1.0]];
+        assert_eq!(common(&windows, &[[0.2, 0.7]]), [[0.2, 0.4], [0.6, 0.7]]);
+        take_out(&mut windows, [0.3, 0.8]);
+        assert_eq!(windows, [[0.0, 0.3], [0.8, 1.0]]);
+        take_out(&mut windows, [0.0, 1.0]);
+        assert!(windows.is_empty());
     }
 }
