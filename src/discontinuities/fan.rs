@@ -27,16 +27,16 @@ pub(super) struct Cut {
     /// From which ray to which, ascending.
     pub u: [f64; 2],
     /// How near at both.
-    w: [f64; 2],
+    pub w: [f64; 2],
     /// Where it is at both.
-    ends: [DVec3; 2],
+    pub ends: [DVec3; 2],
 }
 
 /// Parts of a fan's rays, ascending and apart.
 pub(super) type Windows = Vec<[f64; 2]>;
 
 /// Rays so close to each other are one: rounding of `u`.
-const SAME_RAY: f64 = 1e-12;
+pub(super) const SAME_RAY: f64 = 1e-12;
 
 /// A part of the way to the segment that is at the apex itself.
 const AT_APEX: f64 = 1e-9;
@@ -109,7 +109,7 @@ impl Fan {
 
 impl Cut {
     /// `w` on ray `u`.
-    fn nearness(&self, u: f64) -> f64 {
+    pub fn nearness(&self, u: f64) -> f64 {
         let part = ((u - self.u[0]) / (self.u[1] - self.u[0])).clamp(0.0, 1.0);
         self.w[0] + part * (self.w[1] - self.w[0])
     }
@@ -121,7 +121,7 @@ impl Cut {
     }
 
     /// The rays of `range` on which `above`, linear in u, is positive.
-    fn where_positive(range: [f64; 2], above: impl Fn(f64) -> f64) -> Option<[f64; 2]> {
+    pub fn where_positive(range: [f64; 2], above: impl Fn(f64) -> f64) -> Option<[f64; 2]> {
         let [low, high] = range;
         if high - low <= SAME_RAY {
             return None;
@@ -144,17 +144,6 @@ impl Cut {
     /// The rays on which it is farther than `w`.
     pub fn farther_than(&self, w: f64) -> Option<[f64; 2]> {
         Self::where_positive(self.u, |u| w - self.nearness(u))
-    }
-
-    /// The rays on which it hides `other`: surfaces of one plane hide nothing of each other.
-    fn before(&self, other: &Self, within: [f64; 2]) -> Option<[f64; 2]> {
-        /// What rounding may do to a nearness, as a part of it.
-        const SAME_PLACE: f64 = 1e-10;
-        if self.plane == other.plane {
-            return None;
-        }
-        let range = [self.u[0].max(within[0]), self.u[1].min(within[1])];
-        Self::where_positive(range, |u| self.nearness(u) - other.nearness(u) * (1.0 + SAME_PLACE))
     }
 }
 
@@ -185,82 +174,9 @@ pub(super) fn hide(windows: &mut Windows, cuts: &[Cut], w: f64) {
     }
 }
 
-/// Calls `visit` with each cut and the rays of `windows` on which it is the first that is farther than `w`.
-pub(super) fn first_hits(cuts: &[Cut], windows: &[[f64; 2]], w: f64, mut visit: impl FnMut(&Cut, [f64; 2])) {
-    let beyond = |cut: &Cut| {
-        let [low, high] = cut.farther_than(w)?;
-        let at_both = [low, high].map(|u| (cut.nearness(u), cut.point(u)));
-        Some(Cut { u: [low, high], w: at_both.map(|(w, _)| w), ends: at_both.map(|(_, point)| point), ..*cut })
-    };
-    let targets: Vec<Cut> = cuts.iter().filter_map(beyond).collect();
-    let mut seen = Windows::new();
-    for target in &targets {
-        seen.clear();
-        let clipped = windows.iter().map(|&[low, high]| [low.max(target.u[0]), high.min(target.u[1])]);
-        seen.extend(clipped.filter(|[low, high]| high - low > SAME_RAY));
-        for other in &targets {
-            if seen.is_empty() {
-                break;
-            }
-            if let Some(hidden) = other.before(target, target.u) {
-                take_out(&mut seen, hidden);
-            }
-        }
-        seen.iter().for_each(|&rays| visit(target, rays));
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::sampling;
-
-    /// The distance along a ray to a segment of the xy plane, in lengths of the ray's direction.
-    fn distance(from: DVec3, direction: DVec3, [a, b]: [DVec3; 2]) -> Option<f64> {
-        let cross = |p: DVec3, q: DVec3| p.x * q.y - p.y * q.x;
-        let span = cross(direction, b - a);
-        let (t, s) = (cross(a - from, b - a) / span, cross(a - from, direction) / span);
-        (t > 0.0 && (0.0..=1.0).contains(&s)).then_some(t)
-    }
-
-    /// Segments that do not cross: within parallel strips.
-    fn segments(seed: u64) -> Vec<[DVec3; 2]> {
-        let unit = |k: u64| sampling::unit(sampling::hash(seed, k));
-        let end = |k: u64, strip: u64| DVec3::new(4.0 * unit(k) - 2.0, 0.1 + 0.25 * (strip as f64 + unit(k + 1)), 0.0);
-        (0..12).map(|strip| [end(4 * strip, strip), end(4 * strip + 2, strip)]).collect()
-    }
-
-    #[test]
-    fn rays_hit_first_what_is_nearest_behind_the_segment() {
-        let apex = DVec3::new(0.1, -0.3, 0.0);
-        let [a, b] = [DVec3::new(-0.4, 1.3, 0.0), DVec3::new(0.6, 1.1, 0.0)];
-        let fan = Fan::new(apex, [a - apex, b - apex], DVec3::Z).unwrap();
-        let (mut hits, mut misses) = (0, 0);
-        for seed in 0..200 {
-            let segments = segments(seed);
-            let cuts: Vec<Cut> = (0..).zip(&segments).filter_map(|(k, s)| fan.project(s[0], s[1], SurfaceId(k), k)).collect();
-            let mut found = Vec::new();
-            first_hits(&cuts, &[[0.0, 1.0]], 1.0, |cut, rays| found.push((*cut, rays)));
-            let mut open = vec![[0.0, 1.0]];
-            hide(&mut open, &cuts, 1.0);
-            for k in 0..50 {
-                let u = (f64::from(k) + 0.5) / 50.0;
-                let at = |k: usize| distance(apex, fan.direction(u), segments[k]);
-                let nearest = (0..12).filter_map(|k| Some((at(k).filter(|&t| t > 1.0)?, k))).min_by(|a, b| a.0.total_cmp(&b.0));
-                let hit: Vec<_> = found.iter().filter(|(_, rays)| (rays[0]..rays[1]).contains(&u)).collect();
-                assert!(hit.len() <= 1, "seed {seed}: {hit:?}");
-                assert_eq!(hit.first().map(|(cut, _)| cut.surface.index()), nearest.map(|(_, k)| k), "seed {seed} ray {u}");
-                if let (Some((cut, _)), Some((t, _))) = (hit.first(), nearest) {
-                    assert!(cut.point(u).distance(apex + t * fan.direction(u)) < 1e-9);
-                }
-                let is_hidden = (0..12).filter_map(at).any(|t| t < 1.0);
-                assert_eq!(open.iter().any(|window| (window[0]..window[1]).contains(&u)), !is_hidden);
-                hits += u32::from(nearest.is_some());
-                misses += u32::from(is_hidden);
-            }
-        }
-        assert!(hits > 1000 && misses > 1000, "{hits} {misses}");
-    }
 
     #[test]
     fn windows_are_shared_and_taken_out() {

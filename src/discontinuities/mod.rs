@@ -19,6 +19,7 @@ mod curves;
 mod edges;
 mod effect;
 mod emitters;
+mod envelope;
 mod events;
 mod faces;
 mod fan;
