@@ -12,9 +12,11 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::emitters::Emitter;
 use super::faces::{Faces, Plane};
+use crate::geometry::Aabb;
 use crate::scene::SurfaceId;
 
 /// Curves are bounded in pieces of this part of their distance from the source, which bounds that to as much.
@@ -55,8 +57,43 @@ pub(super) fn bound_change(faces: &Faces<'_>, emitter: &Emitter, receiver: Surfa
     (0..count as usize).map(piece).fold(0.0, f64::max)
 }
 
+/// The receivers that get more from an emitter than they tolerate.
+pub(super) struct Lit {
+    is_lit: Vec<bool>,
+    /// How many.
+    pub count: usize,
+    /// Around them and the emitter: shadows are cast from within.
+    bounds: Aabb,
+}
+
+impl Lit {
+    pub fn by(faces: &Faces<'_>, emitter: &Emitter, tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync)) -> Self {
+        let ids = 0..faces.scene.surfaces().len() as u32;
+        let is_lit: Vec<bool> = ids
+            .clone()
+            .into_par_iter()
+            .map(|id| bound_irradiance(faces, emitter, SurfaceId(id)) > tolerance(SurfaceId(id)))
+            .collect();
+        let lit = ids.map(SurfaceId).filter(|id| is_lit[id.index()]);
+        let all = lit.clone().chain(emitter.pieces.iter().copied());
+        let bounds = all.map(|id| faces.scene.surface(id).polygon.bounds()).fold(Aabb::EMPTY, Aabb::union);
+        let count = lit.count();
+        Self { is_lit, count, bounds }
+    }
+
+    pub fn has(&self, receiver: SurfaceId) -> bool {
+        self.is_lit[receiver.index()]
+    }
+
+    /// Whether what lies between some points may cast a shadow of the emitter on any of them.
+    pub fn may_be_shadowed_by(&self, points: &[DVec3]) -> bool {
+        let own = Aabb::around(points.iter().copied());
+        own.min.cmple(self.bounds.max).all() && own.max.cmpge(self.bounds.min).all()
+    }
+}
+
 /// At most what a receiver gets from an emitter anywhere, in W/m^2.
-pub(super) fn bound_irradiance(faces: &Faces<'_>, emitter: &Emitter, receiver: SurfaceId) -> f64 {
+fn bound_irradiance(faces: &Faces<'_>, emitter: &Emitter, receiver: SurfaceId) -> f64 {
     let facet = faces.facet(receiver);
     let in_front = |plane: &Plane, points: &[DVec3]| points.iter().any(|&point| plane.height(point) > 0.0);
     let plane = Plane { origin: facet.centroid, normal: facet.normal };

@@ -18,7 +18,7 @@ use glam::DVec3;
 use super::corners::{Corner, is_outline};
 use super::curves::{Curve, Found};
 use super::edges::{Edge, Shadow};
-use super::effect::{Passing, bound_change};
+use super::effect::{Lit, Passing, bound_change};
 use super::emitters::{Apex, Emitter, Rim};
 use super::envelope::first_hits;
 use super::faces::{Faces, Plane};
@@ -33,8 +33,8 @@ pub(super) struct Tracer<'a> {
     pub emitter: &'a Emitter,
     /// The number of the emitter.
     pub number: u32,
-    /// Which receivers count.
-    pub is_lit: &'a [bool],
+    /// The receivers that count.
+    pub lit: &'a Lit,
     pub found: &'a mut Found,
     cuts: Vec<Cut>,
 }
@@ -47,13 +47,13 @@ struct Event {
 }
 
 impl<'a> Tracer<'a> {
-    pub fn new(faces: &'a Faces<'a>, emitter: &'a Emitter, number: u32, is_lit: &'a [bool], found: &'a mut Found) -> Self {
-        Self { faces, emitter, number, is_lit, found, cuts: Vec::new() }
+    pub fn new(faces: &'a Faces<'a>, emitter: &'a Emitter, number: u32, lit: &'a Lit, found: &'a mut Found) -> Self {
+        Self { faces, emitter, number, lit, found, cuts: Vec::new() }
     }
 
     /// All events with an edge of the scene.
     pub fn edge(&mut self, edge: &Edge) {
-        let Some(ends) = self.in_front(edge.ends) else { return };
+        let Some(ends) = self.in_front(edge.ends).filter(|ends| self.lit.may_be_shadowed_by(ends)) else { return };
         let emitter = self.emitter;
         let passing = Passing::Edge(ends, ends[0].distance(ends[1]));
 
@@ -96,7 +96,7 @@ impl<'a> Tracer<'a> {
 
     /// All events with a corner of the scene.
     pub fn corner(&mut self, corner: &Corner) {
-        if self.emitter.plane.height(corner.place) <= self.faces.on_plane() {
+        if self.emitter.plane.height(corner.place) <= self.faces.on_plane() || !self.lit.may_be_shadowed_by(&[corner.place]) {
             return;
         }
         let emitter = self.emitter;
@@ -287,11 +287,11 @@ impl<'a> Tracer<'a> {
 
     /// Takes what the rays of `windows` hit first beyond nearness `w` as curves.
     fn collect(&mut self, fan: &Fan, windows: &[[f64; 2]], w: f64, event: Event) {
-        let Self { faces, emitter, number, is_lit, found, cuts } = self;
+        let Self { faces, emitter, number, lit, found, cuts } = self;
         first_hits(cuts, windows, w, |cut, rays| {
             let ends = rays.map(|u| cut.point(u));
             let direction = fan.direction(0.5 * (rays[0] + rays[1]));
-            let Some(receiver) = faces.scene.side_towards(cut.surface, -direction).filter(|id| is_lit[id.index()]) else { return };
+            let Some(receiver) = faces.scene.side_towards(cut.surface, -direction).filter(|&id| lit.has(id)) else { return };
             if found.admit(faces, receiver, ends) {
                 let change = bound_change(faces, emitter, receiver, ends, event.passing);
                 found.curves.push(Curve { receiver, ends, degree: event.degree, emitter: *number, change });

@@ -37,7 +37,7 @@ pub use svg::svg;
 use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
 use curves::{Curve, Found};
-use effect::bound_irradiance;
+use effect::Lit;
 use emitters::Emitter;
 use events::Tracer;
 use faces::Faces;
@@ -85,15 +85,15 @@ pub(crate) fn find(
     found.counters.corners = corners.len() as u64;
     for (number, emitter) in emitters.iter().enumerate() {
         found.counters.source_edges += emitter.rims.len() as u64;
-        let is_lit = lit_by(&faces, emitter, tolerance);
-        found.counters.weak_pairs += is_lit.iter().filter(|&&is_lit| !is_lit).count() as u64;
-        if !is_lit.contains(&true) {
+        let lit = Lit::by(&faces, emitter, tolerance);
+        found.counters.weak_pairs += (count - lit.count) as u64;
+        if lit.count == 0 {
             continue;
         }
         let follow = |body: &dyn Fn(&mut Tracer<'_>)| {
             let mut found = Found::default();
             if !stop() {
-                body(&mut Tracer::new(&faces, emitter, number as u32, &is_lit, &mut found));
+                body(&mut Tracer::new(&faces, emitter, number as u32, &lit, &mut found));
             }
             found
         };
@@ -107,12 +107,6 @@ pub(crate) fn find(
         found.append(follow(&|tracer| tracer.horizon()));
     }
     gather(&faces, found, &emitters, tolerance)
-}
-
-/// The receivers that get more from an emitter than they tolerate.
-fn lit_by(faces: &Faces<'_>, emitter: &Emitter, tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync)) -> Vec<bool> {
-    let ids = 0..faces.scene.surfaces().len() as u32;
-    ids.into_par_iter().map(|id| bound_irradiance(faces, emitter, SurfaceId(id)) > tolerance(SurfaceId(id))).collect()
 }
 
 /// Welds the curves of each receiver.
