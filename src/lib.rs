@@ -12,6 +12,7 @@
 pub mod bounds;
 mod cells;
 pub mod direct;
+pub mod discontinuities;
 mod error;
 pub mod form_factor;
 pub mod geometry;

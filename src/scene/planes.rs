@@ -62,6 +62,12 @@ struct Plane {
 }
 
 impl Scene {
+    /// How closely most places of the scene are known, in metres: what is nearer to each other counts as touching.
+    pub(crate) fn contact_tolerance(&self) -> f64 {
+        let Precision { most, typical } = Precision::new(self);
+        DISTANCE_TOLERANCE * typical.min(most)
+    }
+
     /// Numbers the planes: two surfaces get the same number if and only if they lie in one plane, on either side of it.
     ///
     /// Numbers count from 0 in the order of the surfaces.

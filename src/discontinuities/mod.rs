@@ -1,0 +1,130 @@
+//! Where irradiance on a surface is not smooth: lines, from the scene and from what is said to send light (Lischinski 1994, sections 2.4 and 4.1.2).
+//!
+//! - **D0**, irradiance jumps: where surfaces touch or cross (`contacts`).
+//! - **D1** and **D2**, its first or second derivative jumps: edge-vertex events of sources with convex or other polygons between (`events`).
+//!
+//! All curves of such events are straight, since the events lie in planes. They are exact but for what counts as touching, a millionth of the scene's
+//! size: files round coordinates by as much, so the signs of exact predicates would mean nothing. What is left out stands in `events`.
+//!
+//! **What of it matters.** Each segment has a bound of how much irradiance it can change (`effect`). Of each receiver the least are left out, as
+//! many as together stay below what the receiver tolerates. A source that cannot bring more than that to a receiver at all casts no curve there,
+//! so sources may be all surfaces that shine or reflect (section 6.2.2): those that dominate a receiver remain.
+//!
+//! **Cost.** With `l` source edges and `m` edges there are `O(l m)` wedges; each asks a tree of boxes for what its plane cuts.
+
+mod contacts;
+mod corners;
+mod counters;
+mod curves;
+mod edges;
+mod effect;
+mod emitters;
+mod envelope;
+mod events;
+mod faces;
+mod fan;
+mod points;
+mod segments;
+mod svg;
+mod weld;
+
+use rayon::prelude::*;
+
+pub use counters::Counters;
+pub use segments::{Degree, Discontinuities, Segment, Source};
+pub use svg::svg;
+
+use crate::progress::Stop;
+use crate::scene::{Scene, SurfaceId};
+use curves::{Curve, Found};
+use effect::Lit;
+use emitters::Emitter;
+use events::Tracer;
+use faces::Faces;
+
+/// The discontinuities of the light that emitters send, the sum of their channels: what changes irradiance by less than `tolerance` of the largest
+/// exitance is left out.
+pub fn of_emitters(scene: &Scene, tolerance: f64) -> Discontinuities {
+    let exitance = |id: SurfaceId| scene.material_of(id).exitance.iter().sum::<f64>();
+    let ids = (0..scene.surfaces().len() as u32).map(SurfaceId);
+    let sources: Vec<Source> = ids.map(|surface| Source { surface, radiosity: exitance(surface) }).collect();
+    let most = sources.iter().map(|source| source.radiosity).fold(0.0, f64::max);
+    find(scene, &sources, &|_| tolerance * most, &|| false)
+}
+
+/// The discontinuities of the light of `sources`. Each receiver may be wrong by its `tolerance` in W/m^2 for what is left out on it.
+///
+/// The same for any number of threads. Once `stop` says so, what was found by then is returned.
+pub(crate) fn find(
+    scene: &Scene,
+    sources: &[Source],
+    tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync),
+    stop: Stop<'_>,
+) -> Discontinuities {
+    let faces = Faces::of(scene);
+    let count = scene.surfaces().len();
+    let mut found = Found::default();
+
+    // Contacts.
+    let contacts: Vec<Found> = (0..count as u32)
+        .into_par_iter()
+        .map(|id| {
+            let mut found = Found::default();
+            if !stop() {
+                contacts::find(&faces, SurfaceId(id), &mut found);
+            }
+            found
+        })
+        .collect();
+    contacts.into_iter().for_each(|part| found.append(part));
+
+    // Events of each emitter.
+    let emitters = emitters::emitters(&faces, sources);
+    let (edges, corners) = rayon::join(|| edges::welded(&faces), || corners::welded(&faces));
+    found.counters.edges = edges.len() as u64;
+    found.counters.corners = corners.len() as u64;
+    for (number, emitter) in emitters.iter().enumerate() {
+        found.counters.source_edges += emitter.rims.len() as u64;
+        let lit = Lit::by(&faces, emitter, tolerance);
+        found.counters.weak_pairs += (count - lit.count) as u64;
+        if lit.count == 0 {
+            continue;
+        }
+        let follow = |body: &dyn Fn(&mut Tracer<'_>)| {
+            let mut found = Found::default();
+            if !stop() {
+                body(&mut Tracer::new(&faces, emitter, number as u32, &lit, &mut found));
+            }
+            found
+        };
+        /// Edges or corners that a thread takes at a time.
+        const AT_ONCE: usize = 32;
+        let of_edges = edges.par_chunks(AT_ONCE).map(|some| follow(&|tracer| some.iter().for_each(|edge| tracer.edge(edge))));
+        let of_corners =
+            corners.par_chunks(AT_ONCE).map(|some| follow(&|tracer| some.iter().for_each(|corner| tracer.corner(corner))));
+        let parts: Vec<Found> = of_edges.chain(of_corners).collect();
+        parts.into_iter().for_each(|part| found.append(part));
+        found.append(follow(&|tracer| tracer.horizon()));
+    }
+    gather(&faces, found, &emitters, tolerance)
+}
+
+/// Welds the curves of each receiver.
+fn gather(faces: &Faces<'_>, found: Found, emitters: &[Emitter], tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync)) -> Discontinuities {
+    let Found { curves, mut counters } = found;
+    let mut per_receiver: Vec<Vec<Curve>> = vec![Vec::new(); faces.scene.surfaces().len()];
+    for curve in curves {
+        per_receiver[curve.receiver.index()].push(curve);
+    }
+    let name = |emitter: u32| emitters[emitter as usize].pieces[0];
+    let of = |(id, curves): (usize, Vec<Curve>)| weld::weld(faces, curves, tolerance(SurfaceId(id as u32)), name);
+    let welded: Vec<_> = per_receiver.into_par_iter().enumerate().map(of).collect();
+
+    let (mut segments, mut first) = (Vec::new(), vec![0]);
+    for (own, counted) in welded {
+        segments.extend(own);
+        first.push(segments.len() as u32);
+        counters += counted;
+    }
+    Discontinuities::new(segments, first, counters)
+}
