@@ -38,6 +38,24 @@ impl<'m> BatchSums<'m> {
         self.of(place, number * self.batches / count)
     }
 
+    /// Channels of each sum.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Adds what is known with its variance to the sums of a place in a channel: spread over the batches so that they scatter as that variance
+    /// says.
+    pub fn add(&mut self, place: usize, channel: usize, irradiance: f64, variance: f64) {
+        // Half of the batches get more than the mean, and as many less; of an odd number one gets the mean.
+        let count = self.batches as f64;
+        let pairs = self.batches / 2;
+        let off = if pairs > 0 { (variance * (count - 1.0) / (count * 2.0 * pairs as f64)).sqrt() } else { 0.0 };
+        for batch in 0..self.batches {
+            let sign = if batch >= 2 * pairs { 0.0 } else { 1.0 - 2.0 * (batch % 2) as f64 };
+            self.of(place, batch)[channel] += irradiance / count + sign * off;
+        }
+    }
+
     /// The squares of what cells bring to a place, by channel; `None` where nobody asks.
     pub fn by_cells_sq(&mut self, place: usize) -> Option<&mut [f64]> {
         self.by_cells_sq.get_mut(place * self.channels..(place + 1) * self.channels)
@@ -66,6 +84,18 @@ impl<'m> BatchSums<'m> {
 mod tests {
     use super::*;
     use crate::geometry::sampling;
+
+    #[test]
+    fn what_is_known_with_its_variance_scatters_as_that_says() {
+        for batches in [2, 3, 4, 7, 16] {
+            let mut memory = [0.0; 2 * 2 * 16];
+            let mut sums = BatchSums::new(2, batches, &mut memory, &mut []);
+            sums.add(1, 0, 3.0, 0.25);
+            let (sum, variance) = sums.sum_and_variance(1, 0);
+            assert!((sum - 3.0).abs() < 1e-14 && (variance - 0.25).abs() < 1e-14, "{batches} batches: {sum}, {variance}");
+            assert_eq!((sums.sum_and_variance(1, 1), sums.sum_and_variance(0, 0)), ((0.0, 0.0), (0.0, 0.0)));
+        }
+    }
 
     /// Sums of independent samples scatter as batches say, in turn or in runs.
     #[test]

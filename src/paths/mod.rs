@@ -4,6 +4,7 @@
 //! and `spots` say what is sampled by next-event estimation; `next_event` and `reflector_rays` how, both by draws from a `light_tree`.
 
 mod batch_sums;
+mod direct_sums;
 mod emission;
 mod emitters;
 mod ends;

@@ -9,10 +9,12 @@
 //! cell brings nothing.
 
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 use glam::DVec3;
 
 use super::batch_sums::BatchSums;
+use super::direct_sums::DirectSums;
 use super::emitters::Emitters;
 use super::ends::{Continuation, Ends};
 use super::grid::{CellSize, Grid, Grids, NO_CELL};
@@ -22,6 +24,7 @@ use super::particles::Landing;
 use super::place::{Directions, Place};
 use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
 use super::reflectors::Brightness;
+use crate::direct::{Blockers, DirectLight};
 use crate::geometry::{Frame, sampling, streams};
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
@@ -53,6 +56,7 @@ pub(crate) struct PathScratch {
     continuation_of: Vec<usize>,
     irradiance: Vec<f64>,
     emitter_rays: EmitterRays,
+    direct: DirectSums,
     reflector_rays: ReflectorRays,
 }
 
@@ -74,6 +78,8 @@ pub(crate) struct LightPaths<'a> {
     rays: &'a Rays<'a>,
     emitters: Emitters<'a>,
     reflectors: Reflectors<'a>,
+    /// Found once somebody asks for direct light.
+    blockers: OnceLock<Blockers>,
     /// By surface: it sends nothing that paths could bring.
     is_black: Vec<bool>,
 }
@@ -89,14 +95,16 @@ impl<'a> LightPaths<'a> {
             material.reflectance.iter().all(|&rho| rho == 0.0) && (!material.emits() || emitters.contains(surface))
         };
         let is_black = (0..scene.surfaces().len() as u32).map(|surface| is_black(SurfaceId(surface))).collect();
-        Self { scene, rays, grids, open_parts: OpenParts::new(scene), emitters, reflectors, is_black }
+        let (open_parts, blockers) = (OpenParts::new(scene), OnceLock::new());
+        Self { scene, rays, grids, open_parts, emitters, reflectors, blockers, is_black }
     }
 
     /// Bytes that paths take in a scene with so many cells: grids, open parts with the boxes that tell them, and cells that rays are aimed at.
     pub fn bytes_of(scene: &Scene, cells: usize) -> u64 {
         /// Boxes of a surface while their tree is built, and sources of light with theirs. Measured: 170 bytes.
         const BOXES: usize = 176;
-        let of_surface = size_of::<Option<Grid>>() + OpenParts::BYTES_OF_SURFACE + BOXES + size_of::<bool>();
+        let of_surface =
+            size_of::<Option<Grid>>() + OpenParts::BYTES_OF_SURFACE + BOXES + Blockers::BYTES_OF_SURFACE + size_of::<bool>();
         (scene.surfaces().len() * of_surface + cells * (OpenParts::BYTES_OF_CELL + size_of::<bool>())) as u64
     }
 
@@ -111,6 +119,19 @@ impl<'a> LightPaths<'a> {
         irradiance: &mut BatchSums<'_>,
     ) {
         self.emitters.add_sampled_irradiance(places, together, count, &mut scratch.emitter_rays, irradiance);
+        self.see_reflectors(places, count, scratch);
+    }
+
+    /// Adds the direct irradiance from emitters at each place, and fills `scratch.seen` with what is seen of reflectors, by as many rays as
+    /// [`Self::add_next_event`] takes: emitters are seen exactly where that is worth it.
+    pub fn add_direct(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
+        // To look at all emitters costs less than the rays where there are as many of these.
+        if self.emitters.surfaces.len() > count as usize {
+            return self.add_next_event(places, 1, count, scratch, irradiance);
+        }
+        let blockers = self.blockers.get_or_init(|| Blockers::of(self.scene));
+        let direct = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters.surfaces };
+        scratch.direct.add_irradiance(&direct, places, count, irradiance);
         self.see_reflectors(places, count, scratch);
     }
 

@@ -1,7 +1,7 @@
 //! The final gather: `B(x) = E + rho (direct(x) + mean over paths from x of what they bring)`.
 //!
-//! Next-event estimation brings direct light, and paths all other, by the radiosities of the cells where they end. No link is read,
-//! so the cost of a point is that of its rays, however many surfaces there are.
+//! Direct light comes from emitters that are seen exactly, or by next-event estimation; all other by paths, by the radiosities of the cells where
+//! they end. No link is read, so the cost of a point is that of its rays, however many surfaces there are.
 
 use crate::cells::CellRadiosities;
 use crate::geometry::{sampling, streams};
@@ -39,13 +39,16 @@ impl FinalGather<'_> {
         self.add_sampled_direct(places, rays, scratch, &mut sums);
     }
 
-    /// Adds the direct irradiance from emitters and bright reflectors at each place, by the next-event rays that go with `rays`
+    /// Adds the direct irradiance from emitters and bright reflectors at each place: exactly, or by the next-event rays that go with `rays`
     /// paths.
     pub fn add_sampled_direct(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
         let emitter_rays = emitter_rays(rays);
         let together = (BATCH / emitter_rays as usize).max(1);
         let batches = places.chunks(together).zip(irradiance.chunks(together));
-        batches.for_each(|(places, mut irradiance)| self.add_next_event(places, emitter_rays, scratch, &mut irradiance));
+        batches.for_each(|(places, mut irradiance)| {
+            self.paths.add_direct(places, emitter_rays, scratch, &mut irradiance);
+            self.add_seen(places, scratch, &mut irradiance);
+        });
     }
 
     /// The same by `count` next-event rays.
