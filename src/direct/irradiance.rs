@@ -50,7 +50,7 @@ pub enum Method {
 /// How much work a point may take.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectEffort {
-    /// Rays from a point.
+    /// Rays from a point, about, if all of its light is found by them; 0 counts as one. Exact parts may cost as much time.
     pub rays: u32,
     /// How visible parts are found.
     pub method: Method,
@@ -112,7 +112,7 @@ impl DirectLight<'_> {
         scratch.undecided.restart();
 
         // Emitters with a ray or more of their own; of others, where nothing can stand between.
-        let own = |seen: &Seen| f64::from(effort.rays) * seen.unoccluded / total;
+        let own = |seen: &Seen| f64::from(effort.rays.max(1)) * seen.unoccluded / total;
         seen.retain(|seen| {
             let is_alone = own(seen) >= 1.0 || effort.method == Method::Exact || self.is_clear(receiver, seen.emitter);
             if is_alone {

@@ -1,4 +1,12 @@
-//! Direct light at a point: which part of each emitter it sees, exactly where that costs less than rays would.
+//! Direct light at a point: which part of each emitter it sees, exactly where that is worth it, else by rays.
+//!
+//! A tree of boxes gives the polygons that may stand between a point and a source (`candidates`); their outlines, as seen from the point, are taken out
+//! of the source (`visible_part`, `pieces`); Lambert's sum over the pieces that are left is the form factor. The same rules hold as for rays
+//! (`visibility`). Work that grows beyond its worth ends in rays to what is undecided, with their variance (`irradiance`, `undecided`).
+//!
+//! # Where a point touches something
+//! A polygon that the point touches hides nothing. So in the plane of a wall, at its foot, what is behind it shines through, exactly as for rays:
+//! who wants the light on one side asks a little off the wall.
 
 mod blockers;
 mod candidates;
@@ -32,7 +40,10 @@ pub struct DirectIrradiance {
     pub rays: u64,
 }
 
-/// The irradiance that comes straight from all emitters of a scene at points that lie on surfaces; `seed` picks random numbers.
+/// The irradiance that comes straight from all emitters of a scene at points that lie on the surfaces named with them; `seed` picks random numbers.
+///
+/// Exact parts are good to about 1e-12 for each edge of what stands between, as a part of the exitance. Each point looks at all emitters: where there
+/// are thousands, that alone takes longer than rays to some would.
 pub fn direct_irradiance(
     scene: &Scene,
     visibility: &dyn Visibility,
