@@ -19,6 +19,7 @@ pub mod geometry;
 pub mod hierarchy;
 pub mod inspect;
 pub mod links;
+pub mod mesh;
 pub mod output;
 mod paths;
 pub mod picture;

@@ -6,15 +6,17 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceBounds, PointBounds, RadiosityBounds};
+use crate::mesh::{LitMesh, MeshBuilder, MeshReader};
 use crate::picture::{self, Camera, CameraError, Image};
 use crate::progress::Observer;
-use crate::scene::{Scene, SurfacePoint};
+use crate::scene::{Scene, SurfaceId, SurfacePoint};
 use crate::solve::{
     self, Bounds, InitialImportance, Interest, InterestError, OptionsError, RunOptions, Solution, SolveOptions, SolveReport,
 };
 use crate::sweep::Importance;
 use crate::transmittance::Rays;
-use crate::values::{self, Values};
+use crate::direct::{Blockers, DirectLight};
+use crate::values::{self, FinalGather, IndirectGather, LinkGather, Values};
 use crate::visibility::{self, Backend, Visibility, VisibilityError};
 
 /// Why a stage could not start or finish.
@@ -312,6 +314,49 @@ impl Evaluator {
             bounds.confine(&mut values.radiosity);
         }
         Some((values, bounds))
+    }
+
+    /// Radiosity as a function on all surfaces, wrong by interpolation by about `error` in the local norm. Cancelled by the observer, it returns `None`.
+    pub fn lit_mesh(&self, error: f64, observer: &dyn Observer) -> Option<LitMesh> {
+        let Solution { scene, hierarchy, exposure, radiosity, links, options, .. } = &self.solution;
+        let stop = || observer.cancelled();
+        let rays = Rays::new(&*self.visibility, scene);
+        let paths = self.solution.light_paths(&rays, &stop);
+        let whole = LinkGather::new(scene, hierarchy, links, radiosity, exposure, &rays);
+        let reflected = radiosity.without_exitance(scene, hierarchy, exposure);
+        let indirect = match (&self.solution.cell_radiosities, &paths) {
+            (Some(radiosities), Some(paths)) => IndirectGather::Cells(FinalGather { paths, radiosities, bounces: 0 }),
+            _ => IndirectGather::Links(LinkGather::of_reflected(&whole, &reflected)),
+        };
+        let blockers = Blockers::of(scene);
+        let all = (0..scene.surfaces().len() as u32).map(SurfaceId);
+        let emitters: Vec<SurfaceId> = all.clone().filter(|&surface| scene.material_of(surface).emits()).collect();
+        let direct = DirectLight { scene, rays: &rays, blockers: &blockers, emitters: &emitters };
+        let t = std::env::var("MESH_LINES").ok().and_then(|t| t.parse::<f64>().ok());
+        let discontinuities = match t { Some(t) => crate::discontinuities::of_emitters(scene, t), None => crate::discontinuities::find(scene, &[], &|_| 0.0, &stop) };
+        let budget = crate::values::RayBudget::of_values(self.solution.point_rays, options.seed);
+        let builder = MeshBuilder { scene, indirect: &indirect, direct: &direct, budget, discontinuities: &discontinuities, error, most: 1 << 22, stop: &stop };
+        let reflects = |surface: &SurfaceId| scene.material_of(*surface).reflectance.iter().any(|&rho| rho > 0.0);
+        let surfaces: Vec<SurfaceId> = all.filter(reflects).collect();
+        self.pool.install(|| builder.build(&surfaces))
+    }
+
+    /// The radiosities of a lit mesh at points.
+    pub fn mesh_values(&self, mesh: &LitMesh, points: &[SurfacePoint]) -> Vec<f32> {
+        let Solution { scene, hierarchy, .. } = &self.solution;
+        let reader = MeshReader::new(scene, mesh);
+        let mut out = Vec::new();
+        let mut radiosity = vec![0.0; scene.channels()];
+        for point in points {
+            let (position, normal) = (glam::DVec3::from(point.position), glam::DVec3::from(point.normal));
+            let surface = hierarchy.surface_at(position, normal, 1e-5 * scene.bounds().diagonal());
+            radiosity.fill(0.0);
+            if let Some(surface) = surface && !reader.radiosity_at(position, surface, &mut radiosity) {
+                radiosity.iter_mut().zip(&scene.material_of(surface).exitance).for_each(|(b, e)| *b = *e);
+            }
+            out.extend(radiosity.iter().map(|&b| b as f32));
+        }
+        out
     }
 
     /// A picture of linear radiance. Cancelled by the observer, it returns `None`.

@@ -26,6 +26,10 @@ pub(crate) const CACHE_CONTROLS: u64 = kind(6);
 pub(crate) const EXPOSURE: u64 = kind(7);
 /// Pairs of nodes; add the receiver. Of what that gives, the source picks the stream.
 pub(crate) const PAIRS: u64 = kind(8);
+/// Points in elements of meshes; add the surface. Of what that gives, the round and the triangle pick the stream.
+pub(crate) const MESH_TESTS: u64 = kind(9);
+/// Points at which meshes are judged; add the round.
+pub(crate) const MESH_JUDGED: u64 = kind(10);
 
 // Of the seed of a node's exposure.
 /// Rays from points that seem hidden; add the round.

@@ -53,6 +53,19 @@ impl Radiosity {
         ones
     }
 
+    /// The part that is reflected.
+    pub(crate) fn without_exitance(&self, scene: &Scene, hierarchy: &Hierarchy, exposure: &Exposure) -> Self {
+        let mut reflected = self.clone();
+        for node in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
+            if let Some(surface) = hierarchy.surface_of(node) {
+                let exitance = &scene.material_of(surface).exitance;
+                reflected.of_mut(node).iter_mut().zip(exitance).for_each(|(b, e)| *b = (*b - e).max(0.0));
+            }
+        }
+        reflected.pull(hierarchy, exposure);
+        reflected
+    }
+
     /// How many channels each node has.
     pub fn channels(&self) -> usize {
         self.channels

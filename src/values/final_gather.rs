@@ -51,7 +51,19 @@ impl FinalGather<'_> {
         });
     }
 
-    /// The same by `count` next-event rays.
+    /// Adds the irradiance from bright reflectors at each place, by the next-event rays that go with `rays` paths.
+    pub fn add_sampled_from_reflectors(
+        &self,
+        places: &[Place],
+        rays: u32,
+        scratch: &mut PathScratch,
+        irradiance: &mut BatchSums<'_>,
+    ) {
+        self.paths.see_reflectors(places, emitter_rays(rays), scratch);
+        self.add_seen(places, scratch, irradiance);
+    }
+
+    /// Adds the direct irradiance from emitters and bright reflectors at each place by `count` next-event rays.
     fn add_next_event(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
         self.paths.add_next_event(places, 1, count, scratch, irradiance);
         self.add_seen(places, scratch, irradiance);

@@ -28,9 +28,9 @@ pub(crate) struct Gather<'a> {
 /// Memory that is reused from point to point.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    links: LinkScratch,
-    paths: PathScratch,
-    sums: Vec<f64>,
+    pub(super) links: LinkScratch,
+    pub(super) paths: PathScratch,
+    pub(super) sums: Vec<f64>,
 }
 
 /// Values at places, by place and channel.

@@ -55,6 +55,8 @@ pub(crate) struct LinkGather<'a> {
     variation: Variation,
     exposure: &'a Exposure,
     rays: &'a Rays<'a>,
+    /// Where only reflected light is gathered: the gather of all light, for rays that end close by.
+    whole: Option<&'a LinkGather<'a>>,
 }
 
 /// Memory that a gather reuses from point to point.
@@ -100,7 +102,27 @@ impl<'a> LinkGather<'a> {
         exposure: &'a Exposure,
         rays: &'a Rays<'a>,
     ) -> Self {
-        Self { scene, hierarchy, links, radiosity, variation: Variation::new(hierarchy, radiosity), exposure, rays }
+        Self { scene, hierarchy, links, radiosity, variation: Variation::new(hierarchy, radiosity), exposure, rays, whole: None }
+    }
+
+    /// The same of reflected light alone: `reflected` is [`Radiosity::without_exitance`] of what `whole` gathers.
+    pub fn of_reflected(whole: &'a LinkGather<'a>, reflected: &'a Radiosity) -> Self {
+        let &Self { scene, hierarchy, links, exposure, rays, .. } = whole;
+        Self { whole: Some(whole), ..Self::new(scene, hierarchy, links, reflected, exposure, rays) }
+    }
+
+    /// The irradiance H at a place, by channel, in W/m^2; `scratch` tells then what its error may be.
+    pub fn irradiance_at(&self, place: &Place, budget: RayBudget, scratch: &mut LinkScratch, irradiance: &mut [f64]) {
+        scratch.beyond.get_or_insert_default();
+        let receiver = self.receiver(self.hierarchy.leaf_at(place.surface, place.point), place);
+        self.irradiance(&receiver, budget, scratch, irradiance);
+    }
+
+    /// A place on `leaf` as receiver.
+    fn receiver(&self, leaf: NodeId, place: &Place) -> Receiver<'a> {
+        let surface = self.scene.surface(place.surface);
+        let (normal, reflectance) = (surface.polygon.facet().normal, &self.scene.material_of(place.surface).reflectance);
+        Receiver { point: place.point, normal, plane: surface.plane, reflectance, leaf, seed: place.seed }
     }
 
     /// The radiosity at a place, by channel, in W/m^2; `scratch` tells then what its error may be.
@@ -113,16 +135,7 @@ impl<'a> LinkGather<'a> {
     /// more, if `scratch` has memory for that.
     fn radiosity_of(&self, leaf: NodeId, place: &Place, budget: RayBudget, scratch: &mut LinkScratch, radiosity: &mut [f64]) {
         let material = self.scene.material_of(place.surface);
-        let surface = self.scene.surface(place.surface);
-        let normal = surface.polygon.facet().normal;
-        let receiver = Receiver {
-            point: place.point,
-            normal,
-            plane: surface.plane,
-            reflectance: &material.reflectance,
-            leaf,
-            seed: place.seed,
-        };
+        let receiver = self.receiver(leaf, place);
         self.irradiance(&receiver, budget, scratch, radiosity);
         for (channel, value) in radiosity.iter_mut().enumerate() {
             // Noise may take the irradiance below zero where all is dark.
@@ -173,7 +186,12 @@ impl<'a> LinkGather<'a> {
                     _ if occluded => {}
                     Some(beyond) => {
                         let surface = SurfaceId(self.hierarchy.node(met).surface);
-                        self.radiosity_of(met, &place_at(y, surface, budget.seed), budget.beyond(), beyond, there);
+                        let place = place_at(y, surface, budget.seed);
+                        self.whole.unwrap_or(self).radiosity_of(met, &place, budget.beyond(), beyond, there);
+                        if self.whole.is_some() {
+                            let exitance = &self.scene.material_of(surface).exitance;
+                            there.iter_mut().zip(exitance).for_each(|(b, e)| *b -= e);
+                        }
                     }
                     None => self.leaf_radiosity_at(met, y, there),
                 }

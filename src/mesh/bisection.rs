@@ -1,0 +1,200 @@
+//! Triangles of quadratic elements, refined by bisection of longest edges.
+//!
+//! To bisect a triangle, the path of ever longer edges is followed to an edge that is the longest of both its triangles; these two are halved,
+//! until the triangle itself was (Rivara 1997). No node ever hangs on an edge, and no angle becomes smaller than half of the smallest at
+//! first. Six nodes belong to a triangle, its corners and the middles of its edges, so bisection makes corners of middles: what was found there
+//! stays.
+
+use glam::DVec2;
+
+/// No triangle is there.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A triangle, counter-clockwise.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangle {
+    /// Numbers of nodes.
+    pub corners: [u32; 3],
+    /// The middle of the edge from each corner to the next.
+    pub middles: [u32; 3],
+    /// The triangle beyond that edge.
+    pub neighbours: [u32; 3],
+}
+
+impl Triangle {
+    /// All nodes: corners, then middles.
+    pub fn nodes(&self) -> [u32; 6] {
+        let ([a, b, c], [ab, bc, ca]) = (self.corners, self.middles);
+        [a, b, c, ab, bc, ca]
+    }
+}
+
+/// A node.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    pub at: DVec2,
+    /// Where its value is taken: at borders a little inside, where it is known on which side of an edge or a step that is.
+    pub sampled_at: DVec2,
+}
+
+/// How far inside, as a part of the way to the centroid of the triangle.
+const INSIDE: f64 = 1e-3;
+
+/// Triangles that fit together.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Triangles {
+    pub nodes: Vec<Node>,
+    pub triangles: Vec<Triangle>,
+}
+
+impl Triangles {
+    /// Triangles with these vertices as corners, and neighbours beyond the edges from each. Triangles share nodes where they are joined by
+    /// neighbours.
+    pub fn new(corners: &[[u32; 3]], neighbours: &[[u32; 3]], at: impl Fn(u32) -> DVec2) -> Self {
+        let mut all = Self::default();
+        let unknown = Triangle { corners: [NONE; 3], middles: [NONE; 3], neighbours: [NONE; 3] };
+        all.triangles = neighbours.iter().map(|&neighbours| Triangle { neighbours, ..unknown }).collect();
+        let centroid = |triangle: usize| corners[triangle].iter().map(|&vertex| at(vertex)).sum::<DVec2>() / 3.0;
+        let edge_back = |triangle: usize, from: usize| neighbours[triangle].iter().position(|&other| other as usize == from);
+        for triangle in 0..corners.len() {
+            for corner in 0..3 {
+                // A node at each corner, for all triangles around it.
+                if all.triangles[triangle].corners[corner] == NONE {
+                    let vertex = corners[triangle][corner];
+                    let around = Self::around(corners, neighbours, triangle, vertex);
+                    let is_border = around.iter().any(|&(triangle, corner)| {
+                        neighbours[triangle][corner] == NONE || neighbours[triangle][(corner + 2) % 3] == NONE
+                    });
+                    let inside = around.iter().map(|&(triangle, _)| centroid(triangle)).sum::<DVec2>() / around.len() as f64;
+                    let node = all.add_node(at(vertex), is_border.then_some(inside));
+                    around.iter().for_each(|&(triangle, corner)| all.triangles[triangle].corners[corner] = node);
+                }
+                // A node in the middle of each edge, for both of its triangles.
+                if all.triangles[triangle].middles[corner] == NONE {
+                    let middle = 0.5 * (at(corners[triangle][corner]) + at(corners[triangle][(corner + 1) % 3]));
+                    let beyond = neighbours[triangle][corner];
+                    let node = all.add_node(middle, (beyond == NONE).then(|| centroid(triangle)));
+                    all.triangles[triangle].middles[corner] = node;
+                    if beyond != NONE
+                        && let Some(edge) = edge_back(beyond as usize, triangle)
+                    {
+                        all.triangles[beyond as usize].middles[edge] = node;
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    /// The triangles around a vertex that are joined with `first`, and the number of the corner in each.
+    fn around(corners: &[[u32; 3]], neighbours: &[[u32; 3]], first: usize, vertex: u32) -> Vec<(usize, usize)> {
+        let corner_of = |triangle: usize| corners[triangle].iter().position(|&other| other == vertex);
+        let mut found: Vec<(usize, usize)> = corner_of(first).map(|corner| (first, corner)).into_iter().collect();
+        let mut next = 0;
+        while let Some(&(triangle, corner)) = found.get(next) {
+            for beyond in [neighbours[triangle][corner], neighbours[triangle][(corner + 2) % 3]] {
+                let is_new = beyond != NONE && found.iter().all(|&(known, _)| known != beyond as usize);
+                if is_new && let Some(corner) = corner_of(beyond as usize) {
+                    found.push((beyond as usize, corner));
+                }
+            }
+            next += 1;
+        }
+        found
+    }
+
+    /// Adds a node, sampled a little towards `inside` where it lies at a border.
+    fn add_node(&mut self, at: DVec2, inside: Option<DVec2>) -> u32 {
+        let sampled_at = inside.map_or(at, |inside| at.lerp(inside, INSIDE));
+        self.nodes.push(Node { at, sampled_at });
+        self.nodes.len() as u32 - 1
+    }
+
+    /// The corners of a triangle.
+    pub fn corners(&self, triangle: u32) -> [DVec2; 3] {
+        self.triangles[triangle as usize].corners.map(|node| self.nodes[node as usize].at)
+    }
+
+    /// The area of a triangle in m^2.
+    pub fn area(&self, triangle: u32) -> f64 {
+        let [a, b, c] = self.corners(triangle);
+        0.5 * (b - a).perp_dot(c - a)
+    }
+
+    /// The square of the longest edge of a triangle, in m^2.
+    pub fn longest_sq(&self, triangle: u32) -> f64 {
+        let [a, b, c] = self.corners(triangle);
+        a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a))
+    }
+
+    /// Halves a triangle, and others first where that is needed. Halves take the place of a triangle, and the next number.
+    pub fn bisect(&mut self, triangle: u32) {
+        let mut path = vec![triangle];
+        while let Some(&last) = path.last() {
+            let edge = self.longest_edge(last);
+            let Triangle { middles, neighbours, .. } = self.triangles[last as usize];
+            let beyond = neighbours[edge];
+            if beyond != NONE && self.triangles[beyond as usize].middles[self.longest_edge(beyond)] != middles[edge] {
+                path.push(beyond);
+            } else {
+                self.split(last, edge);
+                path.pop();
+            }
+        }
+    }
+
+    /// The longest edge of a triangle; of two the one whose middle has the lower number, which is the same seen from both sides.
+    fn longest_edge(&self, triangle: u32) -> usize {
+        let (corners, middles) = (self.corners(triangle), self.triangles[triangle as usize].middles);
+        let length_sq = |edge: usize| corners[edge].distance_squared(corners[(edge + 1) % 3]);
+        let longer = |a: usize, b: usize| {
+            let order = length_sq(a).total_cmp(&length_sq(b)).then_with(|| middles[b].cmp(&middles[a]));
+            if order.is_ge() { a } else { b }
+        };
+        longer(longer(0, 1), 2)
+    }
+
+    /// Halves the two triangles at an edge.
+    fn split(&mut self, triangle: u32, edge: usize) {
+        let Triangle { corners, middles, neighbours } = self.triangles[triangle as usize];
+        let beyond = neighbours[edge];
+        let [a, b] = [corners[edge], corners[(edge + 1) % 3]].map(|node| self.nodes[node as usize].at);
+        let middle = self.nodes[middles[edge] as usize].at;
+        let inside = (beyond == NONE).then(|| self.corners(triangle).iter().sum::<DVec2>() / 3.0);
+        let quarters = [a, b].map(|corner| self.add_node(0.5 * (corner + middle), inside));
+        let second = self.halve(triangle, edge, quarters);
+        if beyond == NONE {
+            return;
+        }
+        let Some(back) = self.triangles[beyond as usize].middles.iter().position(|&other| other == middles[edge]) else { return };
+        let opposite = self.halve(beyond, back, [quarters[1], quarters[0]]);
+        for (a, b) in [(triangle, opposite), (beyond, second)] {
+            self.triangles[a as usize].neighbours[0] = b;
+            self.triangles[b as usize].neighbours[0] = a;
+        }
+    }
+
+    /// Halves one triangle at an edge, given the middles of its halves; returns the second half.
+    fn halve(&mut self, triangle: u32, edge: usize, quarters: [u32; 2]) -> u32 {
+        let Triangle { corners, middles, neighbours } = self.triangles[triangle as usize];
+        let turned = |of: [u32; 3]| [of[edge], of[(edge + 1) % 3], of[(edge + 2) % 3]];
+        let ([a, b, c], [ab, bc, ca], [_, beyond_bc, beyond_ca]) = (turned(corners), turned(middles), turned(neighbours));
+        let across = 0.5 * (self.nodes[ab as usize].at + self.nodes[c as usize].at);
+        let across = self.add_node(across, None);
+        let second = self.triangles.len() as u32;
+        self.triangles[triangle as usize] =
+            Triangle { corners: [a, ab, c], middles: [quarters[0], across, ca], neighbours: [NONE, second, beyond_ca] };
+        self.triangles.push(Triangle {
+            corners: [ab, b, c],
+            middles: [quarters[1], bc, across],
+            neighbours: [NONE, beyond_bc, triangle],
+        });
+        if beyond_bc != NONE {
+            let beyond = &mut self.triangles[beyond_bc as usize];
+            if let Some(back) = beyond.middles.iter().position(|&other| other == bc) {
+                beyond.neighbours[back] = second;
+            }
+        }
+        second
+    }
+}

@@ -1,0 +1,102 @@
+//! The local pass: first meshes of indirect light, then of all light, along what its discontinuities are (Lischinski 1994, chapter 4).
+
+use rayon::prelude::*;
+
+use super::grow::Grower;
+use super::growing::Growing;
+use super::judged::Judged;
+use super::lit_mesh::LitMesh;
+use super::light::{All, Direct, Indirect, Light};
+use super::plane::Plane;
+use super::surface_mesh::SurfaceMesh;
+use super::triangulation::{Line, triangulate};
+use crate::direct::DirectLight;
+use crate::discontinuities::{Degree, Discontinuities};
+use crate::progress::Stop;
+use crate::scene::{Scene, SurfaceId};
+use crate::values::{IndirectGather, RayBudget};
+
+/// Triangles are at first no larger than this part of all area that is meshed.
+const FIRST_PART: f64 = 1.0 / 500.0;
+
+/// The parts of the squared error of interpolation that indirect light and all light may have.
+const INDIRECT_PART: f64 = 0.5;
+
+/// Points at which a function is judged; of all light, at more where the error is to be small.
+const JUDGED: usize = 2000;
+
+/// So many tests fall on an area that makes up all of the squared error that is allowed, if the function is off there by as much as the light.
+const TESTS: f64 = 4.0;
+
+/// What a mesh is made from.
+pub(crate) struct MeshBuilder<'a> {
+    pub scene: &'a Scene,
+    pub indirect: &'a IndirectGather<'a>,
+    pub direct: &'a DirectLight<'a>,
+    pub budget: RayBudget,
+    pub discontinuities: &'a Discontinuities,
+    /// The largest error of interpolation, in the local norm.
+    pub error: f64,
+    /// Elements at most.
+    pub most: usize,
+    pub stop: Stop<'a>,
+}
+
+impl MeshBuilder<'_> {
+    /// Makes the elements of these surfaces; `None` if stopped.
+    pub fn build(&self, surfaces: &[SurfaceId]) -> Option<LitMesh> {
+        let area: f64 = surfaces.iter().map(|&surface| self.scene.surface(surface).polygon.area()).sum();
+        let direct = Direct { scene: self.scene, light: self.direct };
+
+        // Indirect light, which has steps only where surfaces touch.
+        let mut growing = self.begin(surfaces, area, &|degree| degree == Degree::D0);
+        let roots: f64 = growing.iter().map(|of| of.triangles.nodes.len() as f64 * of.size().sqrt()).sum();
+        let light = Indirect { direct: &direct, gather: self.indirect, budget: self.budget, size: (area / roots).powi(2) };
+        let of_indirect = self.grower(&light, INDIRECT_PART, area).grow(&mut growing)?;
+        let indirect = self.finish(growing);
+
+        // All light.
+        let mut growing = self.begin(surfaces, area, &|_| true);
+        let light = All::new(&direct, &indirect);
+        let part = 1.0 - INDIRECT_PART;
+        let test_area = area * part * self.error.powi(2) / TESTS;
+        let tests = (area / test_area).ceil() as usize;
+        let grower = Grower { judged_at: JUDGED.max(tests), ..self.grower(&light, part, test_area) };
+        let of_all = grower.grow(&mut growing)?;
+        let Judged { measured, claimed } = of_indirect.with(of_all);
+        Some(LitMesh { surfaces: self.finish(growing), measured, claimed })
+    }
+
+    fn grower<'b>(&'b self, light: &'b dyn Light, part: f64, test_area: f64) -> Grower<'b> {
+        let Self { budget, error, most, stop, .. } = *self;
+        let (channels, seed, error) = (self.scene.channels(), budget.seed, error * part.sqrt());
+        Grower { light, channels, seed, error, test_area, judged_at: JUDGED, most, stop }
+    }
+
+    /// The first elements, along discontinuities of some degrees.
+    fn begin(&self, surfaces: &[SurfaceId], area: f64, takes: &(dyn Fn(Degree) -> bool + Sync)) -> Vec<Growing> {
+        let begin = |&surface: &SurfaceId| {
+            let plane = Plane::of(self.scene, surface);
+            let facet = self.scene.surface(surface).polygon.facet();
+            let corners: Vec<_> = facet.vertices.iter().map(|&corner| plane.to_plane(corner)).collect();
+            let segments = self.discontinuities.of(surface).iter().filter(|segment| takes(segment.degree));
+            let line = |segment: &crate::discontinuities::Segment| Line {
+                ends: segment.ends.map(|end| plane.to_plane(end)),
+                is_step: segment.degree == Degree::D0,
+            };
+            let lines: Vec<Line> = segments.map(line).collect();
+            Growing::new(surface, plane, triangulate(&corners, &lines, FIRST_PART * area))
+        };
+        surfaces.par_iter().map(begin).collect()
+    }
+
+    /// The functions, by surface.
+    fn finish(&self, growing: Vec<Growing>) -> Vec<Option<SurfaceMesh>> {
+        let mut meshes: Vec<Option<SurfaceMesh>> = self.scene.surfaces().iter().map(|_| None).collect();
+        for of in growing {
+            let index = of.surface.index();
+            meshes[index] = Some(of.into_mesh());
+        }
+        meshes
+    }
+}

@@ -1,0 +1,54 @@
+//! The quadratic element of six nodes: corners, then the middles of the edges from each corner to the next.
+
+use glam::DVec2;
+
+/// Barycentric coordinates of a point; a negative one says beyond which edge it lies.
+pub(super) fn barycentric([a, b, c]: [DVec2; 3], at: DVec2) -> [f64; 3] {
+    let twice_area = (b - a).perp_dot(c - a);
+    let of_b = (at - a).perp_dot(c - a) / twice_area;
+    let of_c = (b - a).perp_dot(at - a) / twice_area;
+    [1.0 - of_b - of_c, of_b, of_c]
+}
+
+/// The weights of the six nodes at barycentric coordinates.
+pub(super) fn weights([a, b, c]: [f64; 3]) -> [f64; 6] {
+    let corner = |l: f64| l * (2.0 * l - 1.0);
+    [corner(a), corner(b), corner(c), 4.0 * a * b, 4.0 * b * c, 4.0 * c * a]
+}
+
+/// Barycentric coordinates uniform over the triangle, for `u` and `v` uniform in [0, 1).
+pub(super) fn sampled_barycentric(u: f64, v: f64) -> [f64; 3] {
+    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+    [1.0 - u - v, u, v]
+}
+
+/// The point with barycentric coordinates.
+pub(super) fn point_at([a, b, c]: [DVec2; 3], [of_a, of_b, of_c]: [f64; 3]) -> DVec2 {
+    of_a * a + of_b * b + of_c * c
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [DVec2; 3] = [DVec2::new(1.0, 0.5), DVec2::new(4.0, 1.0), DVec2::new(2.0, 3.0)];
+
+    #[test]
+    fn quadratic_functions_are_exact() {
+        let [a, b, c] = CORNERS;
+        let nodes = [a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
+        let function = |at: DVec2| 3.0 - at.x + 2.0 * at.y + at.x * at.x - 0.7 * at.x * at.y + 0.2 * at.y * at.y;
+        for number in 0..100_u32 {
+            let [u, v] = [number % 10, number / 10].map(|k| f64::from(k) / 10.0);
+            let at = point_at(CORNERS, sampled_barycentric(u, v));
+            let interpolated: f64 = weights(barycentric(CORNERS, at)).iter().zip(nodes).map(|(w, node)| w * function(node)).sum();
+            assert!((interpolated - function(at)).abs() < 1e-12, "{at}");
+        }
+    }
+
+    #[test]
+    fn points_outside_have_a_negative_coordinate() {
+        assert!(barycentric(CORNERS, DVec2::new(1.0, 3.0)).iter().any(|&l| l < 0.0));
+        assert!(barycentric(CORNERS, CORNERS.iter().sum::<DVec2>() / 3.0).iter().all(|&l| (l - 1.0 / 3.0).abs() < 1e-12));
+    }
+}

@@ -1,0 +1,223 @@
+//! Elements that are refined until the function on them is as good as asked for.
+//!
+//! In each element the function is held against the light at random points. What differs beyond noise, squared, and weighted by area and the
+//! norm, tells which elements make up most of the error; they are bisected, round by round, until little is left.
+//!
+//! That says too little: an element is left alone because nothing was found in it. So the function is then judged at points that are spread anew
+//! over all area, independent of all that it was made by, and what they find is refined in turn.
+
+use rayon::prelude::*;
+
+use super::bisection::Node;
+use super::element;
+use super::growing::{Growing, Test};
+use super::judged::{Judged, Norm};
+use super::light::{Light, LightScratch};
+use crate::geometry::{sampling, streams};
+use crate::paths::{Place, place_at};
+use crate::progress::Stop;
+
+/// Elements with so much of the squared error are bisected in a round, twice each: into four.
+const BISECTED: f64 = 0.8;
+
+/// Rounds at most.
+const ROUNDS: u32 = 32;
+
+/// Places that a thread takes together.
+const BATCH: usize = 64;
+
+/// What elements are grown by.
+pub(super) struct Grower<'a> {
+    pub light: &'a dyn Light,
+    pub channels: usize,
+    pub seed: u64,
+    /// The largest error that may be claimed, in the local norm.
+    pub error: f64,
+    /// A test in each element stands for so many m^2 at most.
+    pub test_area: f64,
+    /// Points at which the function is judged.
+    pub judged_at: usize,
+    /// Elements at most.
+    pub most: usize,
+    pub stop: Stop<'a>,
+}
+
+/// A place where light is wanted, and the area in m^2 that it stands for.
+struct Wanted {
+    place: Place,
+    size: f64,
+}
+
+/// A point in an element.
+struct Spot {
+    /// The number of the surface among those that grow.
+    index: usize,
+    triangle: u32,
+    at: [f64; 3],
+}
+
+impl Grower<'_> {
+    /// Refines the elements of all surfaces together; `None` if stopped.
+    pub fn grow(&self, all: &mut [Growing]) -> Option<Judged> {
+        let mut judged = None;
+        for round in 0..ROUNDS {
+            self.take_nodes(all);
+            self.test_changed(all, round);
+            if (self.stop)() {
+                return None;
+            }
+            let Some(norm) = Norm::of(all) else { return Some(Judged::DARK) };
+            let (mut worst, mut left) = self.worst(all, &norm);
+            judged = None;
+            if left <= self.error.powi(2) {
+                let found = self.judge(all, round, &norm)?;
+                judged = Some(found);
+                if found.claimed <= self.error {
+                    break;
+                }
+                (worst, left) = self.worst(all, &norm);
+            }
+            let elements: usize = all.iter().map(|of| of.triangles.triangles.len()).sum();
+            if left == 0.0 || elements >= self.most || round + 1 == ROUNDS {
+                break;
+            }
+            all.par_iter_mut().zip(worst).for_each(|(of, worst)| of.refine(&worst));
+        }
+        match judged {
+            Some(judged) => Some(judged),
+            None => self.judge(all, ROUNDS, &Norm::of(all)?),
+        }
+    }
+
+    /// Takes the light at new nodes.
+    fn take_nodes(&self, all: &mut [Growing]) {
+        let mut wanted = Vec::new();
+        for of in &mut *all {
+            let (first, size) = (of.found.len() / self.channels, of.size());
+            let place = |node: &Node| place_at(of.plane.to_space(node.sampled_at), of.surface, self.seed);
+            wanted.extend(of.triangles.nodes[first..].iter().map(|node| Wanted { place: place(node), size }));
+        }
+        let taken = self.take(&wanted, |light, _, _, found| {
+            light.iter().for_each(|&number| found.push(number.map(|number| number as f32)));
+        });
+        let mut left = &*taken;
+        for of in all {
+            let (own, others) = left.split_at(of.triangles.nodes.len() * self.channels - of.found.len());
+            of.found.extend_from_slice(own);
+            left = others;
+        }
+    }
+
+    /// Tests elements that have changed.
+    fn test_changed(&self, all: &mut [Growing], round: u32) {
+        let mut spots = Vec::new();
+        for (index, of) in all.iter_mut().enumerate() {
+            of.is_tested.resize(of.triangles.triangles.len(), false);
+            let seed = sampling::hash(self.seed, streams::MESH_TESTS + of.surface.index() as u64);
+            for triangle in (0..of.is_tested.len()).filter(|&triangle| !of.is_tested[triangle]) {
+                let count = (of.triangles.area(triangle as u32) / self.test_area).ceil().max(1.0);
+                let draw = sampling::hash(sampling::hash(seed, u64::from(round)), triangle as u64);
+                spots.extend((0..count as u64).map(|number| Spot::new(index, triangle as u32, sampling::hash(draw, number))));
+            }
+            of.is_tested.fill(true);
+        }
+        let tests = self.tests(all, &spots);
+        tests.into_iter().zip(&spots).for_each(|(test, spot)| all[spot.index].tests.push(test));
+    }
+
+    /// Holds the function against the light at points spread over all area, one in each of as many strata; the elements keep these tests.
+    fn judge(&self, all: &mut [Growing], round: u32, norm: &Norm) -> Option<Judged> {
+        let area: f64 = all.iter().map(Growing::area).sum();
+        let seed = sampling::hash(self.seed, streams::MESH_JUDGED + u64::from(round));
+        let wanted = |number: usize| (number as f64 + sampling::unit(sampling::hash(seed, number as u64))) / self.judged_at as f64;
+        let (mut spots, mut above) = (Vec::with_capacity(self.judged_at), 0.0);
+        for (index, of) in all.iter().enumerate() {
+            for triangle in 0..of.triangles.triangles.len() as u32 {
+                above += of.triangles.area(triangle);
+                while spots.len() < self.judged_at && wanted(spots.len()) * area < above {
+                    spots.push(Spot::new(index, triangle, sampling::hash(!seed, spots.len() as u64)));
+                }
+            }
+        }
+        let tests = self.tests(all, &spots);
+        let judged = Judged::by(&tests, area, norm);
+        tests.into_iter().zip(&spots).for_each(|(test, spot)| all[spot.index].tests.push(test));
+        (!(self.stop)()).then_some(judged)
+    }
+
+    /// Tests the function at some points.
+    fn tests(&self, all: &[Growing], spots: &[Spot]) -> Vec<Test> {
+        let sizes: Vec<f64> = all.iter().map(Growing::size).collect();
+        let wanted = |spot: &Spot| {
+            let of = &all[spot.index];
+            let point = element::point_at(of.triangles.corners(spot.triangle), spot.at);
+            Wanted { place: place_at(of.plane.to_space(point), of.surface, self.seed), size: sizes[spot.index] }
+        };
+        let wanted: Vec<Wanted> = spots.iter().map(wanted).collect();
+        self.take(&wanted, |light, number, scratch, tests| {
+            let Spot { index, triangle, at } = spots[number];
+            let light_sq = self.light.all_sq(&wanted[number].place, scratch, light);
+            tests.push(all[index].test(triangle, at, light, light_sq));
+        })
+    }
+
+    /// Takes the light at places, in parallel; `make` turns what is found at each, by channel, into results, which are returned in the order of the
+    /// places.
+    fn take<R: Send>(
+        &self,
+        wanted: &[Wanted],
+        make: impl Fn(&[[f64; 2]], usize, &mut LightScratch, &mut Vec<R>) + Sync,
+    ) -> Vec<R> {
+        let batches = wanted.par_chunks(BATCH).enumerate().map_init(LightScratch::default, |scratch, (batch, wanted)| {
+            let (mut results, mut light) = (Vec::new(), vec![[0.0; 2]; self.channels]);
+            for (number, Wanted { place, size }) in wanted.iter().enumerate() {
+                if !(self.stop)() {
+                    self.light.take(place, *size, scratch, &mut light);
+                }
+                make(&light, batch * BATCH + number, scratch, &mut results);
+            }
+            results
+        });
+        batches.collect::<Vec<_>>().into_iter().flatten().collect()
+    }
+
+    /// By surface, the triangles that make up most of the squared error beyond noise; and how large that is in all.
+    fn worst(&self, all: &[Growing], norm: &Norm) -> (Vec<Vec<u32>>, f64) {
+        let mut parts: Vec<(f64, usize, u32)> = Vec::new();
+        for (number, of) in all.iter().enumerate() {
+            let mut sums = vec![[0.0; 2]; of.is_tested.len()];
+            for test in &of.tests {
+                let [sum, count] = &mut sums[test.triangle as usize];
+                *sum += test.significant_sq() * norm.weight(test.light_sq);
+                *count += 1.0;
+            }
+            let part = |(triangle, [sum, count]): (usize, [f64; 2])| {
+                let triangle = triangle as u32;
+                (sum > 0.0).then(|| (of.triangles.area(triangle) * sum / count, number, triangle))
+            };
+            parts.extend(sums.into_iter().enumerate().filter_map(part));
+        }
+        parts.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+
+        // The largest parts first.
+        let total: f64 = parts.iter().map(|part| part.0).sum();
+        let wanted = BISECTED * total;
+        let (mut worst, mut found) = (vec![Vec::new(); all.len()], 0.0);
+        for (part, number, triangle) in parts {
+            if found >= wanted {
+                break;
+            }
+            found += part;
+            worst[number].push(triangle);
+        }
+        (worst, total)
+    }
+}
+
+impl Spot {
+    /// A random point of a triangle.
+    fn new(index: usize, triangle: u32, draw: u64) -> Self {
+        let at = element::sampled_barycentric(sampling::unit(draw), sampling::unit(sampling::hash(draw, streams::SECOND)));
+        Self { index, triangle, at }
+    }
+}

@@ -1,0 +1,104 @@
+//! A surface and its elements while they are refined.
+
+use super::bisection::Triangles;
+use super::element;
+use super::plane::Plane;
+use super::surface_mesh::SurfaceMesh;
+use crate::scene::SurfaceId;
+
+/// A surface and its elements.
+pub(super) struct Growing {
+    pub surface: SurfaceId,
+    pub plane: Plane,
+    pub triangles: Triangles,
+    /// By node and channel: reflected radiosity in W/m^2, and its variance.
+    pub found: Vec<[f32; 2]>,
+    pub tests: Vec<Test>,
+    /// By triangle: whether it has tests. Those made last may lie beyond the end.
+    pub is_tested: Vec<bool>,
+}
+
+/// What a random point in a triangle tells.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Test {
+    pub triangle: u32,
+    /// The squared difference of the function and the light there, channels added, in W^2/m^4.
+    pub difference_sq: f64,
+    /// What of it is to be expected from the noise of the light at the point, and from that at the nodes.
+    pub point_noise_sq: f64,
+    pub node_noise_sq: f64,
+    /// The squared light.
+    pub light_sq: f64,
+}
+
+/// A difference is one of the function if its square is so many times its variance.
+const SIGNIFICANT: f64 = 4.0;
+
+impl Test {
+    /// The squared difference that is more than noise.
+    pub fn significant_sq(&self) -> f64 {
+        let noise_sq = self.point_noise_sq + self.node_noise_sq;
+        if self.difference_sq > SIGNIFICANT * noise_sq { self.difference_sq - noise_sq } else { 0.0 }
+    }
+
+    /// The squared error of the function, without bias: it may be negative.
+    pub fn error_sq(&self) -> f64 {
+        self.difference_sq - self.point_noise_sq
+    }
+}
+
+impl Growing {
+    pub fn new(surface: SurfaceId, plane: Plane, triangles: Triangles) -> Self {
+        Self { surface, plane, triangles, found: Vec::new(), tests: Vec::new(), is_tested: Vec::new() }
+    }
+
+    /// The function as it stands.
+    pub fn into_mesh(self) -> SurfaceMesh {
+        SurfaceMesh::new(&self.triangles, self.found.into_iter().map(|[value, _]| value).collect())
+    }
+
+    /// The area of all elements, in m^2.
+    pub fn area(&self) -> f64 {
+        (0..self.triangles.triangles.len() as u32).map(|triangle| self.triangles.area(triangle)).sum()
+    }
+
+    /// The area that a node stands for, in m^2.
+    pub fn size(&self) -> f64 {
+        self.area() / self.triangles.nodes.len() as f64
+    }
+
+    /// Holds the function against the light, by channel with its variance, at a point of a triangle; `light_sq` is all light there, squared.
+    pub fn test(&self, triangle: u32, at: [f64; 3], light: &[[f64; 2]], light_sq: f64) -> Test {
+        let (weights, channels) = (element::weights(at), light.len());
+        let mut test = Test { triangle, difference_sq: 0.0, point_noise_sq: 0.0, node_noise_sq: 0.0, light_sq };
+        for (channel, &[value, variance]) in light.iter().enumerate() {
+            let (mut function, mut noise) = (0.0, 0.0);
+            for (&node, weight) in self.triangles.triangles[triangle as usize].nodes().iter().zip(weights) {
+                let [value, variance] = self.found[node as usize * channels + channel].map(f64::from);
+                function += weight * value;
+                noise += weight * weight * variance;
+            }
+            test.difference_sq += (function.max(0.0) - value).powi(2);
+            test.point_noise_sq += variance;
+            test.node_noise_sq += noise;
+        }
+        test
+    }
+
+    /// Bisects triangles twice, and forgets the tests of all that changed.
+    pub fn refine(&mut self, worst: &[u32]) {
+        let before: Vec<[u32; 3]> = self.triangles.triangles.iter().map(|triangle| triangle.middles).collect();
+        for &triangle in worst {
+            // Others may have bisected it.
+            if self.triangles.triangles[triangle as usize].middles == before[triangle as usize] {
+                self.triangles.bisect(triangle);
+                let second = self.triangles.triangles[triangle as usize].neighbours[1];
+                [triangle, second].into_iter().for_each(|half| self.triangles.bisect(half));
+            }
+        }
+        for (number, before) in before.iter().enumerate() {
+            self.is_tested[number] &= self.triangles.triangles[number].middles == *before;
+        }
+        self.tests.retain(|test| self.is_tested[test.triangle as usize]);
+    }
+}

@@ -1,0 +1,66 @@
+//! How wrong a function on the surfaces is, in the local norm.
+
+use super::growing::{Growing, Test};
+use crate::error::claim;
+
+/// The local norm over the surfaces of a mesh: errors relative to the light at each place, or to typical light where it is darker.
+pub(super) struct Norm {
+    /// Where there is light, in m^2.
+    lit: f64,
+    /// The median of the squared light over that.
+    typical_sq: f64,
+}
+
+/// An error with its upper confidence limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Judged {
+    pub measured: f64,
+    pub claimed: f64,
+}
+
+impl Norm {
+    /// By the light that tests found; `None` where all is dark.
+    pub fn of(all: &[Growing]) -> Option<Self> {
+        // Tests share the area of their triangle.
+        let mut lit: Vec<(f64, f64)> = Vec::new();
+        for of in all {
+            let mut counts = vec![0_u32; of.triangles.triangles.len()];
+            of.tests.iter().for_each(|test| counts[test.triangle as usize] += 1);
+            let area = |test: &Test| of.triangles.area(test.triangle) / f64::from(counts[test.triangle as usize]);
+            lit.extend(of.tests.iter().filter(|test| test.light_sq > 0.0).map(|test| (test.light_sq, area(test))));
+        }
+        lit.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let area = lit.iter().map(|(_, area)| area).sum();
+        let mut below = 0.0;
+        let is_median = |of: &&(f64, f64)| {
+            below += of.1;
+            below >= 0.5 * area
+        };
+        lit.iter().find(is_median).map(|&(typical_sq, _)| Self { lit: area, typical_sq })
+    }
+
+    /// What a squared error counts by m^2, where so much light is.
+    pub fn weight(&self, light_sq: f64) -> f64 {
+        1.0 / (self.lit * light_sq.max(self.typical_sq))
+    }
+}
+
+impl Judged {
+    /// Where there is no light nothing is wrong.
+    pub const DARK: Self = Self { measured: 0.0, claimed: 0.0 };
+
+    /// By tests that each stand for as much of an area.
+    pub fn by(tests: &[Test], area: f64, norm: &Norm) -> Self {
+        let count = tests.len() as f64;
+        let parts = || tests.iter().map(|test| area / count * norm.weight(test.light_sq) * test.error_sq());
+        let sum: f64 = parts().sum();
+        let scatter: f64 = parts().map(|part| (part - sum / count).powi(2)).sum();
+        let deviation = (scatter * count / (count - 1.0).max(1.0)).sqrt();
+        Self { measured: sum.max(0.0).sqrt(), claimed: claim(sum, deviation) }
+    }
+
+    /// Of two errors that have nothing to do with each other.
+    pub fn with(self, other: Self) -> Self {
+        Self { measured: self.measured.hypot(other.measured), claimed: self.claimed.hypot(other.claimed) }
+    }
+}

@@ -1,0 +1,125 @@
+//! What meshes hold: first indirect light alone, which is smooth and dear, then all light.
+
+use super::locate::Locator;
+use super::plane::Plane;
+use super::surface_mesh::SurfaceMesh;
+use crate::direct::{DirectEffort, DirectLight, DirectScratch, Method, Receiver};
+use crate::paths::Place;
+use crate::scene::{Scene, SurfaceId};
+use crate::values::{IndirectGather, RayBudget, Scratch};
+
+/// Rays by which direct light is found where that is cheaper than to find it exactly: noise that is hardly seen.
+const DIRECT_RAYS: u32 = 256;
+
+/// Memory that is reused from point to point.
+#[derive(Default)]
+pub(super) struct LightScratch {
+    gather: Scratch,
+    direct: DirectScratch,
+    numbers: Vec<f64>,
+    found: Vec<[f64; 2]>,
+}
+
+/// Some of the light that surfaces reflect.
+pub(super) trait Light: Sync {
+    /// The reflected radiosity at a place and its variance, by channel; `size` is about how large an area it stands for, in m^2.
+    fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]);
+
+    /// All reflected light where `found` was found, squared, channels added.
+    fn all_sq(&self, place: &Place, scratch: &mut LightScratch, found: &[[f64; 2]]) -> f64;
+}
+
+/// Direct light.
+pub(super) struct Direct<'a> {
+    pub scene: &'a Scene,
+    pub light: &'a DirectLight<'a>,
+}
+
+/// Indirect light.
+pub(super) struct Indirect<'a> {
+    pub direct: &'a Direct<'a>,
+    pub gather: &'a IndirectGather<'a>,
+    /// The rays of a point that stands for `size` m^2.
+    pub budget: RayBudget,
+    pub size: f64,
+}
+
+/// Direct light, and indirect light by its meshes.
+pub(super) struct All<'a> {
+    pub direct: &'a Direct<'a>,
+    /// By surface.
+    pub indirect: Vec<Option<(&'a SurfaceMesh, Plane, Locator)>>,
+}
+
+impl Direct<'_> {
+    /// Adds the direct light that is reflected at a place, and its variance.
+    fn add(&self, place: &Place, scratch: &mut DirectScratch, numbers: &mut Vec<f64>, found: &mut [[f64; 2]]) {
+        numbers.clear();
+        numbers.resize(2 * found.len(), 0.0);
+        let (irradiance, variance) = numbers.split_at_mut(found.len());
+        let effort = DirectEffort { rays: DIRECT_RAYS, method: Method::Cheaper };
+        let receiver = Receiver { point: place.point, surface: place.surface, seed: place.seed };
+        self.light.add_irradiance(&receiver, effort, scratch, irradiance, variance);
+        let reflectance = &self.scene.material_of(place.surface).reflectance;
+        for (channel, [value, noise]) in found.iter_mut().enumerate() {
+            let rho = reflectance[channel];
+            *value += rho * irradiance[channel];
+            *noise += rho * rho * variance[channel];
+        }
+    }
+}
+
+/// A point takes at least so many rays, and at most so many times those of its budget.
+const LEAST_RAYS: f64 = 8.0;
+const MOST_RAYS: f64 = 16.0;
+
+impl Light for Indirect<'_> {
+    fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) {
+        // The variance over all area is least for all rays if these go with the root of the area.
+        let rays = f64::from(self.budget.rays) * (size / self.size).sqrt().min(MOST_RAYS);
+        let rays = rays.max(LEAST_RAYS).ceil() as u32;
+        self.gather.sampled_irradiance(place, RayBudget { rays, ..self.budget }, &mut scratch.gather, found);
+        let reflectance = &self.direct.scene.material_of(place.surface).reflectance;
+        found.iter_mut().zip(reflectance).for_each(|([value, variance], rho)| {
+            *value *= rho;
+            *variance *= rho * rho;
+        });
+    }
+
+    fn all_sq(&self, place: &Place, scratch: &mut LightScratch, found: &[[f64; 2]]) -> f64 {
+        let LightScratch { direct, numbers, found: all, .. } = scratch;
+        all.clear();
+        all.extend_from_slice(found);
+        self.direct.add(place, direct, numbers, all);
+        all.iter().map(|[value, _]| value * value).sum()
+    }
+}
+
+impl<'a> All<'a> {
+    pub fn new(direct: &'a Direct<'a>, indirect: &'a [Option<SurfaceMesh>]) -> Self {
+        let reader = |(number, mesh): (usize, &'a Option<SurfaceMesh>)| {
+            let mesh = mesh.as_ref()?;
+            Some((mesh, Plane::of(direct.scene, SurfaceId(number as u32)), Locator::new(mesh)))
+        };
+        Self { direct, indirect: indirect.iter().enumerate().map(reader).collect() }
+    }
+}
+
+impl Light for All<'_> {
+    fn take(&self, place: &Place, _size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) {
+        found.fill([0.0; 2]);
+        if let Some((mesh, plane, locator)) = &self.indirect[place.surface.index()]
+            && let Some((triangle, at)) = locator.find(mesh, plane.to_plane(place.point))
+        {
+            scratch.numbers.clear();
+            scratch.numbers.resize(found.len(), 0.0);
+            mesh.reflected_at(triangle, at, &mut scratch.numbers);
+            found.iter_mut().zip(&scratch.numbers).for_each(|(found, &value)| found[0] = value);
+        }
+        self.direct.add(place, &mut scratch.direct, &mut scratch.numbers, found);
+    }
+
+    fn all_sq(&self, _place: &Place, _scratch: &mut LightScratch, found: &[[f64; 2]]) -> f64 {
+        found.iter().map(|[value, _]| value * value).sum()
+    }
+}

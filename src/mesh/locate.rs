@@ -1,0 +1,84 @@
+//! In which triangle of a surface a point lies: a grid of cells, each with the triangles that reach into it.
+
+use glam::DVec2;
+
+use super::element::barycentric;
+use super::surface_mesh::SurfaceMesh;
+
+/// Cells for each triangle.
+const CELLS: f64 = 1.0;
+
+/// Finds triangles by points.
+pub(super) struct Locator {
+    origin: DVec2,
+    /// Cells per metre, and how many there are.
+    scale: DVec2,
+    size: [usize; 2],
+    /// By cell, where its triangles begin; and one more.
+    starts: Vec<u32>,
+    triangles: Vec<u32>,
+}
+
+impl Locator {
+    pub fn new(mesh: &SurfaceMesh) -> Self {
+        // The grid: about square cells over the box of all nodes.
+        let (min, max) = mesh.nodes().iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), &at| (min.min(at), max.max(at)));
+        let extent = (max - min).max(DVec2::splat(f64::MIN_POSITIVE));
+        let count = (CELLS * mesh.triangles().len() as f64).max(1.0);
+        let side = (extent.x * extent.y / count).sqrt().max(extent.max_element() / count);
+        let size = [extent.x, extent.y].map(|extent| ((extent / side).ceil() as usize).max(1));
+        let scale = DVec2::new(size[0] as f64, size[1] as f64) / extent;
+        let mut locator = Self { origin: min, scale, size, starts: vec![0; size[0] * size[1] + 1], triangles: Vec::new() };
+
+        // Count the triangles of each cell, then fill them in.
+        for triangle in 0..mesh.triangles().len() {
+            locator.cells_of(mesh.corners(triangle)).for_each(|cell| locator.starts[cell + 1] += 1);
+        }
+        (1..locator.starts.len()).for_each(|cell| locator.starts[cell] += locator.starts[cell - 1]);
+        locator.triangles = vec![0; locator.starts.last().map_or(0, |&count| count as usize)];
+        let mut next = locator.starts.clone();
+        for triangle in 0..mesh.triangles().len() {
+            for cell in locator.cells_of(mesh.corners(triangle)) {
+                locator.triangles[next[cell] as usize] = triangle as u32;
+                next[cell] += 1;
+            }
+        }
+        locator
+    }
+
+    /// The cells that the box of a triangle meets.
+    fn cells_of(&self, corners: [DVec2; 3]) -> impl Iterator<Item = usize> + use<> {
+        let [a, b, c] = corners;
+        let ([from_x, from_y], [to_x, to_y], width) = (self.cell(a.min(b).min(c)), self.cell(a.max(b).max(c)), self.size[0]);
+        (from_y..=to_y).flat_map(move |row| (from_x..=to_x).map(move |column| row * width + column))
+    }
+
+    /// Column and row of the cell nearest to a point.
+    fn cell(&self, at: DVec2) -> [usize; 2] {
+        let cell = (at - self.origin) * self.scale;
+        [(cell.x.max(0.0) as usize).min(self.size[0] - 1), (cell.y.max(0.0) as usize).min(self.size[1] - 1)]
+    }
+
+    /// The triangle that a point lies in, or nearest to of those around, and its barycentric coordinates there, within the triangle.
+    pub fn find(&self, mesh: &SurfaceMesh, at: DVec2) -> Option<(usize, [f64; 3])> {
+        let [column, row] = self.cell(at);
+        let cell = row * self.size[0] + column;
+        let around = &self.triangles[self.starts[cell] as usize..self.starts[cell + 1] as usize];
+        let mut best: Option<(f64, usize, [f64; 3])> = None;
+        for &triangle in around {
+            let coordinates = barycentric(mesh.corners(triangle as usize), at);
+            let least = coordinates.iter().copied().fold(f64::INFINITY, f64::min);
+            if best.is_none_or(|(other, ..)| least > other) {
+                best = Some((least, triangle as usize, coordinates));
+            }
+            if least >= 0.0 {
+                break;
+            }
+        }
+        best.map(|(_, triangle, coordinates)| {
+            let inside = coordinates.map(|l| l.max(0.0));
+            let sum: f64 = inside.iter().sum();
+            (triangle, inside.map(|l| l / sum))
+        })
+    }
+}
