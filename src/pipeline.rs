@@ -1,22 +1,22 @@
 //! The only place that joins the stages.
 
+use glam::DVec3;
 use thiserror::Error;
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceBounds, PointBounds, RadiosityBounds};
-use crate::mesh::{LitMesh, MeshBuilder, MeshReader};
+use crate::mesh::{LitMesh, MeshReader};
 use crate::picture::{self, Camera, CameraError, Image};
 use crate::progress::Observer;
-use crate::scene::{Scene, SurfaceId, SurfacePoint};
+use crate::scene::{Scene, SurfacePoint};
 use crate::solve::{
     self, Bounds, InitialImportance, Interest, InterestError, OptionsError, RunOptions, Solution, SolveOptions, SolveReport,
 };
 use crate::sweep::Importance;
 use crate::transmittance::Rays;
-use crate::direct::{Blockers, DirectLight};
-use crate::values::{self, FinalGather, IndirectGather, LinkGather, Values};
+use crate::values::{self, Values};
 use crate::visibility::{self, Backend, Visibility, VisibilityError};
 
 /// Why a stage could not start or finish.
@@ -316,47 +316,37 @@ impl Evaluator {
         Some((values, bounds))
     }
 
-    /// Radiosity as a function on all surfaces, wrong by interpolation by about `error` in the local norm. Cancelled by the observer, it returns `None`.
+    /// Radiosity as a function on the surfaces, made from the values at points. It is refined until no more than `error` in the local norm is claimed
+    /// for what it differs from these, or until only their noise is left. Cancelled by the observer, it returns `None`.
     pub fn lit_mesh(&self, error: f64, observer: &dyn Observer) -> Option<LitMesh> {
-        let Solution { scene, hierarchy, exposure, radiosity, links, options, .. } = &self.solution;
-        let stop = || observer.cancelled();
-        let rays = Rays::new(&*self.visibility, scene);
-        let paths = self.solution.light_paths(&rays, &stop);
-        let whole = LinkGather::new(scene, hierarchy, links, radiosity, exposure, &rays);
-        let reflected = radiosity.without_exitance(scene, hierarchy, exposure);
-        let indirect = match (&self.solution.cell_radiosities, &paths) {
-            (Some(radiosities), Some(paths)) => IndirectGather::Cells(FinalGather { paths, radiosities, bounces: 0 }),
-            _ => IndirectGather::Links(LinkGather::of_reflected(&whole, &reflected)),
-        };
-        let blockers = Blockers::of(scene);
-        let all = (0..scene.surfaces().len() as u32).map(SurfaceId);
-        let emitters: Vec<SurfaceId> = all.clone().filter(|&surface| scene.material_of(surface).emits()).collect();
-        let direct = DirectLight { scene, rays: &rays, blockers: &blockers, emitters: &emitters };
-        let t = std::env::var("MESH_LINES").ok().and_then(|t| t.parse::<f64>().ok());
-        let discontinuities = match t { Some(t) => crate::discontinuities::of_emitters(scene, t), None => crate::discontinuities::find(scene, &[], &|_| 0.0, &stop) };
-        let budget = crate::values::RayBudget::of_values(self.solution.point_rays, options.seed);
-        let builder = MeshBuilder { scene, indirect: &indirect, direct: &direct, budget, discontinuities: &discontinuities, error, most: 1 << 22, stop: &stop };
-        let reflects = |surface: &SurfaceId| scene.material_of(*surface).reflectance.iter().any(|&rho| rho > 0.0);
-        let surfaces: Vec<SurfaceId> = all.filter(reflects).collect();
-        self.pool.install(|| builder.build(&surfaces))
+        let rays = Rays::new(&*self.visibility, self.solution.scene());
+        self.pool.install(|| self.solution.lit_mesh(&rays, error, observer))
     }
 
-    /// The radiosities of a lit mesh at points.
-    pub fn mesh_values(&self, mesh: &LitMesh, points: &[SurfacePoint]) -> Vec<f32> {
+    /// The radiosities of a lit mesh of this solution at points, by point and channel; NaN where a point lies on no surface.
+    pub fn values_of_mesh(&self, mesh: &LitMesh, points: &[SurfacePoint]) -> Vec<f32> {
         let Solution { scene, hierarchy, .. } = &self.solution;
         let reader = MeshReader::new(scene, mesh);
-        let mut out = Vec::new();
-        let mut radiosity = vec![0.0; scene.channels()];
-        for point in points {
-            let (position, normal) = (glam::DVec3::from(point.position), glam::DVec3::from(point.normal));
-            let surface = hierarchy.surface_at(position, normal, 1e-5 * scene.bounds().diagonal());
-            radiosity.fill(0.0);
-            if let Some(surface) = surface && !reader.radiosity_at(position, surface, &mut radiosity) {
-                radiosity.iter_mut().zip(&scene.material_of(surface).exitance).for_each(|(b, e)| *b = *e);
+        let of_point = |point: &SurfacePoint| {
+            let (position, normal) = (DVec3::from(point.position), DVec3::from(point.normal));
+            let mut radiosity = vec![f64::NAN; scene.channels()];
+            if let Some(surface) = hierarchy.surface_at(position, normal, values::tolerance(scene)) {
+                reader.radiosity_at(position, surface, &mut radiosity);
             }
-            out.extend(radiosity.iter().map(|&b| b as f32));
-        }
-        out
+            radiosity
+        };
+        points.iter().flat_map(of_point).map(|b| b as f32).collect()
+    }
+
+    /// A picture of a lit mesh of this solution, in linear radiance, without standard errors. Cancelled by the observer, it returns `None`.
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`].
+    pub fn render_mesh(&self, mesh: &LitMesh, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
+        let (through, scene) = (camera.rays()?, self.solution.scene());
+        let (rays, reader) = (Rays::new(&*self.visibility, scene), MeshReader::new(scene, mesh));
+        let render = || picture::render_mesh(scene, &reader, &rays, &through, [camera.width, camera.height], observer);
+        Ok(self.pool.install(render))
     }
 
     /// A picture of linear radiance. Cancelled by the observer, it returns `None`.

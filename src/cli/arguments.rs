@@ -65,6 +65,10 @@ pub struct SolveArguments {
     pub image: Vec<PathBuf>,
     #[command(flatten)]
     pub picture: PictureArguments,
+    /// Find radiosity as a function on the surfaces and write it, as .ply: elements with radiosities at their nodes, off the values at points by
+    /// about as much as --error asks for. Pictures show it
+    #[arg(long, value_name = "FILE.ply")]
+    pub mesh: Option<PathBuf>,
     /// Evaluate at the points of this CSV file (x,y,z,nx,ny,nz), '-' for stdin
     #[arg(long, value_name = "P.csv", requires = "values")]
     pub points: Option<PathBuf>,

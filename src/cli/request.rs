@@ -65,6 +65,7 @@ pub struct SolveRequest {
     pub voice: Voice,
     pub solution: Option<Destination>,
     pub picture: Option<PictureRequest>,
+    pub mesh: Option<Destination>,
     pub points: Option<(PathBuf, Sink)>,
     pub report: Option<Sink>,
     /// All of these, to be held against what the scene turns out to read.
@@ -81,6 +82,7 @@ impl SolveRequest {
         let mut outputs = Outputs::beside(&[&[typed.scene.as_path()], points.as_slice()].concat());
         let solution = typed.output.as_deref().map(|path| outputs.file(path)).transpose()?;
         let picture = Self::picture(&typed, &settings.options, &mut outputs)?;
+        let mesh = Self::mesh(&typed, picture.as_ref(), &mut outputs)?;
         let values = typed.values.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
         Ok(Self {
@@ -91,10 +93,27 @@ impl SolveRequest {
             voice: Voice::new(typed.run.progress),
             solution,
             picture,
+            mesh,
             points: typed.points.zip(values),
             report,
             outputs,
         })
+    }
+
+    /// The file for the lit mesh, if one is asked for.
+    fn mesh(
+        typed: &SolveArguments,
+        picture: Option<&PictureRequest>,
+        outputs: &mut Outputs,
+    ) -> Result<Option<Destination>, Failure> {
+        let Some(path) = typed.mesh.as_deref() else { return Ok(None) };
+        if picture.is_some_and(|picture| picture.quantity == Quantity::Width) {
+            return Err(Failure::usage("--quantity width shows bounds, and --mesh has none: take one of them away"));
+        }
+        if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply")) {
+            return Err(Failure::usage(format_args!("--mesh writes PLY: name the file {}", path.with_extension("ply").display())));
+        }
+        outputs.file(path).map(Some)
     }
 
     /// The picture, if one is asked for. Its camera may be typed without one, where it says what the answer is wanted for.

@@ -1,9 +1,10 @@
 //! What is made from a solution: values at points, pictures, exports.
 
 use patchlight::bounds::PointBounds;
+use patchlight::mesh::LitMesh;
 use patchlight::output::{
-    Destination, ExportFormat, ImageFormat, Points, Provenance, Quantity, write_bounded_values, write_ply, write_png,
-    write_solution, write_values,
+    Destination, ExportFormat, ImageFormat, Points, Provenance, Quantity, write_bounded_values, write_mesh_ply, write_ply,
+    write_png, write_solution, write_values,
 };
 use patchlight::picture::Image;
 use patchlight::pipeline::Evaluator;
@@ -56,13 +57,18 @@ pub fn render(request: RenderRequest) -> Result<Exit, Failure> {
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
     interrupt::listen();
     request.voice.figure("backend", format_args!("{}", evaluator.backend()));
-    let Some(image) = take_picture(&evaluator, &request.picture, request.voice)? else { return Ok(Exit::Cancelled) };
+    let Some(image) = take_picture(&evaluator, None, &request.picture, request.voice)? else { return Ok(Exit::Cancelled) };
     write_picture(&image, &request.picture, &Provenance::new(evaluator.solution().options()), request.voice)?;
     Ok(Exit::Done)
 }
 
-/// Takes a picture; `None` if interrupted.
-pub fn take_picture(evaluator: &Evaluator, request: &PictureRequest, voice: Voice) -> Result<Option<Image>, Failure> {
+/// Takes a picture, of the lit mesh where there is one; `None` if interrupted.
+pub fn take_picture(
+    evaluator: &Evaluator,
+    mesh: Option<&LitMesh>,
+    request: &PictureRequest,
+    voice: Voice,
+) -> Result<Option<Image>, Failure> {
     let (width, height) = request.size;
     let camera = request.camera.apply_to(evaluator.default_camera(width, height)).map_err(Failure::usage)?;
     voice.figure("camera", format_args!("{camera}, {width}x{height}"));
@@ -72,7 +78,11 @@ pub fn take_picture(evaluator: &Evaluator, request: &PictureRequest, voice: Voic
         }
         Quantity::Width => Ok(evaluator.render_width(&camera, &Watcher::new(voice))?),
         Quantity::Radiance | Quantity::Radiosity => {
-            let image = evaluator.render(&camera, &Watcher::new(voice))?;
+            let watcher = Watcher::new(voice);
+            let image = match mesh {
+                Some(mesh) => evaluator.render_mesh(mesh, &camera, &watcher)?,
+                None => evaluator.render(&camera, &watcher)?,
+            };
             if image.as_ref().is_some_and(|image| image.radiance.iter().all(|&radiance| radiance == 0.0)) {
                 voice.warn(format_args!(
                     "the picture is black: this camera sees no lit front of a face; from outside of a closed room there are only \
@@ -107,6 +117,19 @@ pub fn write_picture(image: &Image, request: &PictureRequest, provenance: &Prove
             }
         }
     }
+    Ok(())
+}
+
+/// Writes a lit mesh, and tells how good it is.
+pub fn write_mesh_to(destination: &Destination, evaluator: &Evaluator, mesh: &LitMesh, voice: Voice) -> Result<(), Failure> {
+    let solution = evaluator.solution();
+    destination.write(|file| write_mesh_ply(file, solution.scene(), mesh, &Provenance::new(solution.options())))?;
+    let (elements, off) = (mesh.elements(), 100.0 * mesh.claimed);
+    voice.figure(
+        "mesh",
+        format_args!("{elements} elements, {off:.2}% off the values at points in the local norm: a claim like theirs"),
+    );
+    voice.figure("wrote", format_args!("{}", destination.path().display()));
     Ok(())
 }
 

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use patchlight::bounds::{BoundsReport, Certainty};
+use patchlight::mesh::LitMesh;
 use patchlight::output::{CpuReport, Points, Provenance, RunReport, SceneReport, write_report};
 use patchlight::picture::Image;
 use patchlight::pipeline::{self, Evaluator};
@@ -115,14 +116,26 @@ fn write_results(
             None => ending.cancel(voice, &sink.name()),
         }
     }
+    let mesh = write_mesh(request, evaluator, ending);
     if let Some(picture) = &request.picture {
-        match results::take_picture(evaluator, picture, voice) {
+        match results::take_picture(evaluator, mesh.as_ref(), picture, voice) {
             Ok(Some(image)) => ending.write(|| results::write_picture(&image, picture, provenance, voice)),
             Ok(None) => ending.cancel(voice, "the picture"),
             Err(failure) => ending.note(Err(failure)),
         }
     }
     error
+}
+
+/// Makes the lit mesh and writes it, if it is asked for.
+fn write_mesh(request: &SolveRequest, evaluator: &Evaluator, ending: &mut Ending) -> Option<LitMesh> {
+    let destination = request.mesh.as_ref()?;
+    let mesh = evaluator.lit_mesh(request.options.error, &Watcher::new(request.voice));
+    match &mesh {
+        Some(mesh) => ending.write(|| results::write_mesh_to(destination, evaluator, mesh, request.voice)),
+        None => ending.cancel(request.voice, "the mesh"),
+    }
+    mesh
 }
 
 fn available_threads() -> usize {

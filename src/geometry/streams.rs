@@ -30,6 +30,8 @@ pub(crate) const PAIRS: u64 = kind(8);
 pub(crate) const MESH_TESTS: u64 = kind(9);
 /// Points at which meshes are judged; add the round.
 pub(crate) const MESH_JUDGED: u64 = kind(10);
+/// Light at these points taken again.
+pub(crate) const MESH_AGAIN: u64 = kind(11);
 
 // Of the seed of a node's exposure.
 /// Rays from points that seem hidden; add the round.

@@ -198,3 +198,63 @@ impl Triangles {
         second
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::sampling;
+
+    /// A square of two triangles.
+    fn square() -> Triangles {
+        let at = |vertex: u32| DVec2::new(f64::from(vertex % 2), f64::from(vertex / 2));
+        Triangles::new(&[[0, 1, 3], [0, 3, 2]], &[[NONE, NONE, 1], [0, NONE, NONE]], at)
+    }
+
+    #[test]
+    fn bisection_leaves_no_hanging_node_no_gap_and_no_thin_triangle() {
+        let mut all = square();
+        for step in 0..2000 {
+            let draw = (sampling::unit(sampling::hash(step, 0)).powi(2) * all.triangles.len() as f64) as u32;
+            all.bisect(draw);
+        }
+        let area: f64 = (0..all.triangles.len() as u32).map(|triangle| all.area(triangle)).sum();
+        assert!((area - 1.0).abs() < 1e-12, "{area}");
+        for (number, triangle) in all.triangles.iter().enumerate() {
+            let corners = all.corners(number as u32);
+            for edge in 0..3 {
+                let next = (edge + 1) % 3;
+                assert_eq!(all.nodes[triangle.middles[edge] as usize].at, 0.5 * (corners[edge] + corners[next]));
+
+                // Neighbours share the two corners and the middle.
+                if triangle.neighbours[edge] == NONE {
+                    let on_border = |at: DVec2| [at.x, at.y, 1.0 - at.x, 1.0 - at.y].contains(&0.0);
+                    assert!(on_border(corners[edge]) && on_border(corners[next]));
+                } else {
+                    let beyond = &all.triangles[triangle.neighbours[edge] as usize];
+                    let back = beyond.middles.iter().position(|&other| other == triangle.middles[edge]).unwrap();
+                    assert_eq!(beyond.neighbours[back], number as u32);
+                    assert_eq!(
+                        [beyond.corners[back], beyond.corners[(back + 1) % 3]],
+                        [triangle.corners[next], triangle.corners[edge]]
+                    );
+                }
+            }
+            // Half of the smallest angle at first, which is 45 degrees.
+            let [a, b, c] = corners;
+            let angle = |a: DVec2, b: DVec2, c: DVec2| (b - a).angle_to(c - a).abs().to_degrees();
+            assert!(angle(a, b, c).min(angle(b, c, a)).min(angle(c, a, b)) > 22.4);
+        }
+    }
+
+    #[test]
+    fn nodes_at_a_border_are_sampled_inside() {
+        let mut all = square();
+        (0..200).for_each(|step| all.bisect(step % all.triangles.len() as u32));
+        for node in &all.nodes {
+            let is_inside = |at: DVec2| at.min_element() > 0.0 && at.max_element() < 1.0;
+            assert!(is_inside(node.sampled_at));
+            assert_eq!(is_inside(node.at), node.sampled_at == node.at);
+            assert!(node.sampled_at.distance(node.at) <= 2.0 * INSIDE);
+        }
+    }
+}

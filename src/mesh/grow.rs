@@ -20,6 +20,12 @@ use crate::progress::Stop;
 /// Elements with so much of the squared error are bisected in a round, twice each: into four.
 const BISECTED: f64 = 0.8;
 
+/// If no more of the squared error than this is more than noise, smaller elements would only follow the noise.
+const NOISY: f64 = 0.25;
+
+/// Elements are not refined beyond so many: some gigabytes.
+const MOST_ELEMENTS: usize = 1 << 23;
+
 /// Rounds at most.
 const ROUNDS: u32 = 32;
 
@@ -37,8 +43,8 @@ pub(super) struct Grower<'a> {
     pub test_area: f64,
     /// Points at which the function is judged.
     pub judged_at: usize,
-    /// Elements at most.
-    pub most: usize,
+    /// Told how many elements there are.
+    pub tell: &'a (dyn Fn(u64) + Sync),
     pub stop: Stop<'a>,
 }
 
@@ -72,13 +78,14 @@ impl Grower<'_> {
             if left <= self.error.powi(2) {
                 let found = self.judge(all, round, &norm)?;
                 judged = Some(found);
-                if found.claimed <= self.error {
+                (worst, left) = self.worst(all, &norm);
+                if found.claimed <= self.error || left <= NOISY * found.measured.powi(2) {
                     break;
                 }
-                (worst, left) = self.worst(all, &norm);
             }
             let elements: usize = all.iter().map(|of| of.triangles.triangles.len()).sum();
-            if left == 0.0 || elements >= self.most || round + 1 == ROUNDS {
+            (self.tell)(elements as u64);
+            if left == 0.0 || elements >= MOST_ELEMENTS || round + 1 == ROUNDS {
                 break;
             }
             all.par_iter_mut().zip(worst).for_each(|(of, worst)| of.refine(&worst));
@@ -139,21 +146,34 @@ impl Grower<'_> {
                 }
             }
         }
-        let tests = self.tests(all, &spots);
-        let judged = Judged::by(&tests, area, norm);
-        tests.into_iter().zip(&spots).for_each(|(test, spot)| all[spot.index].tests.push(test));
+        let (wanted, again) = (self.wanted(all, &spots, 0), self.wanted(all, &spots, streams::MESH_AGAIN));
+        let second = self.take(&again, |light, _, _, found| found.push(light.to_vec()));
+        let found = self.take(&wanted, |light, number, scratch, found| {
+            let Spot { index, triangle, at } = spots[number];
+            let light_sq = self.light.all_sq(&wanted[number].place, scratch, light);
+            let error_sq = all[index].sampled_error_sq(triangle, at, [light, &second[number]]);
+            found.push((all[index].test(triangle, at, light, light_sq), error_sq));
+        });
+        let judged = Judged::by(&found, area, norm);
+        found.into_iter().zip(&spots).for_each(|((test, _), spot)| all[spot.index].tests.push(test));
         (!(self.stop)()).then_some(judged)
     }
 
-    /// Tests the function at some points.
-    fn tests(&self, all: &[Growing], spots: &[Spot]) -> Vec<Test> {
+    /// Where light is wanted for tests at some points; `stream` picks the random numbers.
+    fn wanted(&self, all: &[Growing], spots: &[Spot], stream: u64) -> Vec<Wanted> {
         let sizes: Vec<f64> = all.iter().map(Growing::size).collect();
         let wanted = |spot: &Spot| {
             let of = &all[spot.index];
             let point = element::point_at(of.triangles.corners(spot.triangle), spot.at);
-            Wanted { place: place_at(of.plane.to_space(point), of.surface, self.seed), size: sizes[spot.index] }
+            let place = place_at(of.plane.to_space(point), of.surface, sampling::hash(self.seed, stream));
+            Wanted { place, size: sizes[spot.index] }
         };
-        let wanted: Vec<Wanted> = spots.iter().map(wanted).collect();
+        spots.iter().map(wanted).collect()
+    }
+
+    /// Tests the function at some points.
+    fn tests(&self, all: &[Growing], spots: &[Spot]) -> Vec<Test> {
+        let wanted = self.wanted(all, spots, 0);
         self.take(&wanted, |light, number, scratch, tests| {
             let Spot { index, triangle, at } = spots[number];
             let light_sq = self.light.all_sq(&wanted[number].place, scratch, light);
@@ -163,11 +183,7 @@ impl Grower<'_> {
 
     /// Takes the light at places, in parallel; `make` turns what is found at each, by channel, into results, which are returned in the order of the
     /// places.
-    fn take<R: Send>(
-        &self,
-        wanted: &[Wanted],
-        make: impl Fn(&[[f64; 2]], usize, &mut LightScratch, &mut Vec<R>) + Sync,
-    ) -> Vec<R> {
+    fn take<R: Send>(&self, wanted: &[Wanted], make: impl Fn(&[[f64; 2]], usize, &mut LightScratch, &mut Vec<R>) + Sync) -> Vec<R> {
         let batches = wanted.par_chunks(BATCH).enumerate().map_init(LightScratch::default, |scratch, (batch, wanted)| {
             let (mut results, mut light) = (Vec::new(), vec![[0.0; 2]; self.channels]);
             for (number, Wanted { place, size }) in wanted.iter().enumerate() {

@@ -24,9 +24,8 @@ pub(super) struct Test {
     pub triangle: u32,
     /// The squared difference of the function and the light there, channels added, in W^2/m^4.
     pub difference_sq: f64,
-    /// What of it is to be expected from the noise of the light at the point, and from that at the nodes.
-    pub point_noise_sq: f64,
-    pub node_noise_sq: f64,
+    /// What of it is to be expected from the noise of the light at the point and at the nodes.
+    pub noise_sq: f64,
     /// The squared light.
     pub light_sq: f64,
 }
@@ -37,13 +36,7 @@ const SIGNIFICANT: f64 = 4.0;
 impl Test {
     /// The squared difference that is more than noise.
     pub fn significant_sq(&self) -> f64 {
-        let noise_sq = self.point_noise_sq + self.node_noise_sq;
-        if self.difference_sq > SIGNIFICANT * noise_sq { self.difference_sq - noise_sq } else { 0.0 }
-    }
-
-    /// The squared error of the function, without bias: it may be negative.
-    pub fn error_sq(&self) -> f64 {
-        self.difference_sq - self.point_noise_sq
+        if self.difference_sq > SIGNIFICANT * self.noise_sq { self.difference_sq - self.noise_sq } else { 0.0 }
     }
 }
 
@@ -67,22 +60,39 @@ impl Growing {
         self.area() / self.triangles.nodes.len() as f64
     }
 
+    /// The function at a point of a triangle and its variance, in one of so many channels.
+    fn at(&self, triangle: u32, weights: [f64; 6], channel: usize, channels: usize) -> [f64; 2] {
+        let nodes = self.triangles.triangles[triangle as usize].nodes();
+        let (mut function, mut variance) = (0.0, 0.0);
+        for (node, weight) in nodes.into_iter().zip(weights) {
+            let [value, noise] = self.found[node as usize * channels + channel].map(f64::from);
+            function += weight * value;
+            variance += weight * weight * noise;
+        }
+        [function.max(0.0), variance]
+    }
+
     /// Holds the function against the light, by channel with its variance, at a point of a triangle; `light_sq` is all light there, squared.
     pub fn test(&self, triangle: u32, at: [f64; 3], light: &[[f64; 2]], light_sq: f64) -> Test {
-        let (weights, channels) = (element::weights(at), light.len());
-        let mut test = Test { triangle, difference_sq: 0.0, point_noise_sq: 0.0, node_noise_sq: 0.0, light_sq };
+        let weights = element::weights(at);
+        let mut test = Test { triangle, difference_sq: 0.0, noise_sq: 0.0, light_sq };
         for (channel, &[value, variance]) in light.iter().enumerate() {
-            let (mut function, mut noise) = (0.0, 0.0);
-            for (&node, weight) in self.triangles.triangles[triangle as usize].nodes().iter().zip(weights) {
-                let [value, variance] = self.found[node as usize * channels + channel].map(f64::from);
-                function += weight * value;
-                noise += weight * weight * variance;
-            }
-            test.difference_sq += (function.max(0.0) - value).powi(2);
-            test.point_noise_sq += variance;
-            test.node_noise_sq += noise;
+            let [function, noise] = self.at(triangle, weights, channel, light.len());
+            test.difference_sq += (function - value).powi(2);
+            test.noise_sq += variance + noise;
         }
         test
+    }
+
+    /// The squared error of the function at a point of a triangle, by two independent samples of the light there: without bias, so that it may
+    /// be negative.
+    pub fn sampled_error_sq(&self, triangle: u32, at: [f64; 3], light: [&[[f64; 2]]; 2]) -> f64 {
+        let (weights, [first, second]) = (element::weights(at), light);
+        let of_channel = |(channel, (first, second)): (usize, (&[f64; 2], &[f64; 2]))| {
+            let [function, _] = self.at(triangle, weights, channel, light[0].len());
+            (function - first[0]) * (function - second[0])
+        };
+        first.iter().zip(second).enumerate().map(of_channel).sum()
     }
 
     /// Bisects triangles twice, and forgets the tests of all that changed.

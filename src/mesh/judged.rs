@@ -49,10 +49,10 @@ impl Judged {
     /// Where there is no light nothing is wrong.
     pub const DARK: Self = Self { measured: 0.0, claimed: 0.0 };
 
-    /// By tests that each stand for as much of an area.
-    pub fn by(tests: &[Test], area: f64, norm: &Norm) -> Self {
+    /// By tests that each stand for as much of an area, with their squared errors.
+    pub fn by(tests: &[(Test, f64)], area: f64, norm: &Norm) -> Self {
         let count = tests.len() as f64;
-        let parts = || tests.iter().map(|test| area / count * norm.weight(test.light_sq) * test.error_sq());
+        let parts = || tests.iter().map(|(test, error_sq)| area / count * norm.weight(test.light_sq) * error_sq);
         let sum: f64 = parts().sum();
         let scatter: f64 = parts().map(|part| (part - sum / count).powi(2)).sum();
         let deviation = (scatter * count / (count - 1.0).max(1.0)).sqrt();

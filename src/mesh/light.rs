@@ -1,11 +1,9 @@
 //! What meshes hold: first indirect light alone, which is smooth and dear, then all light.
 
-use super::locate::Locator;
-use super::plane::Plane;
-use super::surface_mesh::SurfaceMesh;
+use super::lit_mesh::MeshReader;
 use crate::direct::{DirectEffort, DirectLight, DirectScratch, Method, Receiver};
 use crate::paths::Place;
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::Scene;
 use crate::values::{IndirectGather, RayBudget, Scratch};
 
 /// Rays by which direct light is found where that is cheaper than to find it exactly: noise that is hardly seen.
@@ -47,8 +45,7 @@ pub(super) struct Indirect<'a> {
 /// Direct light, and indirect light by its meshes.
 pub(super) struct All<'a> {
     pub direct: &'a Direct<'a>,
-    /// By surface.
-    pub indirect: Vec<Option<(&'a SurfaceMesh, Plane, Locator)>>,
+    pub indirect: MeshReader<'a>,
 }
 
 impl Direct<'_> {
@@ -95,27 +92,12 @@ impl Light for Indirect<'_> {
     }
 }
 
-impl<'a> All<'a> {
-    pub fn new(direct: &'a Direct<'a>, indirect: &'a [Option<SurfaceMesh>]) -> Self {
-        let reader = |(number, mesh): (usize, &'a Option<SurfaceMesh>)| {
-            let mesh = mesh.as_ref()?;
-            Some((mesh, Plane::of(direct.scene, SurfaceId(number as u32)), Locator::new(mesh)))
-        };
-        Self { direct, indirect: indirect.iter().enumerate().map(reader).collect() }
-    }
-}
-
 impl Light for All<'_> {
     fn take(&self, place: &Place, _size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) {
-        found.fill([0.0; 2]);
-        if let Some((mesh, plane, locator)) = &self.indirect[place.surface.index()]
-            && let Some((triangle, at)) = locator.find(mesh, plane.to_plane(place.point))
-        {
-            scratch.numbers.clear();
-            scratch.numbers.resize(found.len(), 0.0);
-            mesh.reflected_at(triangle, at, &mut scratch.numbers);
-            found.iter_mut().zip(&scratch.numbers).for_each(|(found, &value)| found[0] = value);
-        }
+        scratch.numbers.clear();
+        scratch.numbers.resize(found.len(), 0.0);
+        self.indirect.reflected_at(place.point, place.surface, &mut scratch.numbers);
+        found.iter_mut().zip(&scratch.numbers).for_each(|(found, &value)| *found = [value, 0.0]);
         self.direct.add(place, &mut scratch.direct, &mut scratch.numbers, found);
     }
 

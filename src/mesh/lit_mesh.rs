@@ -1,27 +1,25 @@
 //! The lit mesh of a scene.
 
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
 use super::locate::Locator;
 use super::plane::Plane;
 use super::surface_mesh::SurfaceMesh;
 use crate::scene::{Scene, SurfaceId};
 
-/// Radiosity as a function on the surfaces of a scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Radiosity as a function on the surfaces of a scene, and how far it is off the values that are gathered at points: in the local norm, over the
+/// surfaces that reflect.
+#[derive(Clone, Debug, PartialEq)]
 pub struct LitMesh {
-    /// By surface; `None` where there is no mesh.
-    pub(crate) surfaces: Vec<Option<SurfaceMesh>>,
-    /// How far it is off the values at points, in the local norm, and the upper confidence limit of that.
-    pub(crate) measured: f64,
-    pub(crate) claimed: f64,
+    /// By surface; `None` where nothing is reflected.
+    pub(super) surfaces: Vec<Option<SurfaceMesh>>,
+    /// The root mean square of the differences, measured at random points that had no part in making it.
+    pub measured: f64,
+    /// The upper confidence limit of that.
+    pub claimed: f64,
 }
 
 impl LitMesh {
-    /// tmp
-    pub fn error(&self) -> (f64, f64) { (self.measured, self.claimed) }
-
     /// Elements in all.
     pub fn elements(&self) -> usize {
         self.surfaces.iter().flatten().map(|mesh| mesh.triangles().len()).sum()
@@ -30,6 +28,24 @@ impl LitMesh {
     /// Nodes in all.
     pub fn nodes(&self) -> usize {
         self.surfaces.iter().flatten().map(|mesh| mesh.nodes().len()).sum()
+    }
+
+    /// Visits all elements: the number of the surface, the six nodes (three corners, counter-clockwise from the front, then the middles of the edges
+    /// from each) and the radiosity there by node and channel, in W/m^2.
+    pub fn for_each_element(&self, scene: &Scene, mut visit: impl FnMut(u32, [[f64; 3]; 6], &[f32])) {
+        let mut radiosity = Vec::new();
+        for (number, mesh) in self.surfaces.iter().enumerate() {
+            let (Some(mesh), surface) = (mesh, SurfaceId(number as u32)) else { continue };
+            let (plane, exitance) = (Plane::of(scene, surface), &scene.material_of(surface).exitance);
+            for nodes in mesh.triangles() {
+                radiosity.clear();
+                for &node in nodes {
+                    let reflected = mesh.reflected(node, exitance.len());
+                    radiosity.extend(reflected.iter().zip(exitance).map(|(&reflected, &e)| reflected.max(0.0) + e as f32));
+                }
+                visit(number as u32, nodes.map(|node| plane.to_space(mesh.nodes()[node as usize]).to_array()), &radiosity);
+            }
+        }
     }
 }
 
@@ -41,20 +57,30 @@ pub(crate) struct MeshReader<'a> {
 
 impl<'a> MeshReader<'a> {
     pub fn new(scene: &'a Scene, mesh: &'a LitMesh) -> Self {
+        Self::of(scene, &mesh.surfaces)
+    }
+
+    /// Reads meshes, which are given by surface.
+    pub(super) fn of(scene: &'a Scene, meshes: &'a [Option<SurfaceMesh>]) -> Self {
         let reader = |(number, mesh): (usize, &'a Option<SurfaceMesh>)| {
             let mesh = mesh.as_ref()?;
             Some((mesh, Plane::of(scene, SurfaceId(number as u32)), Locator::new(mesh)))
         };
-        Self { scene, by_surface: mesh.surfaces.iter().enumerate().map(reader).collect() }
+        Self { scene, by_surface: meshes.iter().enumerate().map(reader).collect() }
     }
 
-    /// The radiosity at a point of a surface, by channel; `false` if the surface has no mesh.
-    pub fn radiosity_at(&self, point: DVec3, surface: SurfaceId, radiosity: &mut [f64]) -> bool {
-        let Some((mesh, plane, locator)) = &self.by_surface[surface.index()] else { return false };
-        let Some((triangle, at)) = locator.find(mesh, plane.to_plane(point)) else { return false };
-        mesh.reflected_at(triangle, at, radiosity);
-        let exitance = &self.scene.material_of(surface).exitance;
-        radiosity.iter_mut().zip(exitance).for_each(|(b, e)| *b += e);
-        true
+    /// The reflected radiosity at a point of a surface, by channel; 0 where there is no mesh.
+    pub fn reflected_at(&self, point: DVec3, surface: SurfaceId, reflected: &mut [f64]) {
+        reflected.fill(0.0);
+        let Some((mesh, plane, locator)) = &self.by_surface[surface.index()] else { return };
+        if let Some((triangle, at)) = locator.find(mesh, plane.to_plane(point)) {
+            mesh.reflected_at(triangle, at, reflected);
+        }
+    }
+
+    /// The radiosity at a point of a surface, by channel.
+    pub fn radiosity_at(&self, point: DVec3, surface: SurfaceId, radiosity: &mut [f64]) {
+        self.reflected_at(point, surface, radiosity);
+        radiosity.iter_mut().zip(&self.scene.material_of(surface).exitance).for_each(|(b, e)| *b += e);
     }
 }

@@ -22,7 +22,8 @@ pub(super) struct Locator {
 impl Locator {
     pub fn new(mesh: &SurfaceMesh) -> Self {
         // The grid: about square cells over the box of all nodes.
-        let (min, max) = mesh.nodes().iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), &at| (min.min(at), max.max(at)));
+        let (min, max) =
+            mesh.nodes().iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), &at| (min.min(at), max.max(at)));
         let extent = (max - min).max(DVec2::splat(f64::MIN_POSITIVE));
         let count = (CELLS * mesh.triangles().len() as f64).max(1.0);
         let side = (extent.x * extent.y / count).sqrt().max(extent.max_element() / count);
@@ -80,5 +81,35 @@ impl Locator {
             let sum: f64 = inside.iter().sum();
             (triangle, inside.map(|l| l / sum))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::sampling;
+    use crate::mesh::triangulation::triangulate;
+
+    #[test]
+    fn every_point_is_found_in_a_triangle_around_it() {
+        for size in [DVec2::new(2.0, 1.5), DVec2::new(3.0, 1e-3)] {
+            let corner = |x: f64, y: f64| DVec2::new(x, y) * size;
+            let polygon = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
+            let mut triangles = triangulate(&polygon, &[], 0.02 * size.x * size.y);
+            (0..300).for_each(|step| triangles.bisect(step * 7 % triangles.triangles.len() as u32));
+            let linear: Vec<f32> = triangles.nodes.iter().map(|node| (1.0 + 0.3 * node.at.x) as f32).collect();
+            let mesh = SurfaceMesh::new(&triangles, linear);
+            let locator = Locator::new(&mesh);
+            for number in 0..2000 {
+                let random = |k: u64| sampling::unit(sampling::hash(number, k)) - 0.5;
+                let at = corner(random(0), random(1));
+                let (triangle, coordinates) = locator.find(&mesh, at).unwrap();
+                let found: DVec2 = mesh.corners(triangle).iter().zip(coordinates).map(|(&corner, l)| l * corner).sum();
+                assert!(found.distance(at) < 1e-9, "{at} found at {found}");
+                let mut value = [0.0];
+                mesh.reflected_at(triangle, coordinates, &mut value);
+                assert!((value[0] - (1.0 + 0.3 * at.x)).abs() < 1e-6);
+            }
+        }
     }
 }

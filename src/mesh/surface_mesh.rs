@@ -1,15 +1,14 @@
 //! The light on one surface as a function: quadratic elements.
 
 use glam::DVec2;
-use serde::{Deserialize, Serialize};
 
-use super::bisection::Triangles;
+use super::bisection::{Triangle, Triangles};
 use super::element;
 
 /// Elements on one surface, and the radiosity at their nodes. Between elements it is continuous, but across edges where they share no nodes:
 /// there light may have a step.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct SurfaceMesh {
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SurfaceMesh {
     /// In the surface's plane, in metres.
     nodes: Vec<DVec2>,
     /// Numbers of nodes: three corners, counter-clockwise, then the middles of the edges from each.
@@ -21,7 +20,7 @@ pub(crate) struct SurfaceMesh {
 impl SurfaceMesh {
     pub fn new(triangles: &Triangles, reflected: Vec<f32>) -> Self {
         let nodes = triangles.nodes.iter().map(|node| node.at).collect();
-        Self { nodes, triangles: triangles.triangles.iter().map(super::bisection::Triangle::nodes).collect(), reflected }
+        Self { nodes, triangles: triangles.triangles.iter().map(Triangle::nodes).collect(), reflected }
     }
 
     pub fn nodes(&self) -> &[DVec2] {
@@ -50,26 +49,5 @@ impl SurfaceMesh {
             let of_node = |(&node, weight): (&u32, f64)| weight * f64::from(self.reflected[node as usize * channels + channel]);
             *sum = self.triangles[triangle].iter().zip(weights).map(of_node).sum::<f64>().max(0.0);
         }
-    }
-
-    /// Bytes that it takes.
-    pub fn memory_bytes(&self) -> u64 {
-        (size_of_val(&*self.nodes) + size_of_val(&*self.triangles) + size_of_val(&*self.reflected)) as u64
-    }
-
-    /// Checks what readers rely on.
-    pub fn validate(&self, channels: usize) -> Result<(), String> {
-        let count = self.nodes.len();
-        if self.reflected.len() != count * channels {
-            return Err("the values of a mesh do not fit its nodes".to_owned());
-        }
-        if self.triangles.iter().flatten().any(|&node| node as usize >= count) {
-            return Err("a triangle of a mesh has a node that is not there".to_owned());
-        }
-        let is_finite = self.nodes.iter().all(|node| node.is_finite()) && self.reflected.iter().all(|value| value.is_finite());
-        if !is_finite {
-            return Err("a node of a mesh is not finite".to_owned());
-        }
-        Ok(())
     }
 }

@@ -116,3 +116,49 @@ impl<'a> Builder<'a> {
         self.lines.iter().any(|line| line.is_step && ends.iter().all(|&end| is_on(line, end)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::sampling;
+
+    /// Regular polygons, thin ones as well.
+    fn polygon(corners: u32, height: f64) -> Vec<DVec2> {
+        let corner =
+            |k: u32| DVec2::from_angle(std::f64::consts::TAU * f64::from(k) / f64::from(corners)) * DVec2::new(1.0, height);
+        (0..corners).map(corner).collect()
+    }
+
+    #[test]
+    fn any_lines_give_triangles_that_fill_the_polygon() {
+        for seed in 0..300_u64 {
+            let random = |k: u64| sampling::unit(sampling::hash(seed, k));
+            let polygon = polygon(3 + (seed % 6) as u32, if seed % 5 == 0 { 1e-3 } else { 0.7 });
+            let count = polygon.len();
+
+            // Lines between points inside, on a coarse grid, so that they touch, cross, repeat and lie in a row; some end at corners or edges.
+            let inside = |k: u64| {
+                let grid = |k: u64| if random(k + 7) < 0.7 { (random(k) * 4.0).floor() / 4.0 } else { random(k) };
+                let (a, b) = (polygon[(random(k) * count as f64) as usize], polygon[(random(k + 1) * count as f64) as usize]);
+                a.lerp(b, grid(k + 2)).lerp(polygon[0], if random(k + 3) < 0.3 { 0.0 } else { grid(k + 4) })
+            };
+            let line = |k: u64| Line { ends: [inside(20 * k), inside(20 * k + 10)], is_step: random(20 * k + 19) < 0.5 };
+            let lines: Vec<Line> = (0..seed % 30).map(line).collect();
+            let area = 0.5 * (0..count).map(|k| polygon[k].perp_dot(polygon[(k + 1) % count])).sum::<f64>();
+            let triangles = triangulate(&polygon, &lines, 0.1 * area);
+            let all: Vec<f64> = (0..triangles.triangles.len() as u32).map(|triangle| triangles.area(triangle)).collect();
+            assert!(all.iter().all(|&part| part > 0.0 && part <= 0.1 * area), "seed {seed}");
+            assert!((all.iter().sum::<f64>() / area - 1.0).abs() < 1e-6, "seed {seed}: {} of {area}", all.iter().sum::<f64>());
+        }
+    }
+
+    #[test]
+    fn values_are_not_shared_across_a_step() {
+        let square = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
+        let across = |is_step| [Line { ends: [DVec2::new(0.5, 0.0), DVec2::new(0.5, 1.0)], is_step }];
+        let on_line = |of: &Triangles| of.nodes.iter().filter(|node| node.at.x == 0.5).count();
+        let (open, cut) = (triangulate(&square, &across(false), 1.0), triangulate(&square, &across(true), 1.0));
+        assert_eq!(on_line(&cut), 2 * on_line(&open));
+        assert!(cut.nodes.iter().filter(|node| node.at.x == 0.5).all(|node| node.sampled_at.x != 0.5));
+    }
+}

@@ -17,9 +17,10 @@
 mod atomic;
 pub mod exr;
 mod format;
+pub mod mesh_ply;
 #[cfg(feature = "openexr")]
 pub mod openexr;
-pub mod ply;
+mod ply;
 pub mod png;
 pub mod points;
 mod provenance;
@@ -30,6 +31,7 @@ pub mod values;
 pub use atomic::{Destination, DestinationError};
 pub use exr::write_exr;
 pub use format::{ExportFormat, ImageFormat, UnknownExtension};
+pub use mesh_ply::write_mesh_ply;
 #[cfg(feature = "openexr")]
 pub use openexr::write_openexr;
 pub use ply::write_ply;

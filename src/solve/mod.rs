@@ -12,6 +12,7 @@ mod job;
 mod judge;
 mod linked;
 mod links_way;
+mod lit_mesh;
 mod memory;
 mod next_step;
 mod options;

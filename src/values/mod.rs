@@ -18,5 +18,5 @@ pub(crate) use final_gather::{BATCH, FinalGather, emitter_rays};
 pub(crate) use gather::{Gather, Gathered, Over, Scratch};
 pub(crate) use indirect::IndirectGather;
 pub(crate) use over_links::LinkGather;
-pub(crate) use sample::values_at;
 pub use sample::{Values, ValuesError};
+pub(crate) use sample::{tolerance, values_at};

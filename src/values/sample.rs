@@ -12,7 +12,7 @@ use super::gather::{Gather, Gathered, Over, Scratch};
 use super::irradiance_cache::{CacheBuilder, Fitted, IrradianceCache};
 use crate::paths::Place;
 use crate::progress::{Observer, Progress, Stage};
-use crate::scene::SurfacePoint;
+use crate::scene::{Scene, SurfacePoint};
 
 /// Radiosities at points.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,6 +68,11 @@ impl ValuesError {
 /// A point lies on a surface if it is within this part of the scene's diagonal: files round to six or seven digits.
 const TOLERANCE: f64 = 1e-5;
 
+/// A point lies on a surface of a scene within so many metres.
+pub(crate) fn tolerance(scene: &Scene) -> f64 {
+    TOLERANCE * scene.bounds().diagonal()
+}
+
 /// Progress is reported, and cancelling asked for, once in so many points.
 const BATCH: usize = 256;
 
@@ -91,7 +96,7 @@ pub(crate) fn values_at(
     let channels = gather.scene.channels();
 
     // The surfaces that the points lie on.
-    let tolerance = TOLERANCE * gather.scene.bounds().diagonal();
+    let tolerance = tolerance(gather.scene);
     let place = |point: &SurfacePoint| {
         let (position, normal) = (DVec3::from(point.position), DVec3::from(point.normal));
         Some(gather.place_at(position, gather.hierarchy.surface_at(position, normal, tolerance)?))
