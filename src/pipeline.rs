@@ -266,7 +266,7 @@ impl Evaluator {
     /// [`PipelineError::Interest`] if the scene has nothing of that.
     pub fn importance(&self, interest: &Interest) -> Result<Importance, PipelineError> {
         let initial = InitialImportance::of(interest, &self.solution.scene, &*self.visibility)?;
-        Ok(self.solution.importance(&initial))
+        Ok(self.pool.install(|| self.solution.importance(&initial)))
     }
 
     /// Bounds the importance of every node for what `interest` asks for, over the links of the solution; with what is said at
@@ -306,9 +306,11 @@ impl Evaluator {
     /// The same, with [`Evaluator::bounds_at`] the points.
     pub fn bounded_values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<(Values, Option<PointBounds>)> {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
-        let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
-        let gather = self.solution.gather_at_points(&rays, paths.as_ref());
-        let values = self.pool.install(|| values::values_at(&gather, self.solution.error_bars, points, observer));
+        let values = self.pool.install(|| {
+            let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
+            let gather = self.solution.gather_at_points(&rays, paths.as_ref());
+            values::values_at(&gather, self.solution.error_bars, points, observer)
+        });
         let (mut values, bounds) = (values?, self.bounds_at(points));
         if let Some(bounds) = &bounds {
             bounds.confine(&mut values.radiosity);
@@ -356,11 +358,12 @@ impl Evaluator {
     pub fn render(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
         let through = camera.rays()?;
         let rays = Rays::new(&*self.visibility, self.solution.scene());
-        let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
-        let gather = self.solution.gather_at_points(&rays, paths.as_ref());
         let size = [camera.width, camera.height];
-        let render = || picture::render(&gather, self.solution.error_bars, &rays, &through, size, observer);
-        Ok(self.pool.install(render))
+        Ok(self.pool.install(|| {
+            let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
+            let gather = self.solution.gather_at_points(&rays, paths.as_ref());
+            picture::render(&gather, self.solution.error_bars, &rays, &through, size, observer)
+        }))
     }
 
     /// A picture of the width of the bounds, `(upper - lower) / pi`, black where a back or nothing is met. `None` if there are no

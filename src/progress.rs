@@ -50,6 +50,12 @@ pub trait Observer: Sync {
     fn cancelled(&self) -> bool {
         false
     }
+
+    /// Asked before a solve takes more memory, with what it would take in bytes by the ledger that `memory_bytes` of the run's options limits:
+    /// once it says `false` the solve ends soon, as if that limit were reached.
+    fn allows_memory(&self, _bytes: u64) -> bool {
+        true
+    }
 }
 
 /// Asked every now and then while work goes on: once it says `true`, as when the observer cancels or the time is over, it keeps saying so, and

@@ -629,6 +629,11 @@ typedef struct patchlight_visibility {
   patchlight_release_function release;
 } patchlight_visibility;
 
+// Hears, with its own data, how many bytes a solve would take now, before it takes more: not 0 to refuse them, which ends the solve as the
+// option `memory` does, with PATCHLIGHT_MEMORY_LIMIT and a solution. Bytes are counted as that option counts them, all that the solve holds
+// and the program itself. Called on worker threads, by one at a time for each solve.
+typedef int32_t (*patchlight_memory_function)(void *user, uint64_t bytes);
+
 // How a scene is solved. What is zero is left to the library.
 typedef struct patchlight_solve_info {
   // `sizeof(patchlight_solve_info)`
@@ -641,6 +646,10 @@ typedef struct patchlight_solve_info {
   void *progress_user;
   // Who answers visibility; NULL for the backend that the options name. The struct is copied.
   const struct patchlight_visibility *visibility;
+  // Hears how much memory is taken, and may refuse more; may be NULL.
+  patchlight_memory_function memory;
+  // Handed to `memory` as it is.
+  void *memory_user;
 } patchlight_solve_info;
 
 // A pinhole camera.

@@ -28,7 +28,7 @@ pub use context::{
     patchlight_context_retain, patchlight_context_set_log, patchlight_context_threads, patchlight_log_function,
     patchlight_log_level,
 };
-pub use observer::{patchlight_progress, patchlight_progress_function, patchlight_stage};
+pub use observer::{patchlight_memory_function, patchlight_progress, patchlight_progress_function, patchlight_stage};
 pub use options::{
     patchlight_option_count, patchlight_option_get_text, patchlight_option_get_type, patchlight_option_text,
     patchlight_option_type, patchlight_options, patchlight_options_create, patchlight_options_get_text, patchlight_options_release,

@@ -57,6 +57,23 @@ pub struct patchlight_progress {
 pub type patchlight_progress_function =
     Option<unsafe extern "C" fn(user: *mut c_void, progress: *const patchlight_progress) -> i32>;
 
+/// Hears, with its own data, how many bytes a solve would take now, before it takes more: not 0 to refuse them, which ends the solve as the
+/// option `memory` does, with PATCHLIGHT_MEMORY_LIMIT and a solution. Bytes are counted as that option counts them, all that the solve holds
+/// and the program itself. Called on worker threads, by one at a time for each solve.
+pub type patchlight_memory_function = Option<unsafe extern "C" fn(user: *mut c_void, bytes: u64) -> i32>;
+
+/// Who is asked about memory, with its data.
+#[derive(Clone, Copy)]
+pub struct MemoryMonitor {
+    pub function: patchlight_memory_function,
+    pub user: *mut c_void,
+}
+
+// SAFETY: The data are handed to the caller's function alone, of which the header says that it is called on worker threads.
+unsafe impl Send for MemoryMonitor {}
+// SAFETY: As above; what is shared is never changed.
+unsafe impl Sync for MemoryMonitor {}
+
 /// A function of the caller's with its data.
 #[derive(Clone, Copy)]
 pub struct Listener {
@@ -82,6 +99,7 @@ pub struct Watcher<'a> {
     listener: Listener,
     last: Mutex<(Instant, Progress)>,
     cancelled: AtomicBool,
+    memory: Option<MemoryMonitor>,
     /// Another reason to end.
     failed: &'a AtomicBool,
 }
@@ -89,7 +107,12 @@ pub struct Watcher<'a> {
 impl<'a> Watcher<'a> {
     pub fn new(listener: Listener, failed: &'a AtomicBool) -> Self {
         let nothing = Progress { stage: Stage::Build, round: 0, fraction: None, links: 0, elements: 0, error: None };
-        Self { listener, last: Mutex::new((Instant::now(), nothing)), cancelled: AtomicBool::new(false), failed }
+        Self { listener, last: Mutex::new((Instant::now(), nothing)), cancelled: AtomicBool::new(false), memory: None, failed }
+    }
+
+    /// Asks about memory, too.
+    pub fn asking(self, memory: MemoryMonitor) -> Self {
+        Self { memory: Some(memory), ..self }
     }
 
     /// Whether the listener has cancelled.
@@ -136,6 +159,13 @@ impl Observer for Watcher<'_> {
         }
         self.tell(None);
         self.was_cancelled()
+    }
+
+    fn allows_memory(&self, bytes: u64) -> bool {
+        let Some(MemoryMonitor { function: Some(function), user }) = self.memory else { return true };
+        let _state = FloatState::kept();
+        // SAFETY: The caller's function with its own data; a solve asks on the one thread that drives it.
+        unsafe { function(user, bytes) == 0 }
     }
 }
 

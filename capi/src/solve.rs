@@ -12,7 +12,7 @@ use crate::context::{PATCHLIGHT_LOG_INFO, patchlight_context};
 use crate::entry::enter;
 use crate::handles;
 use crate::memory::{Out, SizedStruct, read_sized};
-use crate::observer::{Listener, Watcher, patchlight_progress_function};
+use crate::observer::{Listener, MemoryMonitor, Watcher, patchlight_memory_function, patchlight_progress_function};
 use crate::options::{Settings, patchlight_options};
 use crate::scene::{Committed, patchlight_scene};
 use crate::solution::{Report, Solution, patchlight_solution};
@@ -36,6 +36,10 @@ pub struct patchlight_solve_info {
     pub progress_user: *mut c_void,
     /// Who answers visibility; NULL for the backend that the options name. The struct is copied.
     pub visibility: *const patchlight_visibility,
+    /// Hears how much memory is taken, and may refuse more; may be NULL.
+    pub memory: patchlight_memory_function,
+    /// Handed to `memory` as it is.
+    pub memory_user: *mut c_void,
 }
 
 // SAFETY: repr(C), its size first; pointers and functions that may be NULL may be zero.
@@ -47,6 +51,7 @@ unsafe impl SizedStruct for patchlight_solve_info {
 pub struct Request {
     pub settings: Settings,
     pub listener: Listener,
+    pub memory: MemoryMonitor,
     pub visibility: Option<CallersVisibility>,
     /// Set by `visibility`.
     pub failed: Arc<AtomicBool>,
@@ -58,7 +63,8 @@ impl Request {
     pub unsafe fn read(info: *const patchlight_solve_info, surfaces: usize) -> Outcome<Self> {
         let failed = Arc::new(AtomicBool::new(false));
         if info.is_null() {
-            return Ok(Self { settings: Settings::default(), listener: Listener::NONE, visibility: None, failed });
+            let memory = MemoryMonitor { function: None, user: std::ptr::null_mut() };
+            return Ok(Self { settings: Settings::default(), listener: Listener::NONE, memory, visibility: None, failed });
         }
         // SAFETY: The caller's promise.
         let info = unsafe { read_sized(info)? };
@@ -66,6 +72,7 @@ impl Request {
         settings.solve.validate()?;
         settings.run.validate()?;
         let listener = Listener { function: info.progress, user: info.progress_user };
+        let memory = MemoryMonitor { function: info.memory, user: info.memory_user };
         // Last: once it is made, its data are released whatever happens.
         let visibility = if info.visibility.is_null() {
             None
@@ -75,7 +82,7 @@ impl Request {
             let visibility = CallersVisibility::new(functions, surfaces, failed.clone());
             Some(visibility.ok_or_else(|| Ending::argument("a function of patchlight_visibility is NULL"))?)
         };
-        Ok(Self { settings, listener, visibility, failed })
+        Ok(Self { settings, listener, memory, visibility, failed })
     }
 }
 
@@ -94,9 +101,9 @@ pub unsafe extern "C" fn patchlight_solve(
         let scene = handles::get(scene)?.committed()?;
         // SAFETY: The contract of the header.
         let (out, request) = unsafe { (Out::new(solution, "solution")?, Request::read(info, scene.scene.surfaces().len())?) };
-        let Request { settings: Settings { solve: options, run }, listener, visibility, failed } = request;
+        let Request { settings: Settings { solve: options, run }, listener, memory, visibility, failed } = request;
 
-        let watcher = Watcher::new(listener, &failed);
+        let watcher = Watcher::new(listener, &failed).asking(memory);
         let (workers, copy) = (context.workers.clone(), scene.scene.clone());
         let (evaluator, report) = match visibility {
             None => pipeline::solve_on(workers, copy, &options, &run, &watcher)?,
@@ -129,7 +136,9 @@ fn ending(report: &SolveReport) -> (patchlight_status, String) {
         StoppedBy::MaxLinks => (PATCHLIGHT_LIMIT, format!("the limit on links ended the solve: {claim}")),
         StoppedBy::Time => (PATCHLIGHT_LIMIT, format!("the time limit ended the solve: {claim}")),
         StoppedBy::Exhausted => (PATCHLIGHT_LIMIT, format!("nothing more can be gained: {claim}")),
-        StoppedBy::Memory => (PATCHLIGHT_MEMORY_LIMIT, format!("the memory budget ended the solve: {claim}")),
+        StoppedBy::Memory => {
+            (PATCHLIGHT_MEMORY_LIMIT, format!("the memory budget, or who was asked for more, ended the solve: {claim}"))
+        }
         StoppedBy::Cancelled => (PATCHLIGHT_CANCELLED, "the progress function cancelled".to_owned()),
     }
 }

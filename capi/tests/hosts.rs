@@ -70,6 +70,12 @@ fn hostile_calls_from_c_end_with_a_status() {
     run(&mut installed.with_library(Command::new(installed.build(&Build::plain("capi/tests/c/hostile.c")))));
 }
 
+#[test]
+fn a_program_of_the_first_version_runs() {
+    let installed = Installed::get();
+    run(&mut installed.with_library(Command::new(installed.build(&Build::plain("capi/tests/c/old.c")))));
+}
+
 /// Makes, solves and lets go, so many times.
 fn again(times: &str) {
     let installed = Installed::get();

@@ -117,7 +117,6 @@ fn examples_are_built_by_cmake() {
     }
 }
 
-/// Ten lines of `docs/c.md` that work, and the version that is too new.
 #[test]
 fn cmake_takes_no_other_minor_version() {
     if !is_there("cmake") {

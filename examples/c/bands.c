@@ -32,7 +32,7 @@ int main(int argc, char **argv) {
     CHECK(patchlight_scene_commit(scene));
 
     patchlight_options *options = make_options(0.05, argc > 1 ? argv[1] : NULL);
-    patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL};
+    patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL, NULL, NULL};
     patchlight_solution *solution;
     CHECK(patchlight_solve(context, scene, &info, &solution));
     double radiosity[12];

@@ -13,7 +13,7 @@ int main(int argc, char **argv) {
     CHECK(patchlight_options_set_text(options, "strategy", "uniform"));
     CHECK(patchlight_options_set_text(options, "solver", "links"));
     CHECK(patchlight_options_set_double(options, "form_factor_accuracy", 0));
-    patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL};
+    patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL, NULL, NULL};
     patchlight_solution *solution;
     CHECK(patchlight_solve(context, scene, &info, &solution));
 

@@ -26,7 +26,7 @@ int main(int argc, char **argv) {
     // All of it, and then one that is cancelled at once.
     for (int patience = 1000000; patience > 0; patience = patience > 1 ? 1 : 0) {
         struct user user = {0, patience};
-        patchlight_solve_info info = {sizeof info, options, tell, &user, NULL};
+        patchlight_solve_info info = {sizeof info, options, tell, &user, NULL, NULL, NULL};
         patchlight_solution *solution;
         patchlight_status status = CHECK(patchlight_solve(context, scene, &info, &solution));
         fprintf(stderr, "\n");

@@ -23,7 +23,7 @@ int main(int argc, char **argv) {
     CHECK(patchlight_scene_commit(scene));
     CHECK(patchlight_options_create(&options));
     CHECK(patchlight_options_set_double(options, "error", 0.1));
-    patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL};
+    patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL, NULL, NULL};
     CHECK(patchlight_solve(context, scene, &info, &solution));
     double on_the_table[6] = {2.05, 0.41, 2.05, 0, 1, 0};
     patchlight_array point = {sizeof point, PATCHLIGHT_DOUBLE, on_the_table, 1, 0}, normal = point;

@@ -86,7 +86,7 @@ int main(void) {
     double found[2][6];
     for (int by_own = 0; by_own < 2; by_own++) {
         patchlight_options *options = make_options(0.1, "brute-force");
-        patchlight_solve_info info = {sizeof info, options, NULL, NULL, by_own ? &own : NULL};
+        patchlight_solve_info info = {sizeof info, options, NULL, NULL, by_own ? &own : NULL, NULL, NULL};
         patchlight_solution *solution;
         CHECK(patchlight_solve(context, scene, &info, &solution));
         CHECK(patchlight_solution_get_double(solution, PATCHLIGHT_SURFACES, PATCHLIGHT_RADIOSITY, found[by_own], 6, NULL));

@@ -82,6 +82,10 @@ unsafe extern "C" fn listen(user: *mut c_void, progress: *const patchlight_progr
     i32::from(user.is_null() && stage == patchlight_stage::PATCHLIGHT_STAGE_ERROR as u32)
 }
 
+unsafe extern "C" fn refuse(user: *mut c_void, bytes: u64) -> i32 {
+    i32::from(user.is_null() && bytes > 25_000_000)
+}
+
 /// Plays the calls that the bytes stand for, and lets all handles go. Tells how many solves there were.
 pub fn play(bytes: &[u8]) -> usize {
     let mut bytes = Bytes(bytes);
@@ -193,8 +197,10 @@ impl World {
             }
             let size = bytes.pick(&[size_of::<patchlight_solve_info>(), size_of::<patchlight_solve_info>(), 16, 0]);
             let user = bytes.pick(&[null_mut(), std::ptr::dangling_mut::<c_void>()]);
+            let (progress_user, memory_user) = (user, user);
+            let (progress, memory) = (Some(listen as _), bytes.pick(&[None, Some(refuse as _)]));
             let info =
-                patchlight_solve_info { size, options: limited, progress: Some(listen), progress_user: user, visibility: null() };
+                patchlight_solve_info { size, options: limited, progress, progress_user, visibility: null(), memory, memory_user };
             if check(patchlight_solve(any(&self.contexts, bytes), any(&self.scenes, bytes), &info, &mut solution)) {
                 self.solves += 1;
                 self.solutions.push(solution);

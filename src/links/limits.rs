@@ -19,6 +19,8 @@ pub(crate) struct RefineLimits<'a> {
     pub link_bytes: u64,
     /// Asked once a wave, with links and elements so far: whether to split nothing more.
     pub stop: &'a (dyn Fn(u64, u64) -> bool + Sync),
+    /// Asked once a wave, with the bytes of hierarchy, links and pairs so far: whether there may be more.
+    pub allows: &'a (dyn Fn(u64) -> bool + Sync),
     /// Asked within waves: whether to leave what is undecided as it is, without a link.
     pub halt: Stop<'a>,
 }
@@ -30,7 +32,7 @@ pub(crate) enum RefineEnd {
     Content,
     /// The largest number of links was reached: the remaining pairs were linked as they stand, or left dormant.
     MaxLinks,
-    /// The memory budget was reached: the remaining pairs were linked as they stand, or left dormant.
+    /// The memory budget was reached, or `allows` said no: the remaining pairs were linked as they stand, or left dormant.
     Memory,
     /// `stop` said so: the remaining pairs were linked as they stand, or left dormant once `halt` did.
     Stopped,
@@ -48,9 +50,7 @@ pub(super) struct Holding {
 impl RefineLimits<'_> {
     /// The limit that such a solution exceeds, with `more_bytes` of new nodes.
     pub(super) fn exceeded(&self, hierarchy: &Hierarchy, holding: Holding, more_bytes: u64) -> Option<RefineEnd> {
-        let nodes = hierarchy.memory_bytes() + hierarchy.len() as u64 * self.node_bytes;
-        let links = (holding.links + holding.unlinked) as u64 * self.link_bytes;
-        if nodes + links + more_bytes > self.max_bytes {
+        if self.bytes(hierarchy, holding.links + holding.unlinked) + more_bytes > self.max_bytes {
             Some(RefineEnd::Memory)
         } else if holding.links as u64 > self.max_links {
             Some(RefineEnd::MaxLinks)
@@ -68,8 +68,19 @@ impl RefineLimits<'_> {
         (pieces, bytes + pieces as u64 * self.node_bytes)
     }
 
-    /// Whether `stop` says so.
-    pub(super) fn says_stop(&self, hierarchy: &Hierarchy, links: usize) -> bool {
-        (self.stop)(links as u64, (hierarchy.len() - hierarchy.cluster_count()) as u64)
+    /// What nodes and so many pairs take, with or without links.
+    fn bytes(&self, hierarchy: &Hierarchy, pairs: usize) -> u64 {
+        hierarchy.memory_bytes() + hierarchy.len() as u64 * self.node_bytes + pairs as u64 * self.link_bytes
+    }
+
+    /// Whether `stop` or `allows` says that nothing more is to be split, with so many links and other pairs.
+    pub(super) fn says_end(&self, hierarchy: &Hierarchy, links: usize, others: usize) -> Option<RefineEnd> {
+        if (self.stop)(links as u64, (hierarchy.len() - hierarchy.cluster_count()) as u64) {
+            Some(RefineEnd::Stopped)
+        } else if !(self.allows)(self.bytes(hierarchy, links + others)) {
+            Some(RefineEnd::Memory)
+        } else {
+            None
+        }
     }
 }

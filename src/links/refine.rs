@@ -62,8 +62,8 @@ impl<'a> Refinement<'a> {
     ) -> RefineEnd {
         let (mut wave, mut end) = self.reopen(hierarchy, splits, context, limits);
         while !wave.is_empty() {
-            if end == RefineEnd::Content && limits.says_stop(hierarchy, self.linked.len() + wave.len()) {
-                end = RefineEnd::Stopped;
+            if end == RefineEnd::Content {
+                end = limits.says_end(hierarchy, self.linked.len() + wave.len(), self.dormant.len()).unwrap_or(end);
             }
 
             // What becomes of each pair; what is settled is put away.

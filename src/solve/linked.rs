@@ -120,14 +120,26 @@ impl<'a> Linked<'a> {
         }
     }
 
+    /// Asks whether refinement may take so many bytes, beside what does not change while it works.
+    pub fn refinement_memory(&self) -> impl Fn(u64) -> bool + Sync + use<'a> {
+        let (observer, others) = (self.job.observer, self.job.memory.beside_refinement(self.holdings()));
+        move |bytes| observer.allows_memory(others + bytes)
+    }
+
     /// Where refinement ends, content or not.
-    pub fn refine_limits<'s>(&self, stop: &'s (dyn Fn(u64, u64) -> bool + Sync), halt: Stop<'s>) -> RefineLimits<'s> {
+    pub fn refine_limits<'s>(
+        &self,
+        stop: &'s (dyn Fn(u64, u64) -> bool + Sync),
+        allows: &'s (dyn Fn(u64) -> bool + Sync),
+        halt: Stop<'s>,
+    ) -> RefineLimits<'s> {
         RefineLimits {
             max_links: self.job.options.max_links.unwrap_or(u64::from(u32::MAX)),
             max_bytes: self.job.memory.left_for_refinement(self.holdings(), self.reserved_bytes),
             node_bytes: MemoryLedger::bytes_of_new_node(self.job.kept_channels),
             link_bytes: LINK_AT_WORK as u64,
             stop,
+            allows,
             halt,
         }
     }
@@ -173,8 +185,8 @@ impl<'a> Linked<'a> {
             seed: options.seed,
             form_factor_nanoseconds: AtomicU64::new(0),
         };
-        let (stop, halt) = (self.refinement_stop(), self.job.stop());
-        let limits = self.refine_limits(&stop, &halt);
+        let (stop, allows, halt) = (self.refinement_stop(), self.refinement_memory(), self.job.stop());
+        let limits = self.refine_limits(&stop, &allows, &halt);
         let mut refinement = Refinement::of(std::mem::take(&mut self.links), &mut self.dropped);
         let end = refinement.refine(&mut self.hierarchy, splits, &context, &limits);
         let at_work = (refinement.len() * LINK_AT_WORK) as u64;
@@ -316,7 +328,7 @@ impl<'a> Linked<'a> {
         }
         let Some(demand) = self.cell_demand(plan) else { return false };
         let bytes = self.job.memory.kept(self.holdings()) + demand.bytes(self.job.scene);
-        let is_allowed = self.job.memory.allows(bytes);
+        let is_allowed = self.job.memory.allows(bytes) && self.job.observer.allows_memory(bytes);
         if is_allowed {
             self.account(bytes);
         }

@@ -113,13 +113,18 @@ impl MemoryLedger {
         self.fixed + Hierarchy::bytes_of(surfaces, clusters, corners) + nodes + FIRST_LINKS
     }
 
+    /// What there is while links are refined beside nodes and links.
+    pub fn beside_refinement(&self, of: Holdings<'_>) -> u64 {
+        let of_clusters: u64 = Self::node_bytes(0, of.hierarchy.cluster_count(), of.channels).iter().sum();
+        self.fixed + of_clusters
+    }
+
     /// What is left for nodes and links while others take `reserved`; infinite without a budget.
     pub fn left_for_refinement(&self, of: Holdings<'_>, reserved: u64) -> u64 {
-        let of_clusters: u64 = Self::node_bytes(0, of.hierarchy.cluster_count(), of.channels).iter().sum();
         if self.budget == u64::MAX {
             u64::MAX
         } else {
-            self.budget.saturating_sub(self.fixed + of_clusters).saturating_sub(reserved)
+            self.budget.saturating_sub(self.beside_refinement(of)).saturating_sub(reserved)
         }
     }
 

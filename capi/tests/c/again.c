@@ -20,7 +20,7 @@ int main(int argc, char **argv) {
         CHECK(patchlight_context_create(1, &context));
         patchlight_scene *scene = make_box(context, 1, reflectance, exitance);
         patchlight_options *options = make_options(0.9, argc > 2 ? argv[2] : NULL);
-        patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL};
+        patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL, NULL, NULL};
         CHECK(patchlight_solve(context, scene, &info, &solution));
         CHECK(patchlight_solution_release(solution));
         CHECK(patchlight_options_release(options));

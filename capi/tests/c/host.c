@@ -79,7 +79,7 @@ int main(void) {
         CHECK(patchlight_context_create(2, &context));
         patchlight_scene *box = make_box(context, 1, reflectance, exitance);
         patchlight_options *options = make_options(0.02, "embree");
-        patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL};
+        patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL, NULL, NULL};
         CHECK(patchlight_solve(context, box, &info, &solution));
         CHECK(patchlight_solution_get_double(solution, PATCHLIGHT_SURFACES, PATCHLIGHT_RADIOSITY, found[upwards], 6, NULL));
         CHECK(patchlight_solution_release(solution));

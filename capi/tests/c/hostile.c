@@ -27,7 +27,7 @@ static void sizes(patchlight_context *context, patchlight_scene *scene, patchlig
     struct older_info older = {sizeof older, options};
     CHECK(patchlight_solve(context, scene, (const patchlight_solve_info *)&older, &solution));
     CHECK(patchlight_solution_release(solution));
-    struct newer_info newer = {{sizeof newer, options, NULL, NULL, NULL}, NULL};
+    struct newer_info newer = {{sizeof newer, options, NULL, NULL, NULL, NULL, NULL}, NULL};
     CHECK(patchlight_solve(context, scene, &newer.known, &solution));
     CHECK(patchlight_solution_release(solution));
     newer.unknown = &newer;
@@ -41,7 +41,7 @@ static void sizes(patchlight_context *context, patchlight_scene *scene, patchlig
 static void handles(patchlight_context *context, patchlight_scene *scene, patchlight_options *options) {
     patchlight_solution *solution, *same;
     int mine;
-    patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL};
+    patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL, NULL, NULL};
     CHECK(patchlight_solve(context, scene, &info, &solution));
     same = solution;
     CHECK(patchlight_solution_retain(solution));
@@ -62,7 +62,7 @@ static void handles(patchlight_context *context, patchlight_scene *scene, patchl
 
 static void buffers(patchlight_context *context, patchlight_scene *scene, patchlight_options *options) {
     patchlight_solution *solution;
-    patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL};
+    patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL, NULL, NULL};
     CHECK(patchlight_solve(context, scene, &info, &solution));
     double numbers[6] = {-1, -1, -1, -1, -1, -1};
     size_t count = 0;

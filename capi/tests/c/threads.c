@@ -23,7 +23,7 @@ static int32_t count(void *user, const patchlight_progress *progress) {
 static void *solve(void *data) {
     struct outcome *outcome = (struct outcome *)data;
     patchlight_options *options = make_options(0.1, "obvhs");
-    patchlight_solve_info info = {sizeof info, options, count, &outcome->reports, NULL};
+    patchlight_solve_info info = {sizeof info, options, count, &outcome->reports, NULL, NULL, NULL};
     patchlight_solution *solution;
     CHECK(patchlight_solve(context, scene, &info, &solution));
     CHECK(patchlight_solution_get_double(solution, PATCHLIGHT_SURFACES, PATCHLIGHT_RADIOSITY, outcome->radiosity, 6, NULL));

@@ -90,7 +90,15 @@ pub fn closed_box(context: *mut patchlight_context) -> *mut patchlight_scene {
 
 pub fn info(options: *mut patchlight_options) -> patchlight_solve_info {
     let size = size_of::<patchlight_solve_info>();
-    patchlight_solve_info { size, options, progress: None, progress_user: null_mut::<c_void>(), visibility: null() }
+    patchlight_solve_info {
+        size,
+        options,
+        progress: None,
+        progress_user: null_mut::<c_void>(),
+        visibility: null(),
+        memory: None,
+        memory_user: null_mut(),
+    }
 }
 
 /// A box that is lit, coarsely.

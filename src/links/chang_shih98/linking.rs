@@ -68,8 +68,8 @@ impl SampledContext<'_> {
                     left_out.push(pair);
                 }
             }
-            if end == RefineEnd::Content && limits.says_stop(hierarchy, 2 * linked.len()) {
-                end = RefineEnd::Stopped;
+            if end == RefineEnd::Content {
+                end = limits.says_end(hierarchy, 2 * linked.len(), 0).unwrap_or(end);
             }
         }
         let surface = |tree: usize| trees[tree].root();

@@ -44,9 +44,7 @@ impl MutualLinks {
         // Wave after wave: would splitting tell anything, and do the children fit? Split, ask, and see what the children carry.
         let mut end = RefineEnd::Content;
         while !wave.is_empty() {
-            if limits.says_stop(hierarchy, 2 * (self.links.len() + wave.len())) {
-                end = RefineEnd::Stopped;
-            }
+            end = limits.says_end(hierarchy, 2 * (self.links.len() + wave.len()), 0).unwrap_or(end);
             if end != RefineEnd::Content {
                 self.links.append(&mut wave);
                 break;

@@ -51,8 +51,8 @@ impl MutualLinks {
             .collect();
         let mut first_row = 0;
         while first_row < surfaces.len() {
-            if limits.says_stop(hierarchy, 2 * self.links.len()) {
-                return RefineEnd::Stopped;
+            if let Some(end) = limits.says_end(hierarchy, 2 * self.links.len(), 0) {
+                return end;
             }
             let last_row = (first_row + ROWS).min(surfaces.len());
             let strategy = self.strategy;

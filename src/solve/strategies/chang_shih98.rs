@@ -14,7 +14,7 @@ pub(super) fn link_once(linked: &mut Linked<'_>) -> RefineEnd {
     linked.report.counts.rounds += 1;
     linked.progress(Stage::Refine);
     let start = Instant::now();
-    let (stop, halt) = (linked.refinement_stop(), linked.job.stop());
+    let (stop, allows, halt) = (linked.refinement_stop(), linked.refinement_memory(), linked.job.stop());
     let areas = linked.job.scene.surfaces().iter().map(|surface| surface.polygon.area());
     let context = SampledContext {
         scene: linked.job.scene,
@@ -29,7 +29,7 @@ pub(super) fn link_once(linked: &mut Linked<'_>) -> RefineEnd {
         samples: linked.job.options.chang_shih98.bottom_samples,
         seed: linked.job.options.seed,
     };
-    let limits = linked.refine_limits(&stop, &halt);
+    let limits = linked.refine_limits(&stop, &allows, &halt);
     let found = context.link(&mut linked.hierarchy, &limits);
     linked.links = found.links;
     let pairs = |what: &str, count: u64| SkippedWork { what: what.to_owned(), count: 2 * count, ..SkippedWork::default() };

@@ -47,8 +47,8 @@ fn link_and_refine(linked: &mut Linked<'_>, links: &mut MutualLinks, plan: &Plan
     linked.report.counts.rounds += 1;
     linked.progress(Stage::Refine);
     let start = Instant::now();
-    let (stop, halt) = (linked.refinement_stop(), linked.job.stop());
-    let limits = linked.refine_limits(&stop, &halt);
+    let (stop, allows, halt) = (linked.refinement_stop(), linked.refinement_memory(), linked.job.stop());
+    let limits = linked.refine_limits(&stop, &allows, &halt);
     let context = context(&linked.job, &linked.radiosity, plan);
     let mut ended = links.link_surfaces(&linked.hierarchy, &context, &limits);
     linked.report.time_s.initial_linking += start.elapsed().as_secs_f64();
