@@ -92,8 +92,8 @@ impl<'a> Builder<'a> {
             corners.push(edges.map(|edge| edge.from().fix().index() as u32));
             let neighbours = edges.map(|edge| {
                 let other = edge.rev().face();
-                let is_open = !other.is_outer() && !(edge.is_constraint_edge() && self.is_step(edge.positions()));
-                if is_open { self.numbers[other.fix().index()] } else { NONE }
+                let is_cut = other.is_outer() || edge.is_constraint_edge() && self.is_step(edge.positions());
+                if is_cut { NONE } else { self.numbers[other.fix().index()] }
             });
             triangles.push(neighbours);
         }
