@@ -25,9 +25,10 @@ demo: setup
 	@mkdir -p out
 	cargo build --release --locked --bin patchlight
 	cargo run --quiet --release --locked --bin patchlight -- solve scenes/room.obj \
-	    --error 0.05 --image out/room.png --image out/room.exr --report out/report.json
+	    --error 0.05 --mesh out/room.ply --image out/room.png --image out/room.exr --report out/report.json
 	@echo
 	@echo 'picture   out/room.png (to look at), out/room.exr (linear radiance)'
+	@echo 'mesh      out/room.ply (radiosity on the surfaces, which the picture shows)'
 	@echo 'report    out/report.json'
 
 library: setup
