@@ -23,8 +23,8 @@ const BISECTED: f64 = 0.8;
 /// If no more of the squared error than this is more than noise, smaller elements would only follow the noise.
 const NOISY: f64 = 0.25;
 
-/// Elements are not refined beyond so many: some gigabytes.
-const MOST_ELEMENTS: usize = 1 << 23;
+/// Elements are not refined beyond so many: about a gigabyte.
+const MOST_ELEMENTS: usize = 1 << 20;
 
 /// Rounds at most.
 const ROUNDS: u32 = 32;
