@@ -124,10 +124,13 @@ pub fn write_picture(image: &Image, request: &PictureRequest, provenance: &Prove
 pub fn write_mesh_to(destination: &Destination, evaluator: &Evaluator, mesh: &LitMesh, voice: Voice) -> Result<(), Failure> {
     let solution = evaluator.solution();
     destination.write(|file| write_mesh_ply(file, solution.scene(), mesh, &Provenance::new(solution.options())))?;
-    let (elements, off) = (mesh.elements(), 100.0 * mesh.claimed);
+    let (elements, off, asked) = (mesh.elements(), 100.0 * mesh.claimed, 100.0 * solution.options().error);
+    let reached = if off <= asked { "reached" } else { "not reached" };
     voice.figure(
         "mesh",
-        format_args!("{elements} elements, {off:.2}% off the values at points in the local norm: a claim like theirs"),
+        format_args!(
+            "{elements} elements, claimed to be {off:.2}% off the values at points, in the local norm; {asked:.2}% asked for: {reached}"
+        ),
     );
     voice.figure("wrote", format_args!("{}", destination.path().display()));
     Ok(())

@@ -41,6 +41,9 @@ struct Drawn {
 }
 
 /// Rays from a point to what is undecided, in pairs; memory that is reused.
+/// A form factor below this is what rounding leaves of none, see [`direct_irradiance`](super::direct_irradiance): it is not cut further.
+const ROUNDING: f64 = 1e-12;
+
 #[derive(Default)]
 pub(super) struct UndecidedRays {
     /// The strata of a source: ranges of corners, and form factors.
@@ -77,7 +80,7 @@ impl UndecidedRays {
         let height = view.source.height(view.point);
         let on_source = |direction: &DVec3| view.point + *direction * (height / -view.source.normal.dot(*direction));
         let whole: f64 = pieces.clone().map(|corners| from_directions(corners, view.normal)).sum();
-        let most = 2.0 * whole / f64::from(count.max(2)) / OF_MOST;
+        let most = (2.0 * whole / f64::from(count.max(2)) / OF_MOST).max(ROUNDING);
         self.strata.clear();
         self.corners.clear();
         let mut piece = Vec::new();
@@ -156,6 +159,34 @@ impl UndecidedRays {
                 drawn.share * (f64::from(sees) * drawn.sampled + beta * (drawn.form_factor - drawn.sampled))
             };
             add([pair[0].source, pair[1].source], [sample(&pair[0], occluded[0]), sample(&pair[1], occluded[1])]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Polygon;
+
+    /// Specks of a source: of their form factor rounding leaves more, less or nothing.
+    #[test]
+    fn what_is_left_of_nothing_takes_few_rays() {
+        let source = Polygon::new(&[[-24.0, 12.0, 26.0], [-15.0, 54.0, 26.0], [-15.0, -9.0, 26.0]]).unwrap();
+        let point = DVec3::new(-37.0, 20.0, 8.0) + DVec3::splat(1e-9);
+        let view = View { point, normal: DVec3::X, plane: 0, source: source.facet(), source_plane: 1 };
+        let mut undecided = UndecidedRays::default();
+        for seed in 0..300 {
+            let random = |k: u64| sampling::unit(sampling::hash(seed, k));
+            let size = 10.0_f64.powf(-8.0 - 6.0 * random(9));
+            let corner = |k: u64| {
+                let off = size * DVec3::new(random(2 * k), random(2 * k + 1), 0.0);
+                (DVec3::new(-18.0, 14.0, 26.0) + off - point).normalize()
+            };
+            for piece in [[corner(0), corner(1), corner(2)], [corner(0), corner(2), corner(1)]] {
+                undecided.restart();
+                undecided.draw_to_pieces(&view, SurfaceId(0), std::iter::once(&piece[..]), 25, 1);
+                assert!(undecided.drawn.len() < 1000, "seed {seed}: {} rays to {size:e}", undecided.drawn.len());
+            }
         }
     }
 }
