@@ -6,8 +6,11 @@ use crate::paths::Place;
 use crate::scene::Scene;
 use crate::values::{IndirectGather, RayBudget, Scratch};
 
-/// Rays by which direct light is found where that is cheaper than to find it exactly: noise that is hardly seen.
-const DIRECT_RAYS: u32 = 256;
+/// By how many rays direct light is found where that is cheaper than to find it exactly: noise that is hardly seen.
+const FINE: DirectEffort = DirectEffort { rays: 256, method: Method::Cheaper };
+
+/// The same where it only tells how bright a place is, which the norm asks: one over the root of the rays is error enough in a weight.
+const COARSE: DirectEffort = DirectEffort { rays: 8, method: Method::Rays };
 
 /// Memory that is reused from point to point.
 #[derive(Default)]
@@ -50,11 +53,17 @@ pub(super) struct All<'a> {
 
 impl Direct<'_> {
     /// Adds the direct light that is reflected at a place, and its variance.
-    fn add(&self, place: &Place, scratch: &mut DirectScratch, numbers: &mut Vec<f64>, found: &mut [[f64; 2]]) {
+    fn add(
+        &self,
+        place: &Place,
+        effort: DirectEffort,
+        scratch: &mut DirectScratch,
+        numbers: &mut Vec<f64>,
+        found: &mut [[f64; 2]],
+    ) {
         numbers.clear();
         numbers.resize(2 * found.len(), 0.0);
         let (irradiance, variance) = numbers.split_at_mut(found.len());
-        let effort = DirectEffort { rays: DIRECT_RAYS, method: Method::Cheaper };
         let receiver = Receiver { point: place.point, surface: place.surface, seed: place.seed };
         self.light.add_irradiance(&receiver, effort, scratch, irradiance, variance);
         let reflectance = &self.scene.material_of(place.surface).reflectance;
@@ -87,7 +96,7 @@ impl Light for Indirect<'_> {
         let LightScratch { direct, numbers, found: all, .. } = scratch;
         all.clear();
         all.extend_from_slice(found);
-        self.direct.add(place, direct, numbers, all);
+        self.direct.add(place, COARSE, direct, numbers, all);
         all.iter().map(|[value, _]| value * value).sum()
     }
 }
@@ -98,7 +107,7 @@ impl Light for All<'_> {
         scratch.numbers.resize(found.len(), 0.0);
         self.indirect.reflected_at(place.point, place.surface, &mut scratch.numbers);
         found.iter_mut().zip(&scratch.numbers).for_each(|(found, &value)| *found = [value, 0.0]);
-        self.direct.add(place, &mut scratch.direct, &mut scratch.numbers, found);
+        self.direct.add(place, FINE, &mut scratch.direct, &mut scratch.numbers, found);
     }
 
     fn all_sq(&self, _place: &Place, _scratch: &mut LightScratch, found: &[[f64; 2]]) -> f64 {
