@@ -34,6 +34,7 @@ impl Interior<'_> {
     }
 
     fn shell_before(&self, model: &mut Model, is_sky: bool) {
+        let (sill, lintel) = (Self::SILL, Self::LINTEL);
         let Interior { width, height, depth, .. } = *self;
         let [left, other] = self.walls;
         model.object("shell", Place::WORLD);
@@ -48,25 +49,25 @@ impl Interior<'_> {
             wall(model, [0.0, height], [0.0, depth]);
             return;
         }
-        wall(model, [0.0, Self::SILL], [0.0, depth]);
-        wall(model, [Self::LINTEL, height], [0.0, depth]);
+        wall(model, [0.0, sill], [0.0, depth]);
+        wall(model, [lintel, height], [0.0, depth]);
         let mut from = 0.0;
         for &[near, far] in self.windows {
-            wall(model, [Self::SILL, Self::LINTEL], [from, near]);
+            wall(model, [sill, lintel], [from, near]);
             from = far;
         }
-        wall(model, [Self::SILL, Self::LINTEL], [from, depth]);
+        wall(model, [sill, lintel], [from, depth]);
 
         // Reveals and the sky behind.
         for &[near, far] in self.windows {
             model.object("window", Place::WORLD);
             let x = -REVEAL;
-            model.face("white_paint", &[[x, Self::SILL, near], [x, Self::SILL, far], [0.0, Self::SILL, far], [0.0, Self::SILL, near]]);
-            model.face("white_paint", &[[x, Self::LINTEL, far], [x, Self::LINTEL, near], [0.0, Self::LINTEL, near], [0.0, Self::LINTEL, far]]);
-            model.face("white_paint", &[[x, Self::SILL, near], [0.0, Self::SILL, near], [0.0, Self::LINTEL, near], [x, Self::LINTEL, near]]);
-            model.face("white_paint", &[[0.0, Self::SILL, far], [x, Self::SILL, far], [x, Self::LINTEL, far], [0.0, Self::LINTEL, far]]);
+            model.face("white_paint", &[[x, sill, near], [x, sill, far], [0.0, sill, far], [0.0, sill, near]]);
+            model.face("white_paint", &[[x, lintel, far], [x, lintel, near], [0.0, lintel, near], [0.0, lintel, far]]);
+            model.face("white_paint", &[[x, sill, near], [0.0, sill, near], [0.0, lintel, near], [x, lintel, near]]);
+            model.face("white_paint", &[[0.0, sill, far], [x, sill, far], [x, lintel, far], [0.0, lintel, far]]);
             if is_sky {
-                model.face("sky", &across(x, [Self::SILL, Self::LINTEL], [near, far]));
+                model.face("sky", &across(x, [sill, lintel], [near, far]));
             }
         }
     }
