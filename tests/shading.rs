@@ -11,8 +11,9 @@ mod triangles;
 
 use patchlight::form_factor::point_form_factor;
 use patchlight::geometry::Polygon;
+use patchlight::hierarchy::NodeId;
 use patchlight::pipeline::Evaluator;
-use patchlight::scene::SurfacePoint;
+use patchlight::scene::{SurfaceId, SurfacePoint};
 use patchlight::solve::{LinkOptions, SolveOptions, Solver};
 use patchlight::values::ShadingMethod;
 use rooms::{Room, solve, values};
@@ -95,17 +96,40 @@ fn the_shadow_of_a_sheet_is_exact_by_c_d_and_the_library_s_own_gather() {
     assert!(in_penumbra > 50, "{in_penumbra}");
 }
 
-/// Method A is constant over leaves; method B scales the unoccluded form factors by what links say.
+/// Methods A and B by their definitions: the leaf under the point, and the links of all nodes above it with their transmittances.
 #[test]
-fn a_is_the_radiosity_of_the_leaf_and_b_lies_between_dark_and_unoccluded() {
+fn a_is_the_radiosity_of_the_leaf_and_b_takes_transmittances_from_links() {
     let (evaluator, points) = (solved(true), points());
     let (solution, hierarchy) = (evaluator.solution(), evaluator.solution().hierarchy());
-    let leaves: Vec<f32> = hierarchy.ids().filter(|&id| hierarchy.is_leaf(id)).map(|id| solution.radiosity().of(id)[0] as f32).collect();
     let [a, b] = [ShadingMethod::Leaf, ShadingMethod::FormFactors].map(|method| evaluator.shade(&points, method));
-    assert!(a.iter().all(|value| leaves.contains(value)));
-    let exact = |point: &SurfacePoint| 0.5 * EXITANCE * (whole(point) - hidden(point));
-    let off = |found: &[f32]| -> f64 { found.iter().zip(&points).map(|(&b, point)| (f64::from(b) - exact(point)).abs()).sum() };
-    assert!(off(&b) > 0.0 && off(&b) < off(&a), "{} and {}", off(&a), off(&b));
+    let contains = |leaf: NodeId, [x, y, _]: [f64; 3]| {
+        let range = |axis: usize| {
+            let places = hierarchy.polygon(leaf).into_iter().map(|corner| corner[axis]);
+            places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [x.min(low), x.max(high)])
+        };
+        let [[west, east], [south, north]] = [range(0), range(1)];
+        (west..east).contains(&x) && (south..north).contains(&y)
+    };
+    let mut links = 0;
+    for (k, point) in points.iter().enumerate() {
+        let is_under =
+            |&id: &NodeId| hierarchy.is_leaf(id) && hierarchy.surface_of(id) == Some(SurfaceId(0)) && contains(id, point.position);
+        let leaf = hierarchy.ids().find(is_under).expect("the floor is covered by its leaves");
+        assert_close(f64::from(a[k]), solution.radiosity().of(leaf)[0], "A");
+
+        let (mut irradiance, mut node) = (0.0, Some(leaf));
+        while let Some(above) = node {
+            for link in solution.links().of(above) {
+                let source = Polygon::new(&hierarchy.polygon(link.source)).unwrap();
+                let seen = f64::from(link.transmittance) * point_form_factor(point.position, UP, &source);
+                irradiance += seen * solution.radiosity().of(link.source)[0];
+                links += 1;
+            }
+            node = hierarchy.parent(above);
+        }
+        assert_close(f64::from(b[k]), 0.5 * irradiance, "B");
+    }
+    assert!(links > points.len(), "{links}");
 }
 
 #[test]
