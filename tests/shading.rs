@@ -44,8 +44,9 @@ fn solved(has_sheet: bool) -> Evaluator {
     solve(room.scene(), &options).0
 }
 
+/// Points of the floor, spread evenly and on no line between elements.
 fn points() -> Vec<SurfacePoint> {
-    let at = |k: u32| [f64::from(k) * 0.618 % 1.0, f64::from(k) * 0.755 % 1.0, 0.0];
+    let at = |k: u32| [f64::from(k) * 0.754_877_666 % 1.0, f64::from(k) * 0.569_840_291 % 1.0, 0.0];
     (1..200).map(|k| SurfacePoint { position: at(k), normal: UP }).collect()
 }
 
