@@ -39,7 +39,7 @@ fn solved(has_sheet: bool) -> Evaluator {
     if has_sheet {
         room.sheet(&facing_down(SHEET, 0.5), black);
     }
-    let links = LinkOptions { tolerance: Some(0.1), leaf_rays: Some(0), ..LinkOptions::default() };
+    let links = LinkOptions { tolerance: Some(0.01), leaf_rays: Some(0), ..LinkOptions::default() };
     let options = SolveOptions { solver: Solver::Links, error: 0.9, point_rays: Some(8), links, ..SolveOptions::default() };
     solve(room.scene(), &options).0
 }
@@ -130,7 +130,7 @@ fn a_is_the_radiosity_of_the_leaf_and_b_takes_transmittances_from_links() {
         }
         assert_close(f64::from(b[k]), 0.5 * irradiance, "B");
     }
-    assert!(links > points.len(), "{links}");
+    assert!(links >= points.len(), "{links}");
 }
 
 #[test]
