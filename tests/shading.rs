@@ -1,8 +1,8 @@
 //! Methods A to D of Lischinski 1994 where what they must give is known in closed form: a lamp, and a sheet that hides a part of it.
 //!
-//! The lamp is a unit square at height 1 that reflects nothing, the floor below it reflects 1/2 and nothing else reflects: `B(x) = E F(x, visible part) / 2`.
-//! The black sheet lies halfway up. What it hides from x of the lamp's plane is its image, `2 m - x` for m in the sheet, so the form factor of
-//! what is hidden is that of a rectangle.
+//! The lamp is a unit square at height 1 that reflects nothing, the floor below it reflects 1/2 and nothing else reflects:
+//! `B(x) = E F(x, visible part) / 2`. The black sheet lies halfway up. What it hides from x of the lamp's plane is its image, `2 m - x`
+//! for m in the sheet, so the form factor of what is hidden is that of a rectangle.
 
 #[path = "support/rooms.rs"]
 mod rooms;

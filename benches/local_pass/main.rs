@@ -1,8 +1,9 @@
-//! Radiosity at points: methods A to D of Lischinski 1994, section 4.3.3, beside the library's own, on global solutions from coarse to fine: figure 4.10
-//! and tables 4.1 and 4.4 for this implementation, beside what the thesis says of its own.
+//! Radiosity at points: methods A to D of Lischinski 1994, section 4.3.3, beside the library's own, on global solutions from coarse to
+//! fine: figure 4.10 and tables 4.1 and 4.4 for this implementation, beside what the thesis says of its own.
 //!
-//! `cargo bench --bench local_pass` prints tables as Markdown, in about a minute; `-- --plots docs` also draws the figures into docs/; names of scenes leave
-//! out the others. Errors are those of radiosities at points uniform by area against a fine solution over links, which is itself held against one over cells.
+//! `cargo bench --bench local_pass` prints tables as Markdown, in about a minute; `-- --plots docs` also draws the figures into docs/;
+//! names of scenes leave out the others. Errors are those of radiosities at points uniform by area against a fine solution over links,
+//! which is itself held against one over cells.
 #![allow(missing_docs, reason = "a program")]
 #![allow(clippy::print_stdout, reason = "a program that prints tables")]
 

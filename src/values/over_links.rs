@@ -1,18 +1,19 @@
 //! The gather at a point over links: `B(x) = E + rho * sum over links of F(x -> s) V(x, s) B_s`.
 //!
-//! The links are those of all nodes above the point. They bring reflected light. Emitters are seen as wholes beside them, whatever links say: their visible
-//! parts exactly, or by rays where these are cheaper (`direct`); where there are more emitters than rays, all light comes over the links.
+//! The links are those of all nodes above the point. They bring reflected light. Emitters are seen as wholes beside them, whatever links
+//! say: their visible parts exactly, or by rays where these are cheaper (`direct`); where there are more emitters than rays, all light
+//! comes over the links.
 //!
 //! Over a link the form factor to the source is exact at the point. Visibility V is sampled anew: a budget of rays is shared out over the
 //! sources in proportion to the noise that a ray to each may have, by how uncertain its link's transmittance is and how much the source's
-//! radiosity varies. A ray brings the radiosity of the leaf where it ends, so uneven sources make no error. A source with much noise, or a near one, is
-//! split: into its children, or its polygon into parts (`link_sources`).
+//! radiosity varies. A ray brings the radiosity of the leaf where it ends, so uneven sources make no error. A source with much noise, or a
+//! near one, is split: into its children, or its polygon into parts (`link_sources`).
 //!
 //! A leaf with something standing on it may be bright on one side of that and dark on the other, and a point close by sees little
 //! else. So rays that end on such a leaf gather there once more.
 //!
-//! Cost: one form factor for each source and part, and about as many segments as rays, beside those to emitters. The result is an estimate: its noise falls
-//! with the number of rays, its bias is that of the leaves' radiosities.
+//! Cost: one form factor for each source and part, and about as many segments as rays, beside those to emitters. The result is an
+//! estimate: its noise falls with the number of rays, its bias is that of the leaves' radiosities.
 
 use std::borrow::Cow;
 use std::sync::Arc;
