@@ -40,7 +40,8 @@ pub(super) const MAX_RAYS: f64 = 8.0;
 /// Rays that end on a leaf that is exposed only in part gather there if the form factor of the source is above this. Empirical.
 const CLOSE: f64 = 0.1;
 
-/// Rays to what is undecided of emitters, as a part of those to reflected light: fewer, since their noise falls faster, see `direct`. Empirical.
+/// Rays to what is undecided of emitters, as a part of those to reflected light: fewer, since their noise falls faster, see `direct`. A choice, not
+/// fitted: between 0 and 1 it shifts time from one to the other.
 const DIRECT_RAYS: f64 = 0.5;
 
 /// Gathers at points over the links of a solution.
