@@ -16,7 +16,7 @@ use crate::solve::{
 };
 use crate::sweep::Importance;
 use crate::transmittance::Rays;
-use crate::values::{self, Values};
+use crate::values::{self, ShadingMethod, Values};
 use crate::visibility::{self, Backend, Visibility, VisibilityError};
 
 /// Why a stage could not start or finish.
@@ -316,6 +316,12 @@ impl Evaluator {
             bounds.confine(&mut values.radiosity);
         }
         Some((values, bounds))
+    }
+
+    /// Radiosities at points by methods A to D of Lischinski 1994 over the links, by point and channel, in W/m^2; NaN where a point lies on no surface.
+    pub fn shade(&self, points: &[SurfacePoint], method: ShadingMethod) -> Vec<f32> {
+        let rays = Rays::new(&*self.visibility, self.solution.scene());
+        self.pool.install(|| self.solution.shade(&rays, points, method))
     }
 
     /// Radiosity as a function on the surfaces, made from the values at points. It is refined until no more than `error` in the local norm is claimed

@@ -19,6 +19,8 @@ mod furniture;
 mod hall;
 #[path = "../examples/generate_scenes/interior.rs"]
 mod interior;
+#[path = "../examples/generate_scenes/lischinski.rs"]
+mod lischinski;
 #[path = "../examples/generate_scenes/model.rs"]
 mod model;
 #[path = "../examples/generate_scenes/paper_rooms.rs"]
@@ -111,6 +113,29 @@ fn the_five_rooms_have_the_papers_numbers_of_polygons_and_are_closed() {
         let (_, summary, inspection) = read(&format!("{name}.obj"));
         assert_eq!((summary.faces, summary.surfaces, inspection.escaped), (polygons, polygons, 0), "{name}");
         assert!(summary.emitters >= 2, "{name}");
+    }
+}
+
+/// Polygons, emitters, edges of these and of all others, and whether light leaves: only through the openings of the sunlit room.
+#[test]
+fn the_scenes_of_the_thesis_have_its_numbers_of_polygons_and_lights() {
+    let scenes = [
+        ("exhibit_room", [47, 2, 8, 173], false),
+        ("sunlit_room", [1688, 2, 8, 6744], true),
+        ("gallery", [534, 6, 24, 2112], false),
+        ("panelled_room", [2892, 6, 26, 11544], false),
+    ];
+    for (name, numbers, is_open) in scenes {
+        let (imported, _, inspection) = read(&format!("{name}.obj"));
+        let scene = &imported.scene;
+        let corners = |is_counted: &dyn Fn(SurfaceId) -> bool| -> Vec<usize> {
+            let ids = (0..scene.surfaces().len() as u32).map(SurfaceId).filter(|&id| is_counted(id));
+            ids.map(|id| scene.surface(id).polygon.vertices().count()).collect()
+        };
+        let emits = |id: SurfaceId| scene.material_of(id).emits();
+        let (dark, shining) = (corners(&|id| !emits(id)), corners(&emits));
+        assert_eq!([dark.len() + shining.len(), shining.len(), shining.iter().sum(), dark.iter().sum()], numbers, "{name}");
+        assert_eq!(inspection.escaped > 0, is_open, "{name}");
     }
 }
 

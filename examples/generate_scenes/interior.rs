@@ -15,14 +15,26 @@ pub struct Interior<'a> {
     pub walls: [&'a str; 2],
 }
 
-/// From where to where windows go in y, and how deep the pane lies.
-const SILL: f64 = 0.95;
-const LINTEL: f64 = 2.2;
+/// How deep the pane of a window lies.
 const REVEAL: f64 = 0.16;
 
 impl Interior<'_> {
-    /// Walls and ceiling without the floor: 6 faces, and 7 for every window.
+    /// From where to where windows go in y.
+    pub const SILL: f64 = 0.95;
+    pub const LINTEL: f64 = 2.2;
+
+    /// Walls and ceiling without the floor, and the sky behind windows: 6 faces, and 7 for every window.
     pub fn shell(&self, model: &mut Model) {
+        self.shell_before(model, true);
+    }
+
+    /// The same with nothing behind windows: 6 faces, and 6 for every window.
+    pub fn shell_with_openings(&self, model: &mut Model) {
+        self.shell_before(model, false);
+    }
+
+    fn shell_before(&self, model: &mut Model, is_sky: bool) {
+        let (sill, lintel) = (Self::SILL, Self::LINTEL);
         let Interior { width, height, depth, .. } = *self;
         let [left, other] = self.walls;
         model.object("shell", Place::WORLD);
@@ -37,24 +49,26 @@ impl Interior<'_> {
             wall(model, [0.0, height], [0.0, depth]);
             return;
         }
-        wall(model, [0.0, SILL], [0.0, depth]);
-        wall(model, [LINTEL, height], [0.0, depth]);
+        wall(model, [0.0, sill], [0.0, depth]);
+        wall(model, [lintel, height], [0.0, depth]);
         let mut from = 0.0;
         for &[near, far] in self.windows {
-            wall(model, [SILL, LINTEL], [from, near]);
+            wall(model, [sill, lintel], [from, near]);
             from = far;
         }
-        wall(model, [SILL, LINTEL], [from, depth]);
+        wall(model, [sill, lintel], [from, depth]);
 
         // Reveals and the sky behind.
         for &[near, far] in self.windows {
             model.object("window", Place::WORLD);
             let x = -REVEAL;
-            model.face("white_paint", &[[x, SILL, near], [x, SILL, far], [0.0, SILL, far], [0.0, SILL, near]]);
-            model.face("white_paint", &[[x, LINTEL, far], [x, LINTEL, near], [0.0, LINTEL, near], [0.0, LINTEL, far]]);
-            model.face("white_paint", &[[x, SILL, near], [0.0, SILL, near], [0.0, LINTEL, near], [x, LINTEL, near]]);
-            model.face("white_paint", &[[0.0, SILL, far], [x, SILL, far], [x, LINTEL, far], [0.0, LINTEL, far]]);
-            model.face("sky", &across(x, [SILL, LINTEL], [near, far]));
+            model.face("white_paint", &[[x, sill, near], [x, sill, far], [0.0, sill, far], [0.0, sill, near]]);
+            model.face("white_paint", &[[x, lintel, far], [x, lintel, near], [0.0, lintel, near], [0.0, lintel, far]]);
+            model.face("white_paint", &[[x, sill, near], [0.0, sill, near], [0.0, lintel, near], [x, lintel, near]]);
+            model.face("white_paint", &[[0.0, sill, far], [x, sill, far], [x, lintel, far], [0.0, lintel, far]]);
+            if is_sky {
+                model.face("sky", &across(x, [sill, lintel], [near, far]));
+            }
         }
     }
 

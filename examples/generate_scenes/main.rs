@@ -9,6 +9,7 @@ mod furnace;
 mod furniture;
 mod hall;
 mod interior;
+mod lischinski;
 mod model;
 mod paper_rooms;
 mod room;

@@ -4,6 +4,8 @@
 //! the point touches. A polygon that is not quite flat blocks as its outline, and touches what is no farther from its mean plane than its
 //! own corners; rays see it as a fan of triangles. The form factor differs by no more than that distance over the one to the point.
 
+use std::sync::{Arc, OnceLock};
+
 use glam::DVec3;
 
 use crate::geometry::Aabb;
@@ -95,5 +97,16 @@ impl Blockers {
     /// enough.
     pub(super) fn until_enough_between(&self, bounds: &Aabb, within: &[HalfSpace], mut visit: impl FnMut(u32, &Blocker) -> bool) {
         self.tree.until_enough_between(bounds, within, |number| visit(number, &self.blockers[number as usize]));
+    }
+}
+
+/// The blockers of a scene, found when they are first asked for, and shared by all clones.
+#[derive(Clone, Default)]
+pub(crate) struct SharedBlockers(Arc<OnceLock<Blockers>>);
+
+impl SharedBlockers {
+    /// The blockers of the scene, which is the same for all clones.
+    pub fn of(&self, scene: &Scene) -> &Blockers {
+        self.0.get_or_init(|| Blockers::of(scene))
     }
 }

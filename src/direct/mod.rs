@@ -25,7 +25,7 @@ use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::Visibility;
 
-pub(crate) use blockers::Blockers;
+pub(crate) use blockers::{Blockers, SharedBlockers};
 pub use irradiance::{DirectEffort, Method};
 pub(crate) use irradiance::{DirectLight, DirectScratch, Receiver};
 

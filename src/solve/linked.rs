@@ -12,6 +12,7 @@ use super::job::Job;
 use super::memory::{CellDemand, Holdings, LINK_AT_WORK, MemoryLedger};
 use super::plan::{COARSE_TOLERANCE, Plan};
 use super::report::{SkippedWork, SolveReport};
+use crate::direct::SharedBlockers;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
 use crate::links::{Dropped, LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
@@ -34,6 +35,8 @@ pub(super) struct Linked<'a> {
     dropped: Dropped,
     pub exposure: Exposure,
     pub radiosity: Radiosity,
+    /// What stands between points and sources.
+    blockers: SharedBlockers,
     /// Where clusters gather and emit.
     pub closure: Option<Closure>,
     /// Whether clusters gather and emit.
@@ -70,6 +73,7 @@ impl<'a> Linked<'a> {
             dropped: Dropped::default(),
             exposure,
             radiosity,
+            blockers: SharedBlockers::default(),
             closure: None,
             clusters,
             cluster_reflectance,
@@ -298,7 +302,8 @@ impl<'a> Linked<'a> {
     /// Gathers values at points over the links.
     pub fn gather(&self, budget: RayBudget) -> Gather<'_> {
         let Self { hierarchy, links, radiosity, exposure, job: Job { scene, rays, .. }, .. } = self;
-        let over = Over::Links(LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays));
+        let over = LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays).with_blockers(self.blockers.clone());
+        let over = Over::Links(LinkGather::with_direct_light(over));
         Gather { scene, hierarchy, over, budget }
     }
 

@@ -20,10 +20,9 @@ impl Solution {
         // Indirect light, as values at points gather it.
         let paths = self.light_paths(rays, &stop);
         let whole = LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays);
-        let reflected = radiosity.without_exitance(scene, hierarchy, exposure);
         let indirect = match (&self.cell_radiosities, &paths) {
             (Some(radiosities), Some(paths)) => IndirectGather::Cells(FinalGather { paths, radiosities, bounces: 0 }),
-            _ => IndirectGather::Links(LinkGather::of_reflected(&whole, &reflected)),
+            _ => IndirectGather::Links(LinkGather::of_reflected(whole)),
         };
 
         // Direct light.

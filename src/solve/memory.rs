@@ -4,6 +4,7 @@
 //! resident, by less than twice where scenes are large. Three things take turns, on top of what stays: sweeps, refinement, and solving for cells.
 
 use crate::cells::CellRadiosities;
+use crate::direct::Blockers;
 use crate::error::{ErrorSamples, REPLICATES};
 use crate::geometry::Lobes;
 use crate::hierarchy::Hierarchy;
@@ -32,9 +33,9 @@ pub(super) const LINK_AT_WORK: usize = 64;
 const FIRST_LINKS: u64 = 1000 * LINK_AT_WORK as u64;
 
 /// Numbers of a node by channel that stay (radiosity; emitted light of the closure), and that a sweep or a correction takes beside them
-/// (irradiance, emission, values gathered anew, their change and its irradiance).
+/// (irradiance, emission, reflected radiosity, values gathered anew, their change and its irradiance).
 const KEPT_NUMBERS: usize = 2;
-const SWEEP_NUMBERS: usize = 5;
+const SWEEP_NUMBERS: usize = 6;
 
 /// Lobes of a cluster, by channel and once more: those of its radiosity, and those of two gathers.
 const KEPT_LOBES: usize = 1;
@@ -77,7 +78,7 @@ impl CellDemand {
 pub(super) struct MemoryLedger {
     /// Infinite where there is no budget.
     budget: u64,
-    /// The program, the scene, and what answers visibility.
+    /// The program, the scene, what answers visibility, and what may stand before emitters.
     fixed: u64,
 }
 
@@ -85,7 +86,8 @@ impl MemoryLedger {
     /// Of a scene that is solved as `solved`, which may have fewer channels.
     pub fn new(scene: &Scene, is_copied: bool, backend: Backend, budget: Option<u64>) -> Self {
         let copies = if is_copied { 2 } else { 1 };
-        let fixed = PROGRAM + copies * scene_bytes(scene) + sheets(scene) * (READ as u64 + bytes_of_triangle(backend));
+        let blockers = (scene.surfaces().len() * Blockers::BYTES_OF_SURFACE) as u64;
+        let fixed = PROGRAM + copies * scene_bytes(scene) + sheets(scene) * (READ as u64 + bytes_of_triangle(backend)) + blockers;
         Self { budget: budget.unwrap_or(u64::MAX), fixed }
     }
 

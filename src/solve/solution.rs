@@ -1,5 +1,7 @@
 //! The answer.
 
+use glam::DVec3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::interest::InitialImportance;
@@ -7,14 +9,15 @@ use super::judge::particle_seed;
 use super::options::{SolveOptions, Solver};
 use crate::bounds::RadiosityBounds;
 use crate::cells::CellRadiosities;
+use crate::direct::{Blockers, DirectLight, DirectScratch};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
-use crate::paths::{Brightness, Illumination, LightPaths, Resolution, cell_count};
+use crate::paths::{Brightness, Illumination, LightPaths, Resolution, cell_count, place_at};
 use crate::progress::Stop;
-use crate::scene::{DistinctChannels, Scene};
+use crate::scene::{DistinctChannels, Scene, SurfacePoint};
 use crate::sweep::{Adjoint, Closure, Exposure, Importance, Radiosity};
 use crate::transmittance::Rays;
-use crate::values::{ErrorBars, FinalGather, Gather, LinkGather, Over, RayBudget};
+use crate::values::{ErrorBars, FinalGather, Gather, LinkGather, Over, RayBudget, Shading, ShadingMethod, tolerance};
 
 /// The answer: scene, hierarchy, links, radiosities and the options they were found with.
 ///
@@ -100,10 +103,33 @@ impl Solution {
         let Self { scene, hierarchy, links, radiosity, exposure, .. } = self;
         let over = match (&self.cell_radiosities, paths) {
             (Some(radiosities), Some(paths)) => Over::Cells(FinalGather { paths, radiosities, bounces: 0 }),
-            _ => Over::Links(LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays)),
+            _ => {
+                let over = LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays);
+                Over::Links(LinkGather::with_direct_light(over))
+            }
         };
         let budget = RayBudget::of_values(self.point_rays, self.options.seed);
         Gather { scene, hierarchy, over, budget }
+    }
+
+    /// Radiosities at points by an older method over the links, by point and channel, in W/m^2; NaN where a point lies on no surface.
+    pub(crate) fn shade(&self, rays: &Rays<'_>, points: &[SurfacePoint], method: ShadingMethod) -> Vec<f32> {
+        let Self { scene, hierarchy, links, radiosity, .. } = self;
+        let blockers = Blockers::of(scene);
+        let light = DirectLight { scene, rays, blockers: &blockers, emitters: &[] };
+        let shading = Shading { scene, hierarchy, links, radiosity, light, method };
+        let (channels, tolerance) = (scene.channels(), tolerance(scene));
+        let mut values = vec![f32::NAN; points.len() * channels];
+        values.par_chunks_mut(channels).zip(points).for_each_init(
+            || (DirectScratch::default(), vec![0.0; channels]),
+            |(scratch, radiosity), (values, point)| {
+                let (position, normal) = (DVec3::from(point.position), DVec3::from(point.normal));
+                let Some(surface) = hierarchy.surface_at(position, normal, tolerance) else { return };
+                shading.radiosity_at(&place_at(position, surface, self.options.seed), scratch, radiosity);
+                values.iter_mut().zip(&*radiosity).for_each(|(value, &b)| *value = b as f32);
+            },
+        );
+        values
     }
 
     /// The same for all channels of `scene`, from those that were solved.

@@ -1,5 +1,5 @@
 //! Values at points: the radiosity equation evaluated once more at the point itself, over links (`over_links`) or over cells
-//! (`final_gather`, with an `irradiance_cache` where many points lie close).
+//! (`final_gather`, with an `irradiance_cache` where many points lie close). `shading` has older methods, to compare.
 
 mod budget;
 mod error_bars;
@@ -7,8 +7,10 @@ mod final_gather;
 mod gather;
 mod indirect;
 mod irradiance_cache;
+mod link_sources;
 mod over_links;
 mod sample;
+mod shading;
 mod source_piece;
 mod variation;
 
@@ -20,3 +22,5 @@ pub(crate) use indirect::IndirectGather;
 pub(crate) use over_links::LinkGather;
 pub use sample::{Values, ValuesError};
 pub(crate) use sample::{tolerance, values_at};
+pub(crate) use shading::Shading;
+pub use shading::ShadingMethod;

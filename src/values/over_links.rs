@@ -1,25 +1,31 @@
 //! The gather at a point over links: `B(x) = E + rho * sum over links of F(x -> s) V(x, s) B_s`.
 //!
-//! The links are those of all nodes above the point. The form factor to each source is exact at the point. Visibility V is sampled
-//! anew: a budget of rays is shared out over the sources in proportion to the noise that a ray to each may have, by how uncertain
-//! its link's transmittance is and how much the source's radiosity varies. A ray brings the radiosity of the leaf where it ends, so
-//! uneven sources make no error. A source with much noise, or a near one, is split: into its children, or its polygon into parts.
+//! The links are those of all nodes above the point. They bring reflected light. Emitters are seen as wholes beside them, whatever links
+//! say: their visible parts exactly, or by rays where these are cheaper (`direct`); where there are more emitters than rays, all light
+//! comes over the links.
+//!
+//! Over a link the form factor to the source is exact at the point. Visibility V is sampled anew: a budget of rays is shared out over the
+//! sources in proportion to the noise that a ray to each may have, by how uncertain its link's transmittance is and how much the source's
+//! radiosity varies. A ray brings the radiosity of the leaf where it ends, so uneven sources make no error. A source with much noise, or a
+//! near one, is split: into its children, or its polygon into parts (`link_sources`).
 //!
 //! A leaf with something standing on it may be bright on one side of that and dark on the other, and a point close by sees little
 //! else. So rays that end on such a leaf gather there once more.
 //!
-//! Cost: one form factor for each source and part, and about as many segments as rays. The result is an estimate: its noise falls
-//! with the number of rays, its bias is that of the leaves' radiosities.
+//! Cost: one form factor for each source and part, and about as many segments as rays, beside those to emitters. The result is an
+//! estimate: its noise falls with the number of rays, its bias is that of the leaves' radiosities.
 
-use std::f64::consts::PI;
+use std::borrow::Cow;
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::budget::RayBudget;
-use super::source_piece::{Expected, SourcePiece};
+use super::source_piece::SourcePiece;
 use super::variation::Variation;
-use crate::form_factor::{kernel, point_to_polygon};
-use crate::geometry::{Facet, Part, for_each_piece, sampling, streams};
+use crate::direct::{self, DirectEffort, DirectLight, DirectScratch, Method, SharedBlockers};
+use crate::form_factor::kernel;
+use crate::geometry::{sampling, streams};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::paths::{Place, place_at};
@@ -29,41 +35,37 @@ use crate::transmittance::Rays;
 use crate::visibility::Segment;
 
 /// A piece that is worth more rays than this is split.
-const MAX_RAYS: f64 = 8.0;
-
-/// A near piece that is worth more rays than this is split: over it the kernel varies.
-const NEAR_RAYS: f64 = 2.0;
-
-/// A piece is near if its radius exceeds this part of its distance: the kernel varies by more than some tenths over it.
-const NEAR: f64 = 0.75;
+pub(super) const MAX_RAYS: f64 = 8.0;
 
 /// Rays that end on a leaf that is exposed only in part gather there if the form factor of the source is above this. Empirical.
 const CLOSE: f64 = 0.1;
 
-/// A cluster shows at least this part of its area: what it shows is an estimate.
-const LEAST_SHOWN: f64 = 0.05;
-
-/// A leaf's polygon is split so many times at most.
-const MAX_SPLITS: u32 = 8;
+/// Rays to what is undecided of emitters, as a part of those to reflected light: fewer, since their noise falls faster, see `direct`. A choice, not
+/// fitted: between 0 and 1 it shifts time from one to the other.
+const DIRECT_RAYS: f64 = 0.5;
 
 /// Gathers at points over the links of a solution.
 pub(crate) struct LinkGather<'a> {
-    scene: &'a Scene,
-    hierarchy: &'a Hierarchy,
-    links: &'a LinkSet,
-    radiosity: &'a Radiosity,
-    variation: Variation,
+    pub(super) scene: &'a Scene,
+    pub(super) hierarchy: &'a Hierarchy,
+    pub(super) links: &'a LinkSet,
+    pub(super) radiosity: Cow<'a, Radiosity>,
+    pub(super) variation: Arc<Variation>,
     exposure: &'a Exposure,
     rays: &'a Rays<'a>,
-    /// Where only reflected light is gathered: the gather of all light, for rays that end close by.
-    whole: Option<&'a LinkGather<'a>>,
+    blockers: SharedBlockers,
+    /// Where only reflected light is gathered over links: the gather of all light, for rays that end close by.
+    whole: Option<Box<LinkGather<'a>>>,
+    /// Emitters whose light is added beside that of links.
+    emitters: Vec<SurfaceId>,
 }
 
 /// Memory that a gather reuses from point to point.
 #[derive(Default)]
 pub(crate) struct LinkScratch {
-    pieces: Vec<SourcePiece>,
-    strong: Vec<SourcePiece>,
+    pub(super) pieces: Vec<SourcePiece>,
+    pub(super) strong: Vec<SourcePiece>,
+    direct: DirectScratch,
     segments: Vec<Segment>,
     /// By ray: its part of the piece's form factor.
     weights: Vec<f64>,
@@ -83,13 +85,14 @@ pub(crate) struct LinkScratch {
 }
 
 /// A point on a surface, with what the gather reads often.
-struct Receiver<'a> {
-    point: DVec3,
-    normal: DVec3,
-    plane: u32,
-    reflectance: &'a [f64],
-    leaf: NodeId,
-    seed: u64,
+pub(super) struct Receiver<'a> {
+    pub point: DVec3,
+    pub normal: DVec3,
+    pub surface: SurfaceId,
+    pub plane: u32,
+    pub reflectance: &'a [f64],
+    pub leaf: NodeId,
+    pub seed: u64,
 }
 
 impl<'a> LinkGather<'a> {
@@ -102,13 +105,31 @@ impl<'a> LinkGather<'a> {
         exposure: &'a Exposure,
         rays: &'a Rays<'a>,
     ) -> Self {
-        Self { scene, hierarchy, links, radiosity, variation: Variation::new(hierarchy, radiosity), exposure, rays, whole: None }
+        let (variation, blockers) = (Arc::new(Variation::new(hierarchy, radiosity)), SharedBlockers::default());
+        let (radiosity, emitters) = (Cow::Borrowed(radiosity), Vec::new());
+        Self { scene, hierarchy, links, radiosity, variation, exposure, rays, blockers, whole: None, emitters }
     }
 
-    /// The same of reflected light alone: `reflected` is [`Radiosity::without_exitance`] of what `whole` gathers.
-    pub fn of_reflected(whole: &'a LinkGather<'a>, reflected: &'a Radiosity) -> Self {
-        let &Self { scene, hierarchy, links, exposure, rays, .. } = whole;
-        Self { whole: Some(whole), ..Self::new(scene, hierarchy, links, reflected, exposure, rays) }
+    /// The same with blockers that others share.
+    pub fn with_blockers(self, blockers: SharedBlockers) -> Self {
+        Self { blockers, ..self }
+    }
+
+    /// The same of reflected light alone.
+    pub fn of_reflected(whole: Self) -> Self {
+        let Self { scene, hierarchy, links, exposure, rays, .. } = whole;
+        // Exitance is the same all over a surface, so reflected light varies as all light does.
+        let (variation, blockers) = (whole.variation.clone(), whole.blockers.clone());
+        let radiosity = Cow::Owned(whole.radiosity.without_exitance(scene, hierarchy, exposure));
+        let (whole, emitters) = (Some(Box::new(whole)), Vec::new());
+        Self { scene, hierarchy, links, radiosity, variation, exposure, rays, blockers, whole, emitters }
+    }
+
+    /// The same of all light, that of emitters beside the links.
+    pub fn with_direct_light(whole: Self) -> Self {
+        let surfaces = (0..whole.scene.surfaces().len() as u32).map(SurfaceId);
+        let emitters: Vec<SurfaceId> = surfaces.filter(|&surface| whole.scene.material_of(surface).emits()).collect();
+        if emitters.is_empty() { whole } else { Self { emitters, ..Self::of_reflected(whole) } }
     }
 
     /// The irradiance H at a place, by channel, in W/m^2; `scratch` tells then what its error may be.
@@ -122,7 +143,8 @@ impl<'a> LinkGather<'a> {
     fn receiver(&self, leaf: NodeId, place: &Place) -> Receiver<'a> {
         let surface = self.scene.surface(place.surface);
         let (normal, reflectance) = (surface.polygon.facet().normal, &self.scene.material_of(place.surface).reflectance);
-        Receiver { point: place.point, normal, plane: surface.plane, reflectance, leaf, seed: place.seed }
+        let &Place { point, surface: id, seed } = place;
+        Receiver { point, normal, surface: id, plane: surface.plane, reflectance, leaf, seed }
     }
 
     /// The radiosity at a place, by channel, in W/m^2; `scratch` tells then what its error may be.
@@ -145,12 +167,16 @@ impl<'a> LinkGather<'a> {
 
     /// The irradiance H at a receiver, by channel, in W/m^2; `scratch` tells then what its error may be.
     fn irradiance(&self, receiver: &Receiver<'_>, budget: RayBudget, scratch: &mut LinkScratch, irradiance: &mut [f64]) {
-        // Share the rays out over the sources, and cast them.
+        // To look at all emitters costs less than the rays where there are as many of these.
+        if let Some(whole) = self.whole.as_ref().filter(|_| self.emitters.len() > budget.rays as usize) {
+            return whole.irradiance(receiver, budget, scratch, irradiance);
+        }
         irradiance.fill(0.0);
         for squares in [&mut scratch.variance, &mut scratch.by_sources_sq] {
             squares.clear();
             squares.resize(irradiance.len(), 0.0);
         }
+        self.add_direct(receiver, budget, scratch, irradiance);
         self.collect_sources(receiver, scratch);
         let total: f64 = scratch.pieces.iter().map(|piece| piece.worth).sum();
         if total <= 0.0 {
@@ -161,6 +187,20 @@ impl<'a> LinkGather<'a> {
         self.place_rays(receiver, share, budget, scratch);
         self.rays.occluded(&scratch.segments, &mut scratch.occluded);
         self.add_brought(budget, scratch, irradiance);
+    }
+
+    /// Adds the light of emitters, if that does not come over the links.
+    fn add_direct(&self, receiver: &Receiver<'_>, budget: RayBudget, scratch: &mut LinkScratch, irradiance: &mut [f64]) {
+        if self.emitters.is_empty() {
+            return;
+        }
+        let blockers = self.blockers.of(self.scene);
+        let light = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters };
+        let rays = (DIRECT_RAYS * f64::from(budget.rays)).ceil() as u32;
+        let &Receiver { point, surface, seed, .. } = receiver;
+        let receiver = direct::Receiver { point, surface, seed };
+        let effort = DirectEffort { rays, method: Method::Cheaper };
+        light.add_irradiance(&receiver, effort, &mut scratch.direct, irradiance, &mut scratch.variance);
     }
 
     /// Adds what the pieces bring.
@@ -187,7 +227,7 @@ impl<'a> LinkGather<'a> {
                     Some(beyond) => {
                         let surface = SurfaceId(self.hierarchy.node(met).surface);
                         let place = place_at(y, surface, budget.seed);
-                        self.whole.unwrap_or(self).radiosity_of(met, &place, budget.beyond(), beyond, there);
+                        self.whole.as_deref().unwrap_or(self).radiosity_of(met, &place, budget.beyond(), beyond, there);
                         if self.whole.is_some() {
                             let exitance = &self.scene.material_of(surface).exitance;
                             there.iter_mut().zip(exitance).for_each(|(b, e)| *b -= e);
@@ -224,113 +264,6 @@ impl<'a> LinkGather<'a> {
     fn leaf_radiosity_at(&self, leaf: NodeId, point: DVec3, radiosity: &mut [f64]) {
         let rise = self.variation.rise(leaf, point - self.hierarchy.node(leaf).centroid);
         radiosity.iter_mut().zip(self.radiosity.of(leaf)).zip(rise).for_each(|((there, b), rise)| *there = (b + rise).max(0.0));
-    }
-
-    /// Collects the sources of all links above the point.
-    fn collect_sources(&self, receiver: &Receiver<'_>, scratch: &mut LinkScratch) {
-        scratch.pieces.clear();
-        let mut node = Some(receiver.leaf);
-        while let Some(above) = node {
-            for link in self.links.of(above) {
-                let transmittance = f64::from(0.5 * (link.seen + link.transmittance)).clamp(0.0, 1.0);
-                let has_cluster = self.hierarchy.is_cluster(above) || self.hierarchy.is_cluster(link.source);
-                let expected = Expected { transmittance, control: if has_cluster { 0.0 } else { transmittance } };
-                self.collect(receiver, link.source, expected, &mut scratch.pieces);
-            }
-            node = self.hierarchy.parent(above);
-        }
-    }
-
-    /// Appends a source as seen from the point; for a near cluster its children instead.
-    fn collect(&self, receiver: &Receiver<'_>, source: NodeId, expected: Expected, pieces: &mut Vec<SourcePiece>) {
-        if !self.hierarchy.is_cluster(source) {
-            pieces.extend(self.piece(receiver, source, None, &self.hierarchy.facet(source), expected));
-            return;
-        }
-        match self.cluster_piece(receiver, source, expected) {
-            Some(piece) if piece.near => {
-                self.hierarchy.children(source).for_each(|child| self.collect(receiver, child, expected, pieces));
-            }
-            piece => pieces.extend(piece),
-        }
-    }
-
-    /// A cluster as seen from the point, by the area that it shows; `None` if it lies behind or is dark.
-    fn cluster_piece(&self, receiver: &Receiver<'_>, node: NodeId, expected: Expected) -> Option<SourcePiece> {
-        let cluster = self.hierarchy.node(node);
-        let to_cluster = cluster.centroid - receiver.point;
-        let distance_sq = to_cluster.length_squared();
-        let near = cluster.radius * cluster.radius > NEAR * NEAR * distance_sq;
-        let direction = to_cluster.normalize_or(receiver.normal);
-
-        // A cluster partly below the horizon brings the part above it.
-        let cosine = receiver.normal.dot(direction) + if near { 1.0 } else { cluster.radius / distance_sq.sqrt() };
-        let shown = self.hierarchy.shown_area(node, -direction).max(LEAST_SHOWN * cluster.area);
-        let form_factor = cosine.clamp(0.0, 1.0) * shown / (PI * distance_sq.max(cluster.radius * cluster.radius));
-        let brightest = receiver.reflectance.iter().zip(self.radiosity.of(node)).map(|(rho, b)| rho * b).fold(0.0, f64::max);
-        let worth = form_factor.min(1.0) * brightest;
-        SourcePiece::new(node, None, form_factor, worth, near, expected)
-    }
-
-    /// A polygon, or a part of one, as seen from the point; `None` if it brings nothing.
-    fn piece(
-        &self,
-        receiver: &Receiver<'_>,
-        node: NodeId,
-        part: Option<Part>,
-        facet: &Facet<'_>,
-        expected: Expected,
-    ) -> Option<SourcePiece> {
-        let form_factor = point_to_polygon(receiver.point, receiver.normal, facet);
-
-        // The noise of a ray: by visibility, and by radiosity that varies over the polygon.
-        let doubt = expected.doubt();
-        let shrunk = if part.is_some() { facet.radius / self.hierarchy.node(node).radius } else { 1.0 };
-        let scatter = |(b, deviation): (&f64, &f64)| ((b * doubt).powi(2) + (2.0 * deviation * shrunk).powi(2)).sqrt();
-        let scatters = self.radiosity.of(node).iter().zip(self.variation.deviation(node)).map(scatter);
-        let worth = form_factor * receiver.reflectance.iter().zip(scatters).map(|(rho, scatter)| rho * scatter).fold(0.0, f64::max);
-        let near = facet.radius * facet.radius > NEAR * NEAR * receiver.point.distance_squared(facet.centroid);
-        SourcePiece::new(node, part, form_factor, worth, near, expected)
-    }
-
-    /// Splits pieces that are worth more rays than one may get, until none is.
-    fn split_strong_sources(&self, receiver: &Receiver<'_>, share: f64, scratch: &mut LinkScratch) {
-        let is_strong = |piece: &SourcePiece| {
-            let splits = piece.part.map_or(0, |part| u32::from(part.splits));
-            piece.worth > share * if piece.near { NEAR_RAYS } else { MAX_RAYS } && splits < MAX_SPLITS
-        };
-        let LinkScratch { pieces, strong, .. } = scratch;
-        strong.clear();
-        pieces.retain(|piece| {
-            let keep = !is_strong(piece);
-            if !keep {
-                strong.push(*piece);
-            }
-            keep
-        });
-        while let Some(piece) = strong.pop() {
-            let mut place = |part: Option<SourcePiece>| match part {
-                Some(part) if is_strong(&part) => strong.push(part),
-                Some(part) => pieces.push(part),
-                None => {}
-            };
-            if piece.part.is_none() && !self.hierarchy.is_leaf(piece.node) {
-                let mut children = Vec::new();
-                for child in self.hierarchy.children(piece.node) {
-                    self.collect(receiver, child, piece.expected, &mut children);
-                }
-                children.into_iter().for_each(|child| place(Some(child)));
-            } else {
-                let whole = self.hierarchy.facet(piece.node);
-                let splits = piece.part.map_or(1, |part| part.splits + 1);
-                let facet = piece.part.as_ref().map_or(whole, |part| part.facet(whole.normal));
-                for_each_piece(&facet, |corners| {
-                    let part = Part::new(corners, splits);
-                    let part = self.piece(receiver, piece.node, Some(part), &part.facet(whole.normal), piece.expected);
-                    place(part.map(|part| SourcePiece { of_whole: piece.of_whole, ..part }));
-                });
-            }
-        }
     }
 
     /// Places the rays to every piece, as many as it is worth; a piece worth less than one ray gets one by chance.
