@@ -232,6 +232,19 @@ fn limits_end_the_mesh_and_leave_the_values() {
     assert!(evaluator.mesh().is_some() && told.whole.estimate > 0.05 && told.whole.estimate.is_finite(), "{told:?}");
     assert_eq!((report.converged, report.stopped_by), (false, StoppedBy::Memory));
 
+    // A budget that is just enough for the values.
+    let solve_within = |options: &SolveOptions, memory_bytes| {
+        let run = RunOptions { memory_bytes, ..RunOptions::default() };
+        pipeline::solve(read("cornell.obj"), options, &run, &Silent).unwrap().1
+    };
+    let asked = SolveOptions { error: 0.03, lit_mesh: true, ..SolveOptions::default() };
+    let of_values = SolveOptions { error: 0.03 * 0.2_f64.sqrt(), lit_mesh: false, ..asked.clone() };
+    let enough = solve_within(&of_values, None).accounted_bytes;
+    let report = solve_within(&asked, Some(enough));
+    assert!(report.lit_mesh.is_none_or(|told| told.whole.estimate > 0.03) && report.error.estimate < 0.03, "{report:?}");
+    assert_eq!((report.converged, report.stopped_by), (false, StoppedBy::Memory));
+    assert!(report.accounted_bytes <= enough);
+
     // No time is left for anything.
     let (evaluator, report) = solve(&Silent, Some(0.0));
     assert_eq!((evaluator.mesh(), report.converged, report.stopped_by), (None, false, StoppedBy::Time));

@@ -278,6 +278,11 @@ pub struct SolveReport {
 }
 
 impl SolveReport {
+    /// The error that is claimed for what was asked for: of the lit mesh where there is one, else of values at points.
+    pub fn claimed(&self) -> f64 {
+        self.lit_mesh.map_or(self.error.estimate, |mesh| mesh.whole.estimate)
+    }
+
     /// Counts the rays that were asked so far, and the time that they took.
     pub(super) fn count_rays(&mut self, rays: &Rays<'_>) {
         let (segments, first_hits) = (rays.segments(), rays.first_hit_rays());
