@@ -148,7 +148,12 @@ fn told(report: &SolveReport) -> String {
     let (counts, error) = (&report.counts, &report.error);
     format!(
         "{}: {} elements, {} links, {} rays; error {} claimed, {} asked for",
-        report.backend, counts.elements, counts.links, counts.rays, report.claimed(), error.requested
+        report.backend,
+        counts.elements,
+        counts.links,
+        counts.rays,
+        report.claimed(),
+        error.requested
     )
 }
 

@@ -15,6 +15,27 @@ impl Place {
 }
 
 #[test]
+fn what_contradicts_itself_or_is_not_there_is_a_usage_error() {
+    let place = Place::new();
+    for (arguments, words) in [
+        ("solve room.obj --set lit_mesh=perhaps", &["lit_mesh is perhaps", "true or false"][..]),
+        ("solve room.obj --mesh m.ply --set lit_mesh=false", &["--set lit_mesh=false and --mesh contradict each other"]),
+        ("solve room.obj --mesh m.obj", &["--mesh writes PLY", "m.ply"]),
+        ("solve room.obj --image a.png --from mesh", &["--from mesh needs --lit-mesh"]),
+        ("solve room.obj --lit-mesh --from mesh", &["need --image"]),
+        ("solve room.obj --lit-mesh --bounds guaranteed --image w.exr --quantity width --from mesh", &["leave --from out"]),
+        ("render room.solution -o a.png --from mesh", &["no lit mesh", "--lit-mesh"]),
+        ("sample room.solution P.csv -o V.csv --from mesh", &["no lit mesh", "--lit-mesh"]),
+        ("export room.solution -o a.ply --quadratic", &["no lit mesh", "--lit-mesh"]),
+        ("export room.solution -o a.ply --quadratic --elements", &["cannot be used with"]),
+        ("solve room.obj -o a.ply --mesh a.ply", &["two outputs cannot both be a.ply"]),
+    ] {
+        place.run(arguments).failed(2, words);
+    }
+    assert!(place.new_files().is_empty(), "{:?}", place.new_files());
+}
+
+#[test]
 fn a_stored_mesh_gives_the_same_bytes_as_at_once() {
     let place = Place::new();
     let solve = "solve room.obj --error 0.1 --image a.png --image a.exr --size 16x12 --report r.json";

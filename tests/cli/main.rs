@@ -225,16 +225,6 @@ fn wrong_usage_ends_with_2_and_says_what_is_wrong() {
         ("solve room.obj --importance view", &["importance is view", "unless strategy is error-driven"]),
         ("solve room.obj --strategy error-driven --importance everything", &["importance is everything", "material NAME"]),
         ("solve room.obj --image w.exr --quantity width", &["width", "--bounds guaranteed"]),
-        ("solve room.obj --set lit_mesh=perhaps", &["lit_mesh is perhaps", "true or false"]),
-        ("solve room.obj --mesh m.ply --set lit_mesh=false", &["--set lit_mesh=false and --mesh contradict each other"]),
-        ("solve room.obj --mesh m.obj", &["--mesh writes PLY", "m.ply"]),
-        ("solve room.obj --image a.png --from mesh", &["--from mesh needs --lit-mesh"]),
-        ("solve room.obj --lit-mesh --from mesh", &["need --image"]),
-        ("solve room.obj --lit-mesh --bounds guaranteed --image w.exr --quantity width --from mesh", &["leave --from out"]),
-        ("render room.solution -o a.png --from mesh", &["no lit mesh", "--lit-mesh"]),
-        ("sample room.solution P.csv -o V.csv --from mesh", &["no lit mesh", "--lit-mesh"]),
-        ("export room.solution -o a.ply --quadratic", &["no lit mesh", "--lit-mesh"]),
-        ("export room.solution -o a.ply --quadratic --elements", &["cannot be used with"]),
         ("solve room.obj --bounds tight", &["bounds is tight"]),
         ("solve room.obj --set gather=links", &["unknown option 'gather'", "solver"]),
         ("solve room.obj --set solver=hemisphere", &["solver is hemisphere", "auto, links or cells"]),
@@ -377,7 +367,6 @@ fn a_file_is_not_read_and_written_or_written_twice() {
     place.run("solve room.obj -o room.obj").failed(2, &["room.obj is read by this command"]);
     place.run("sample room.solution P.csv -o P.csv").failed(2, &["P.csv is read by this command"]);
     place.run("solve room.obj -o a --report a").failed(2, &["two outputs cannot both be a"]);
-    place.run("solve room.obj -o a.ply --mesh a.ply").failed(2, &["two outputs cannot both be a.ply"]);
     place.run("solve room.obj --points P.csv --values - --report -").failed(2, &["two outputs cannot both go to stdout"]);
     assert_eq!(place.read("room.obj"), ROOM);
     assert!(place.new_files().is_empty());
