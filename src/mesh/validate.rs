@@ -6,9 +6,9 @@ use super::lit_mesh::LitMesh;
 use super::plane::Plane;
 use super::surface_mesh::SurfaceMesh;
 use crate::scene::{Scene, SurfaceId};
+use crate::values;
 
-/// Nodes lie where they should within this part of the polygon's size, and elements fill its area but for this part of the square of its size: more
-/// than rounding, less than is seen.
+/// Middles of edges lie where they should within this part of the polygon's size: more than rounding, less than is seen.
 const CLOSE: f64 = 1e-5;
 
 /// Elements are not flatter: twice the area, as a part of the square of the longest edge. Triangulation leaves none below 1e-10.
@@ -51,13 +51,19 @@ struct Checked<'a> {
     corners: Vec<DVec2>,
     area: f64,
     size: f64,
+    perimeter: f64,
+    /// Nodes lie in the polygon within so many metres, since lines where surfaces touch are found with some tolerance; and elements fill it but for a
+    /// strip of that width.
+    tolerance: f64,
 }
 
 impl<'a> Checked<'a> {
     fn new(scene: &Scene, surface: SurfaceId, mesh: &'a SurfaceMesh) -> Self {
         let (plane, facet) = (Plane::of(scene, surface), scene.surface(surface).polygon.facet());
-        let corners = facet.vertices.iter().map(|&corner| plane.to_plane(corner)).collect();
-        Self { mesh, channels: scene.channels(), corners, area: facet.area, size: facet.radius }
+        let corners: Vec<DVec2> = facet.vertices.iter().map(|&corner| plane.to_plane(corner)).collect();
+        let perimeter = (0..corners.len()).map(|corner| corners[corner].distance(corners[(corner + 1) % corners.len()])).sum();
+        let tolerance = values::tolerance(scene);
+        Self { mesh, channels: scene.channels(), corners, area: facet.area, size: facet.radius, perimeter, tolerance }
     }
 
     fn check(&self) -> Result<(), String> {
@@ -76,7 +82,7 @@ impl<'a> Checked<'a> {
         for element in self.mesh.triangles() {
             filled += self.area_of(element).ok_or("an element is none")?;
         }
-        if (filled - self.area).abs() > CLOSE * self.size.powi(2) {
+        if (filled - self.area).abs() > self.perimeter * self.tolerance {
             return Err("elements do not fill the polygon".to_owned());
         }
         Ok(())
@@ -87,8 +93,8 @@ impl<'a> Checked<'a> {
         let count = self.corners.len();
         (0..count).all(|corner| {
             let (from, to) = (self.corners[corner], self.corners[(corner + 1) % count]);
-            (to - from).perp_dot(at - from) >= -CLOSE * self.size * from.distance(to)
-        }) && at.length() <= 2.0 * self.size
+            (to - from).perp_dot(at - from) >= -self.tolerance * from.distance(to)
+        })
     }
 
     /// The area of an element; `None` if its nodes are not there, not counter-clockwise, or not in the middle of edges.
