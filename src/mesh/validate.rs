@@ -11,6 +11,9 @@ use crate::values;
 /// Middles of edges lie where they should within this part of the polygon's size: more than rounding, less than is seen.
 const CLOSE: f64 = 1e-5;
 
+/// Lines where surfaces touch end within so many tolerances of contacts: both faces are off, and places along a line are welded.
+const CONTACTS: f64 = 8.0;
+
 /// Elements are not flatter: twice the area, as a part of the square of the longest edge. Triangulation leaves none below 1e-10.
 const FLATTEST: f64 = 1e-12;
 
@@ -62,7 +65,7 @@ impl<'a> Checked<'a> {
         let (plane, facet) = (Plane::of(scene, surface), scene.surface(surface).polygon.facet());
         let corners: Vec<DVec2> = facet.vertices.iter().map(|&corner| plane.to_plane(corner)).collect();
         let perimeter = (0..corners.len()).map(|corner| corners[corner].distance(corners[(corner + 1) % corners.len()])).sum();
-        let tolerance = values::tolerance(scene);
+        let tolerance = values::tolerance(scene).max(CONTACTS * scene.contact_tolerance());
         Self { mesh, channels: scene.channels(), corners, area: facet.area, size: facet.radius, perimeter, tolerance }
     }
 
