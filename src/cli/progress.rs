@@ -141,6 +141,7 @@ fn describe(progress: &Progress) -> String {
         Stage::Gather => "gathering",
         Stage::Cells => "finding cells",
         Stage::Error => "estimating the error",
+        Stage::Mesh => "making the lit mesh",
         Stage::Sample => "evaluating points",
         Stage::Render => "taking the picture",
     }
@@ -152,7 +153,10 @@ fn describe(progress: &Progress) -> String {
         text += &format!(" {:.0}%", 100.0 * fraction);
     }
     if progress.links > 0 {
-        text += &format!(", {} links, {} elements", progress.links, progress.elements);
+        text += &format!(", {} links", progress.links);
+    }
+    if progress.elements > 0 {
+        text += &format!(", {} elements", progress.elements);
     }
     if let Some(error) = progress.error {
         text += &format!(", error {:.2}%", 100.0 * error);
@@ -171,5 +175,7 @@ mod tests {
         assert_eq!(describe(&progress), "refining, round 3, 12 links, 34 elements, error 3.12%");
         progress = Progress { stage: Stage::Render, round: 0, fraction: Some(0.5), links: 0, elements: 0, error: None };
         assert_eq!(describe(&progress), "taking the picture 50%");
+        progress = Progress { stage: Stage::Mesh, round: 0, fraction: None, links: 0, elements: 1234, error: None };
+        assert_eq!(describe(&progress), "making the lit mesh, 1234 elements");
     }
 }

@@ -12,6 +12,7 @@ use crate::cells::CellRadiosities;
 use crate::direct::{Blockers, DirectLight, DirectScratch};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
+use crate::mesh::LitMesh;
 use crate::paths::{Brightness, Illumination, LightPaths, Resolution, cell_count, place_at};
 use crate::progress::Stop;
 use crate::scene::{DistinctChannels, Scene, SurfacePoint};
@@ -38,6 +39,8 @@ pub struct Solution {
     pub(crate) error_bars: Option<ErrorBars>,
     /// What is proved, if that was asked for.
     pub(crate) bounds: Option<RadiosityBounds>,
+    /// The answer as a function, if that was asked for.
+    pub(crate) mesh: Option<LitMesh>,
 }
 
 impl Solution {
@@ -64,6 +67,11 @@ impl Solution {
     /// The radiosity of every node.
     pub fn radiosity(&self) -> &Radiosity {
         &self.radiosity
+    }
+
+    /// The lit mesh: the answer as a function on the surfaces, if it was solved with [`SolveOptions::lit_mesh`].
+    pub fn mesh(&self) -> Option<&LitMesh> {
+        self.mesh.as_ref()
     }
 
     /// Visibility rays that a value at a point takes.
@@ -136,7 +144,8 @@ impl Solution {
     pub(super) fn expanded(self, channels: &DistinctChannels, scene: Scene) -> Self {
         let radiosity = self.radiosity.expanded(channels);
         let cell_radiosities = self.cell_radiosities.map(|radiosities| radiosities.expanded(channels));
-        Self { scene, radiosity, cell_radiosities, ..self }
+        let mesh = self.mesh.map(|mesh| mesh.expanded(channels));
+        Self { scene, radiosity, cell_radiosities, mesh, ..self }
     }
 
     /// Visits the leaves of the hierarchy: polygon (counter-clockwise), surface index, radiosity per channel in W/m^2.
@@ -149,12 +158,13 @@ impl Solution {
         }
     }
 
-    /// Bytes that hierarchy, links and radiosities take.
+    /// Bytes that hierarchy, links, radiosities and the lit mesh take.
     pub fn memory_bytes(&self) -> u64 {
         self.hierarchy.memory_bytes()
             + self.links.memory_bytes()
             + size_of_val(self.radiosity.values()) as u64
             + self.cell_radiosities.as_ref().map_or(0, CellRadiosities::memory_bytes)
+            + self.mesh.as_ref().map_or(0, LitMesh::memory_bytes)
     }
 
     /// Checks everything that later stages rely on: ids in range, trees well formed, numbers finite.
@@ -189,6 +199,9 @@ impl Solution {
         }
         if let Some(bounds) = &self.bounds {
             bounds.validate(&self.scene, &self.hierarchy)?;
+        }
+        if let Some(mesh) = &self.mesh {
+            mesh.validate(&self.scene)?;
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 mod commands;
 mod hostile;
+mod lit_mesh;
 mod solve;
 #[path = "../support/mod.rs"]
 mod support;
@@ -83,6 +84,12 @@ impl Place {
     /// says after that.
     #[cfg(unix)]
     fn run_until_signal(&self, arguments: &str, signal: &str) -> (Option<i32>, String) {
+        self.run_until_signal_at(arguments, "\"progress\"", signal)
+    }
+
+    /// The same once it has reported something.
+    #[cfg(unix)]
+    fn run_until_signal_at(&self, arguments: &str, reported: &str, signal: &str) -> (Option<i32>, String) {
         let mut child = Command::new(env!("CARGO_BIN_EXE_patchlight"))
             .args(arguments.split_whitespace())
             .args(["--progress", "json"])
@@ -92,9 +99,9 @@ impl Place {
             .unwrap();
         let mut stderr = BufReader::new(child.stderr.take().unwrap());
         let mut line = String::new();
-        while !line.contains("\"progress\"") {
+        while !line.contains(reported) {
             line.clear();
-            assert!(stderr.read_line(&mut line).unwrap() > 0, "the program ended before it reported progress");
+            assert!(stderr.read_line(&mut line).unwrap() > 0, "the program ended before it reported {reported}");
         }
         // Every shell has a kill of its own; the program of this name may not be installed.
         let kill = format!("kill -{signal} {}", child.id());
@@ -265,6 +272,7 @@ fn a_flag_and_a_setting_for_the_same_key_contradict_each_other() {
     for (arguments, words) in [
         ("--set error=0.1 --error 0.2", "--set error=0.1 and --error both say what error is: leave one of them out"),
         ("--set threads=1 --threads 2", "--set threads=1 and --threads"),
+        ("--set lit_mesh=false --lit-mesh", "--set lit_mesh=false and --lit-mesh"),
         ("--set max_links=1 --max-links 2", "--set max_links=1 and --max-links"),
     ] {
         place.run(&format!("solve room.obj {arguments}")).failed(2, &[words]);
@@ -340,6 +348,7 @@ fn outputs_that_cannot_be_written_are_found_before_the_work() {
         "solve room.obj -o nowhere/room.solution",
         "solve room.obj --report nowhere/r.json",
         "solve room.obj --image nowhere/a.png",
+        "solve room.obj --mesh nowhere/a.ply",
         "solve room.obj --points P.csv --values nowhere/V.csv",
         "sample room.solution P.csv -o nowhere/V.csv",
         "render room.solution -o nowhere/a.exr",
@@ -366,7 +375,7 @@ fn a_file_is_not_read_and_written_or_written_twice() {
 #[test]
 fn an_existing_output_survives_a_failed_run() {
     let place = Place::new();
-    for name in ["V.csv", "a.png", "a.exr", "a.ply", "out.solution", "r.json"] {
+    for name in ["V.csv", "a.png", "a.exr", "a.ply", "m.ply", "out.solution", "r.json"] {
         fs::write(place.path(name), "precious").unwrap();
     }
     let mut bytes = fs::read(place.path("room.solution")).unwrap();
@@ -379,12 +388,13 @@ fn an_existing_output_survives_a_failed_run() {
         "render bad.solution -o a.png",
         "render bad.solution -o a.exr",
         "export bad.solution -o a.ply",
-        "solve missing.obj -o out.solution --report r.json --image a.png --points P.csv --values V.csv",
+        "solve missing.obj -o out.solution --report r.json --image a.png --points P.csv --values V.csv --mesh m.ply",
     ] {
         assert_eq!(place.run(arguments).code, 3, "{arguments}");
     }
-    for name in ["V.csv", "a.png", "a.exr", "a.ply", "out.solution", "r.json"] {
+    for name in ["V.csv", "a.png", "a.exr", "a.ply", "m.ply", "out.solution", "r.json"] {
         assert_eq!(place.read(name), "precious", "{name}");
     }
-    assert_eq!(place.new_files(), ["V.csv", "a.exr", "a.ply", "a.png", "bad.csv", "bad.solution", "out.solution", "r.json"]);
+    let expected = ["V.csv", "a.exr", "a.ply", "a.png", "bad.csv", "bad.solution", "m.ply", "out.solution", "r.json"];
+    assert_eq!(place.new_files(), expected);
 }
