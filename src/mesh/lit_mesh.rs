@@ -19,7 +19,43 @@ pub struct LitMesh {
     pub claimed: f64,
 }
 
+/// The elements on one surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshPart<'a> {
+    /// The number of the surface.
+    pub surface: u32,
+    /// Nodes, in metres.
+    pub nodes: Vec<[f64; 3]>,
+    /// Radiosity by node and channel, in W/m^2, not negative.
+    pub radiosity: Vec<f32>,
+    /// Six nodes of each element: three corners, counter-clockwise from the front, then the middles of the edges from each corner to the next.
+    pub elements: &'a [[u32; 6]],
+}
+
 impl LitMesh {
+    /// The surfaces that have elements, in their order, of the scene that this is a mesh of.
+    pub fn parts<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = MeshPart<'a>> {
+        let part = |(number, mesh): (usize, &'a Option<SurfaceMesh>)| {
+            let (mesh, surface) = (mesh.as_ref()?, number as u32);
+            let (plane, exitance) = (Plane::of(scene, SurfaceId(surface)), &scene.material_of(SurfaceId(surface)).exitance);
+            let nodes = mesh.nodes().iter().map(|&at| plane.to_space(at).to_array()).collect();
+            let of_node = |node: usize| mesh.reflected(node as u32, exitance.len()).iter().zip(exitance);
+            let radiosity = (0..mesh.nodes().len()).flat_map(of_node).map(|(&reflected, &e)| reflected.max(0.0) + e as f32);
+            Some(MeshPart { surface, nodes, radiosity: radiosity.collect(), elements: mesh.triangles() })
+        };
+        self.surfaces.iter().enumerate().filter_map(part)
+    }
+
+    /// The nodes of all elements, part by part, where the nodes of all parts are numbered through.
+    pub fn element_nodes(&self) -> impl Iterator<Item = [u32; 6]> {
+        let with_first = self.surfaces.iter().flatten().scan(0, |next, mesh| {
+            let first = *next;
+            *next += mesh.nodes().len() as u32;
+            Some((first, mesh))
+        });
+        with_first.flat_map(|(first, mesh)| mesh.triangles().iter().map(move |nodes| nodes.map(|node| first + node)))
+    }
+
     /// Elements in all.
     pub fn elements(&self) -> usize {
         self.surfaces.iter().flatten().map(|mesh| mesh.triangles().len()).sum()

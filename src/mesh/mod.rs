@@ -14,5 +14,5 @@ mod surface_mesh;
 mod triangulation;
 
 pub(crate) use build::MeshBuilder;
-pub use lit_mesh::LitMesh;
 pub(crate) use lit_mesh::MeshReader;
+pub use lit_mesh::{LitMesh, MeshPart};
