@@ -16,13 +16,14 @@ use support::*;
 /// A function by its name, and a call of it.
 type Call = (&'static str, fn(&Handles) -> patchlight_status);
 
-/// What functions are handed. All four handles are NULL, or not alive, or alive.
+/// What functions are handed. All five handles are NULL, or not alive, or alive.
 #[derive(Clone, Copy)]
 struct Handles {
     context: *mut patchlight_context,
     options: *mut patchlight_options,
     scene: *mut patchlight_scene,
     solution: *mut patchlight_solution,
+    mesh: *mut patchlight_mesh,
 }
 
 // SAFETY: Handles are numbers, and any thread may use any of them.
@@ -45,6 +46,12 @@ const CALLS: &[Call] = calls! {
     patchlight_context_create(h, 1, null_mut());
     patchlight_context_create_sharing(h, h.context, null_mut());
     patchlight_context_threads(h, h.context, null_mut());
+    patchlight_mesh_export(h, h.mesh, null());
+    patchlight_mesh_get_array(h, h.mesh, 1, null(), null_mut());
+    patchlight_mesh_get_figure(h, h.mesh, 1, null_mut());
+    patchlight_mesh_get_picture(h, h.mesh, null(), null_mut(), 0, null_mut());
+    patchlight_mesh_get_values(h, h.mesh, null(), null(), null(), null_mut());
+    patchlight_mesh_write_picture(h, h.mesh, null(), null());
     patchlight_option_count(h, null_mut());
     patchlight_option_get_text(h, 0, 1, null_mut(), 0, null_mut());
     patchlight_option_get_type(h, 0, null_mut());
@@ -77,6 +84,7 @@ const CALLS: &[Call] = calls! {
     patchlight_solution_get_uint32(h, h.solution, 1, 1, null_mut(), 0, null_mut());
     patchlight_solution_get_values(h, h.solution, null(), null(), null(), null_mut());
     patchlight_solution_load(h, h.context, null(), null(), null_mut());
+    patchlight_solution_make_mesh(h, h.solution, 0.5, null_mut());
     patchlight_solution_save(h, h.solution, null());
     patchlight_solution_write_picture(h, h.solution, null(), null());
     patchlight_solve(h, h.context, h.scene, null(), null_mut());
@@ -87,6 +95,7 @@ const CALLS: &[Call] = calls! {
 const HANDLES_ALONE: &[Call] = calls! {
     patchlight_context_retain(h, h.context);
     patchlight_context_set_log(h, h.context, None, null_mut());
+    patchlight_mesh_retain(h, h.mesh);
     patchlight_options_retain(h, h.options);
     patchlight_scene_commit(h, h.scene);
     patchlight_scene_retain(h, h.scene);
@@ -96,6 +105,7 @@ const HANDLES_ALONE: &[Call] = calls! {
 
 const RELEASES: &[Call] = calls! {
     patchlight_context_release(h, h.context);
+    patchlight_mesh_release(h, h.mesh);
     patchlight_options_release(h, h.options);
     patchlight_scene_release(h, h.scene);
     patchlight_solution_release(h, h.solution);
@@ -111,11 +121,13 @@ const WITHOUT_HANDLES: [&str; 6] = [
     "patchlight_get_version",
 ];
 
-const NOBODY: Handles = Handles { context: null_mut(), options: null_mut(), scene: null_mut(), solution: null_mut() };
+const NOBODY: Handles =
+    Handles { context: null_mut(), options: null_mut(), scene: null_mut(), solution: null_mut(), mesh: null_mut() };
 
 fn alive() -> Handles {
     let context = context(1);
-    Handles { context, options: options(&[]), scene: closed_box(context), solution: lit_box(context, &[]) }
+    let solution = lit_box(context, &[]);
+    Handles { context, options: options(&[]), scene: closed_box(context), solution, mesh: mesh_of(solution, 0.5) }
 }
 
 fn release(handles: &Handles) {
@@ -158,13 +170,15 @@ fn handles_that_were_released_or_are_of_another_kind_are_refused() {
         context: alive.scene.cast(),
         options: alive.solution.cast(),
         scene: alive.options.cast(),
-        solution: alive.context.cast(),
+        solution: alive.mesh.cast(),
+        mesh: alive.context.cast(),
     };
     let nonsense = Handles {
         context: 7 as *mut _,
         options: usize::MAX as *mut _,
         scene: (&raw const alive).cast_mut().cast(),
         solution: (1_usize << 40) as *mut _,
+        mesh: 9 as *mut _,
     };
     let refused = |handles: &Handles| {
         for (name, call) in [CALLS, HANDLES_ALONE, RELEASES].concat() {
