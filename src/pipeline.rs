@@ -1,13 +1,14 @@
 //! The only place that joins the stages.
 
-use glam::DVec3;
-use thiserror::Error;
+mod of_mesh;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
+use thiserror::Error;
+
 use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceBounds, PointBounds, RadiosityBounds};
-use crate::mesh::{LitMesh, MeshReader};
+use crate::mesh::MeshIndex;
 use crate::picture::{self, Camera, CameraError, Image};
 use crate::progress::Observer;
 use crate::scene::{Scene, SurfacePoint};
@@ -92,6 +93,8 @@ pub struct Evaluator {
     solution: Solution,
     visibility: Box<dyn Visibility>,
     pool: Workers,
+    /// Of the lit mesh, once it is asked for.
+    mesh_index: OnceLock<MeshIndex>,
 }
 
 /// Solves `scene`. A run that a limit or the observer ends early is no error: the report says so, and the solution so far is
@@ -184,7 +187,7 @@ fn solve_in(
     let rays = if options.links.skips.rays { rays } else { rays.asking_in_clear_scenes() };
     let rays = if options.links.skips.clear { rays } else { rays.asking_between_clear_planes() };
     let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, importance, &rays, observer));
-    let mut evaluator = Evaluator { solution, visibility, pool };
+    let mut evaluator = Evaluator { solution, visibility, pool, mesh_index: OnceLock::new() };
     if options.bounds == Bounds::Guaranteed {
         let solved = Instant::now();
         let late = || run.time_s.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds);
@@ -225,7 +228,7 @@ impl Evaluator {
 
     /// Like [`Evaluator::new_on`], but asks `visibility`, whatever it is; see [`solve_asking`].
     pub fn asking_on(pool: Workers, visibility: Box<dyn Visibility>, solution: Solution) -> Self {
-        Self { solution, visibility, pool }
+        Self { solution, visibility, pool, mesh_index: OnceLock::new() }
     }
 
     /// The solution.
@@ -316,39 +319,6 @@ impl Evaluator {
             bounds.confine(&mut values.radiosity);
         }
         Some((values, bounds))
-    }
-
-    /// Radiosity as a function on the surfaces, made from the values at points. It is refined until no more than `error` in the local norm is claimed
-    /// for what it differs from these, or until only their noise is left. Cancelled by the observer, it returns `None`.
-    pub fn lit_mesh(&self, error: f64, observer: &dyn Observer) -> Option<LitMesh> {
-        let rays = Rays::new(&*self.visibility, self.solution.scene());
-        self.pool.install(|| self.solution.lit_mesh(&rays, error, observer))
-    }
-
-    /// The radiosities of a lit mesh of this solution at points, by point and channel; NaN where a point lies on no surface.
-    pub fn values_of_mesh(&self, mesh: &LitMesh, points: &[SurfacePoint]) -> Vec<f32> {
-        let Solution { scene, hierarchy, .. } = &self.solution;
-        let reader = MeshReader::new(scene, mesh);
-        let of_point = |point: &SurfacePoint| {
-            let (position, normal) = (DVec3::from(point.position), DVec3::from(point.normal));
-            let mut radiosity = vec![f64::NAN; scene.channels()];
-            if let Some(surface) = hierarchy.surface_at(position, normal, values::tolerance(scene)) {
-                reader.radiosity_at(position, surface, &mut radiosity);
-            }
-            radiosity
-        };
-        points.iter().flat_map(of_point).map(|b| b as f32).collect()
-    }
-
-    /// A picture of a lit mesh of this solution, in linear radiance, without standard errors. Cancelled by the observer, it returns `None`.
-    ///
-    /// # Errors
-    /// As [`Evaluator::render`].
-    pub fn render_mesh(&self, mesh: &LitMesh, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
-        let (through, scene) = (camera.rays()?, self.solution.scene());
-        let (rays, reader) = (Rays::new(&*self.visibility, scene), MeshReader::new(scene, mesh));
-        let render = || picture::render_mesh(scene, &reader, &rays, &through, [camera.width, camera.height], observer);
-        Ok(self.pool.install(render))
     }
 
     /// A picture of linear radiance. Cancelled by the observer, it returns `None`.

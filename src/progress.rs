@@ -18,6 +18,8 @@ pub enum Stage {
     Cells,
     /// Estimating the error of what has been found.
     Error,
+    /// Making the lit mesh.
+    Mesh,
     /// Evaluating values at points.
     Sample,
     /// Rendering a picture.

@@ -157,6 +157,8 @@ enum patchlight_stage
   PATCHLIGHT_STAGE_CELLS = 7,
   // Reading a scene.
   PATCHLIGHT_STAGE_READ = 8,
+  // Making the lit mesh.
+  PATCHLIGHT_STAGE_MESH = 9,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

@@ -34,7 +34,7 @@ pub use mesh::files::{patchlight_mesh_export, patchlight_mesh_get_picture, patch
 pub use mesh::read::{patchlight_mesh_array, patchlight_mesh_get_array, patchlight_mesh_get_values};
 pub use mesh::{
     patchlight_mesh, patchlight_mesh_figure, patchlight_mesh_get_figure, patchlight_mesh_release, patchlight_mesh_retain,
-    patchlight_solution_make_mesh,
+    patchlight_solution_get_mesh, patchlight_solution_make_mesh,
 };
 pub use observer::{patchlight_memory_function, patchlight_progress, patchlight_progress_function, patchlight_stage};
 pub use options::{

@@ -29,6 +29,8 @@ pub enum patchlight_stage {
     PATCHLIGHT_STAGE_CELLS = 7,
     /// Reading a scene.
     PATCHLIGHT_STAGE_READ = 8,
+    /// Making the lit mesh.
+    PATCHLIGHT_STAGE_MESH = 9,
 }
 
 use patchlight_stage::*;
@@ -180,6 +182,7 @@ fn report(progress: &Progress) -> patchlight_progress {
         Stage::Render => PATCHLIGHT_STAGE_RENDER,
         Stage::Cells => PATCHLIGHT_STAGE_CELLS,
         Stage::Read => PATCHLIGHT_STAGE_READ,
+        Stage::Mesh => PATCHLIGHT_STAGE_MESH,
     };
     let (fraction, error) = (fraction.unwrap_or(-1.0), error.unwrap_or(-1.0));
     patchlight_progress { size: size_of::<patchlight_progress>(), stage: stage as u32, round, links, elements, fraction, error }

@@ -129,7 +129,8 @@ pub fn check_answers(failed: &AtomicBool) -> Outcome {
 
 /// How a solve ended, and what to tell about it.
 fn ending(report: &SolveReport) -> (patchlight_status, String) {
-    let claim = format!("an error of {} is claimed, {} was asked for", report.error.estimate, report.error.requested);
+    let claimed = report.lit_mesh.map_or(report.error.estimate, |mesh| mesh.whole.estimate);
+    let claim = format!("an error of {claimed} is claimed, {} was asked for", report.error.requested);
     match report.stopped_by {
         StoppedBy::Error => (PATCHLIGHT_OK, String::new()),
         StoppedBy::Exhausted if report.converged => (PATCHLIGHT_OK, String::new()),

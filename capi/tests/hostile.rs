@@ -78,6 +78,7 @@ const CALLS: &[Call] = calls! {
     patchlight_solution_get_camera(h, h.solution, null_mut());
     patchlight_solution_get_double(h, h.solution, 1, 1, null_mut(), 0, null_mut());
     patchlight_solution_get_figure(h, h.solution, 1, null_mut());
+    patchlight_solution_get_mesh(h, h.solution, null_mut());
     patchlight_solution_get_picture(h, h.solution, null(), null_mut(), null_mut(), 0, null_mut());
     patchlight_solution_get_report(h, h.solution, null_mut(), 0, null_mut());
     patchlight_solution_get_status(h, h.solution, null_mut());

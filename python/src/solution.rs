@@ -82,16 +82,20 @@ impl Solution {
         Picture::new(py, image, camera, self.lit.provenance()?)
     }
 
-    /// Makes a mesh: radiosity as a function on the surfaces.
+    /// The mesh: radiosity as a function on the surfaces. The one that was solved for with lit_mesh=True, or a new one.
     ///
-    /// error: how far it may be off the values at points, relative to these, 0 to 1; that of the solve if left out.
+    /// error: how far a new one may be off the values at points, relative to these, 0 to 1. If left out, it is the mesh of the solution; if that has
+    ///     none, a new one, with the error of the solve.
     /// progress: as in `solve`; returns it True, `Cancelled` is raised.
     ///
-    /// If less cannot be claimed than more than that, it warns with `LimitWarning`, and `Mesh.claimed` tells how much.
+    /// If what is claimed for a new one is more than was asked for, it warns with `LimitWarning`; `Mesh.claimed` tells.
     #[pyo3(signature = (error=None, *, progress=None))]
     fn mesh(&self, py: Python<'_>, error: Option<f64>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Mesh> {
         let evaluator = self.lit.evaluator()?;
         let listener = Listener::new(progress)?;
+        if error.is_none() && evaluator.mesh().is_some() {
+            return Ok(Mesh::new(self.lit.clone(), None));
+        }
         let error = error.unwrap_or(evaluator.solution().options().error);
         SolveOptions { error, ..SolveOptions::default() }.validate().map_err(Failure::from)?;
         let made = watched(py, &listener, |observer: &dyn Observer| evaluator.lit_mesh(error, observer))?;
@@ -102,7 +106,7 @@ impl Solution {
                 &format!("nothing more can be gained: an error of {} is claimed, {error} was asked for", made.claimed),
             )?;
         }
-        Ok(Mesh::new(self.lit.clone(), made))
+        Ok(Mesh::new(self.lit.clone(), Some(made)))
     }
 
     /// Writes it, to be read by `patchlight.load` and by the program. A file that is there is replaced by a complete one.
@@ -171,7 +175,7 @@ impl Solution {
         Ok(self.lit.evaluator()?.solution().memory_bytes())
     }
 
-    /// The error that is claimed: an upper confidence limit; infinite where none was estimated. None if it was read from a file.
+    /// The error that is claimed for values: an upper confidence limit; infinite where none was estimated. None if it was read from a file.
     #[getter]
     fn error(&self) -> Option<f64> {
         Some(self.lit.report.as_ref()?.solve.error.estimate)

@@ -51,6 +51,11 @@ impl CellRadiosities {
         &self.values[cell as usize * self.channels..][..self.channels]
     }
 
+    /// How many cells there are.
+    pub fn cells(&self) -> usize {
+        self.values.len() / self.channels
+    }
+
     /// Whether it fits a number of cells and channels, and all values are finite; in the dark noise may take them below 0.
     pub fn is_valid(&self, cells: usize, channels: usize) -> bool {
         let fits = self.channels == channels && self.values.len() == cells * channels;

@@ -65,8 +65,7 @@ pub struct SolveArguments {
     pub image: Vec<PathBuf>,
     #[command(flatten)]
     pub picture: PictureArguments,
-    /// Find radiosity as a function on the surfaces and write it, as .ply: elements with radiosities at their nodes, off the values at points by
-    /// about as much as --error asks for. Pictures show it
+    /// Write the lit mesh: elements with radiosities at their nodes; --lit-mesh is asked for by that
     #[arg(long, value_name = "FILE.ply")]
     pub mesh: Option<PathBuf>,
     /// Evaluate at the points of this CSV file (x,y,z,nx,ny,nz), '-' for stdin
@@ -95,6 +94,8 @@ pub struct SettingArguments {
     pub importance: Option<String>,
     #[arg(long, value_name = "KIND", help = option_help::of_flag("bounds"))]
     pub bounds: Option<String>,
+    #[arg(long, help = option_help::of_flag("lit_mesh"))]
+    pub lit_mesh: bool,
     #[arg(long, value_name = "N", help = option_help::of_flag("seed"))]
     pub seed: Option<String>,
     #[arg(long, value_name = "N", help = option_help::of_flag("max_links"))]
@@ -118,18 +119,19 @@ impl SettingArguments {
     /// The flags that were typed, by their keys.
     pub fn flags(&self) -> impl Iterator<Item = (&'static str, &str)> {
         let flags = [
-            ("error", &self.error),
-            ("norm", &self.norm),
-            ("strategy", &self.strategy),
-            ("importance", &self.importance),
-            ("bounds", &self.bounds),
-            ("seed", &self.seed),
-            ("max_links", &self.max_links),
-            ("sides", &self.sides),
-            ("memory", &self.memory),
-            ("time", &self.time),
+            ("error", self.error.as_deref()),
+            ("norm", self.norm.as_deref()),
+            ("strategy", self.strategy.as_deref()),
+            ("importance", self.importance.as_deref()),
+            ("bounds", self.bounds.as_deref()),
+            ("lit_mesh", self.lit_mesh.then_some("true")),
+            ("seed", self.seed.as_deref()),
+            ("max_links", self.max_links.as_deref()),
+            ("sides", self.sides.as_deref()),
+            ("memory", self.memory.as_deref()),
+            ("time", self.time.as_deref()),
         ];
-        flags.into_iter().filter_map(|(key, value)| Some((key, value.as_deref()?)))
+        flags.into_iter().filter_map(|(key, value)| Some((key, value?)))
     }
 }
 
@@ -143,6 +145,10 @@ pub struct SampleArguments {
     /// Write the values, '-' for stdout
     #[arg(short, long, value_name = "V.csv", default_value = "-")]
     pub output: PathBuf,
+    /// Where values come from: gathered by rays at each point, with standard errors; or read off the lit mesh, in a moment, but as far off as the
+    /// mesh
+    #[arg(long, value_name = "WHENCE", value_enum, default_value_t = Whence::Gather)]
+    pub from: Whence,
     #[command(flatten)]
     pub run: RunArguments,
 }
@@ -166,9 +172,16 @@ pub struct RenderArguments {
 pub struct ExportArguments {
     /// A solution that 'patchlight solve -o' wrote
     pub solution: PathBuf,
-    /// The file: .ply
+    /// The file: .ply, with the lit mesh where the solution has one, else with the elements of the solver
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// Write the elements of the solver, whether there is a lit mesh or not
+    #[arg(long, conflicts_with = "quadratic")]
+    pub elements: bool,
+    /// Write each element of the lit mesh as one face of six vertices, around it: every second one is a corner, the others are middles of edges. If
+    /// not given, it is written as four triangles
+    #[arg(long)]
+    pub quadratic: bool,
 }
 
 /// `patchlight info`.
@@ -207,6 +220,19 @@ pub struct PictureArguments {
     /// [default: radiance]
     #[arg(long, value_name = "QUANTITY")]
     pub quantity: Option<String>,
+    /// What is shown: the lit mesh, without grain; or values that are gathered by rays for the picture, with their standard errors in .exr
+    /// [default: mesh where there is one]
+    #[arg(long, value_name = "WHENCE", value_enum)]
+    pub from: Option<Whence>,
+}
+
+/// Where values come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Whence {
+    /// The lit mesh.
+    Mesh,
+    /// Rays, for each value anew.
+    Gather,
 }
 
 /// How the run goes.

@@ -141,6 +141,7 @@ fn describe(progress: &Progress) -> String {
         Stage::Gather => "gathering",
         Stage::Cells => "finding cells",
         Stage::Error => "estimating the error",
+        Stage::Mesh => "making the lit mesh",
         Stage::Sample => "evaluating points",
         Stage::Render => "taking the picture",
     }
@@ -152,7 +153,10 @@ fn describe(progress: &Progress) -> String {
         text += &format!(" {:.0}%", 100.0 * fraction);
     }
     if progress.links > 0 {
-        text += &format!(", {} links, {} elements", progress.links, progress.elements);
+        text += &format!(", {} links", progress.links);
+    }
+    if progress.elements > 0 {
+        text += &format!(", {} elements", progress.elements);
     }
     if let Some(error) = progress.error {
         text += &format!(", error {:.2}%", 100.0 * error);

@@ -6,12 +6,14 @@ use super::grow::Grower;
 use super::growing::Growing;
 use super::judged::Judged;
 use super::light::{All, Direct, Indirect, Light};
+use super::limits::MeshLimits;
 use super::lit_mesh::{LitMesh, MeshReader};
 use super::plane::Plane;
 use super::surface_mesh::SurfaceMesh;
 use super::triangulation::{Line, triangulate};
 use crate::direct::DirectLight;
 use crate::discontinuities::{Degree, Discontinuities, Segment};
+use crate::error::ErrorNorm;
 use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
 use crate::values::{IndirectGather, RayBudget};
@@ -37,28 +39,30 @@ pub(crate) struct MeshBuilder<'a> {
     pub budget: RayBudget,
     /// What elements follow.
     pub lines: &'a Discontinuities,
-    /// The largest error that may be claimed, in the local norm.
+    /// The largest error that may be claimed, and in which norm.
     pub error: f64,
+    pub norm: ErrorNorm,
+    pub limits: &'a MeshLimits<'a>,
     /// Told how many elements there are.
     pub tell: &'a (dyn Fn(u64) + Sync),
     pub stop: Stop<'a>,
 }
 
 impl MeshBuilder<'_> {
-    /// Makes the elements of these surfaces; `None` if stopped.
+    /// Makes the elements of these surfaces; `None` if stopped, or if the limits do not allow the first of them.
     pub fn build(&self, surfaces: &[SurfaceId]) -> Option<LitMesh> {
         let area: f64 = surfaces.iter().map(|&surface| self.scene.surface(surface).polygon.area()).sum();
         let direct = Direct { scene: self.scene, light: self.direct };
 
         // Indirect light, which has steps only where surfaces touch.
-        let mut growing = self.begin(surfaces, area, &|degree| degree == Degree::D0);
+        let mut growing = self.begin(surfaces, area, &|degree| degree == Degree::D0)?;
         let roots: f64 = growing.iter().map(|of| of.triangles.nodes.len() as f64 * of.size().sqrt()).sum();
         let light = Indirect { direct: &direct, gather: self.indirect, budget: self.budget, size: (area / roots).powi(2) };
         let of_indirect = self.grower(&light, INDIRECT_PART, area).grow(&mut growing)?;
         let indirect = self.finish(growing);
 
         // All light.
-        let mut growing = self.begin(surfaces, area, &|_| true);
+        let mut growing = self.begin(surfaces, area, &|_| true)?;
         let light = All { direct: &direct, indirect: MeshReader::of(self.scene, &indirect) };
         let part = 1.0 - INDIRECT_PART;
         let test_area = area * part * self.error.powi(2) / TESTS;
@@ -70,13 +74,13 @@ impl MeshBuilder<'_> {
     }
 
     fn grower<'b>(&'b self, light: &'b dyn Light, part: f64, test_area: f64) -> Grower<'b> {
-        let Self { budget, error, tell, stop, .. } = *self;
+        let Self { budget, error, norm, limits, tell, stop, .. } = *self;
         let (channels, seed, error) = (self.scene.channels(), budget.seed, error * part.sqrt());
-        Grower { light, channels, seed, error, test_area, judged_at: JUDGED, tell, stop }
+        Grower { light, channels, seed, error, norm, test_area, judged_at: JUDGED, limits, tell, stop }
     }
 
-    /// The first elements, along discontinuities of some degrees.
-    fn begin(&self, surfaces: &[SurfaceId], area: f64, takes: &(dyn Fn(Degree) -> bool + Sync)) -> Vec<Growing> {
+    /// The first elements, along discontinuities of some degrees; `None` if the limits do not allow so many.
+    fn begin(&self, surfaces: &[SurfaceId], area: f64, takes: &(dyn Fn(Degree) -> bool + Sync)) -> Option<Vec<Growing>> {
         let begin = |&surface: &SurfaceId| {
             let plane = Plane::of(self.scene, surface);
             let facet = self.scene.surface(surface).polygon.facet();
@@ -89,7 +93,9 @@ impl MeshBuilder<'_> {
             let lines: Vec<Line> = segments.map(line).collect();
             Growing::new(surface, plane, triangulate(&corners, &lines, FIRST_PART * area))
         };
-        surfaces.par_iter().map(begin).collect()
+        let growing: Vec<Growing> = surfaces.par_iter().map(begin).collect();
+        let elements = growing.iter().map(|of| of.triangles.triangles.len()).sum();
+        self.limits.allow(elements).then_some(growing)
     }
 
     /// The functions, by surface.

@@ -13,6 +13,8 @@ use super::element;
 use super::growing::{Growing, Test};
 use super::judged::{Judged, Norm};
 use super::light::{Light, LightScratch};
+use super::limits::MeshLimits;
+use crate::error::ErrorNorm;
 use crate::geometry::{sampling, streams};
 use crate::paths::{Place, place_at};
 use crate::progress::Stop;
@@ -22,9 +24,6 @@ const BISECTED: f64 = 0.8;
 
 /// If no more of the squared error than this is more than noise, smaller elements would only follow the noise.
 const NOISY: f64 = 0.25;
-
-/// Elements are not refined beyond so many: about a gigabyte.
-const MOST_ELEMENTS: usize = 1 << 20;
 
 /// Rounds at most.
 const ROUNDS: u32 = 32;
@@ -37,12 +36,14 @@ pub(super) struct Grower<'a> {
     pub light: &'a dyn Light,
     pub channels: usize,
     pub seed: u64,
-    /// The largest error that may be claimed, in the local norm.
+    /// The largest error that may be claimed, and in which norm.
     pub error: f64,
+    pub norm: ErrorNorm,
     /// A test in each element stands for so many m^2 at most.
     pub test_area: f64,
     /// Points at which the function is judged.
     pub judged_at: usize,
+    pub limits: &'a MeshLimits<'a>,
     /// Told how many elements there are.
     pub tell: &'a (dyn Fn(u64) + Sync),
     pub stop: Stop<'a>,
@@ -65,14 +66,14 @@ struct Spot {
 impl Grower<'_> {
     /// Refines the elements of all surfaces together; `None` if stopped.
     pub fn grow(&self, all: &mut [Growing]) -> Option<Judged> {
-        let mut judged = None;
+        let (mut judged, mut rounds) = (None, self.limits.begin());
         for round in 0..ROUNDS {
             self.take_nodes(all);
             self.test_changed(all, round);
             if (self.stop)() {
                 return None;
             }
-            let Some(norm) = Norm::of(all) else { return Some(Judged::DARK) };
+            let Some(norm) = Norm::of(self.norm, all) else { return Some(Judged::DARK) };
             let (mut worst, mut left) = self.worst(all, &norm);
             judged = None;
             if left <= self.error.powi(2) {
@@ -85,14 +86,14 @@ impl Grower<'_> {
             }
             let elements: usize = all.iter().map(|of| of.triangles.triangles.len()).sum();
             (self.tell)(elements as u64);
-            if left == 0.0 || elements >= MOST_ELEMENTS || round + 1 == ROUNDS {
+            if left == 0.0 || round + 1 == ROUNDS || !rounds.may_go_on(elements) {
                 break;
             }
             all.par_iter_mut().zip(worst).for_each(|(of, worst)| of.refine(&worst));
         }
         match judged {
             Some(judged) => Some(judged),
-            None => self.judge(all, ROUNDS, &Norm::of(all)?),
+            None => self.judge(all, ROUNDS, &Norm::of(self.norm, all)?),
         }
     }
 

@@ -1,14 +1,16 @@
-//! How wrong a function on the surfaces is, in the local norm.
+//! How wrong a function on the surfaces is, in either norm.
 
 use super::growing::{Growing, Test};
-use crate::error::claim;
+use crate::error::{ErrorNorm, claim};
 
-/// The local norm over the surfaces of a mesh: errors relative to the light at each place, or to typical light where it is darker.
-pub(super) struct Norm {
-    /// Where there is light, in m^2.
-    lit: f64,
-    /// The median of the squared light over that.
-    typical_sq: f64,
+/// A norm over the surfaces of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Norm {
+    /// Relative to all light: its square over the area, in W^2/m^2.
+    Energy { light_sq: f64 },
+    /// Relative to the light at each place, or to typical light where it is darker: where there is light, in m^2, and the median of its square
+    /// over that.
+    Local { lit: f64, typical_sq: f64 },
 }
 
 /// An error with its upper confidence limit.
@@ -20,7 +22,7 @@ pub(super) struct Judged {
 
 impl Norm {
     /// By the light that tests found; `None` where all is dark.
-    pub fn of(all: &[Growing]) -> Option<Self> {
+    pub fn of(norm: ErrorNorm, all: &[Growing]) -> Option<Self> {
         // Tests share the area of their triangle.
         let mut lit: Vec<(f64, f64)> = Vec::new();
         for of in all {
@@ -29,6 +31,10 @@ impl Norm {
             let area = |test: &Test| of.triangles.area(test.triangle) / f64::from(counts[test.triangle as usize]);
             lit.extend(of.tests.iter().filter(|test| test.light_sq > 0.0).map(|test| (test.light_sq, area(test))));
         }
+        if norm == ErrorNorm::Energy {
+            let light_sq: f64 = lit.iter().map(|(light_sq, area)| light_sq * area).sum();
+            return (light_sq > 0.0).then_some(Self::Energy { light_sq });
+        }
         lit.sort_by(|a, b| a.0.total_cmp(&b.0));
         let area = lit.iter().map(|(_, area)| area).sum();
         let mut below = 0.0;
@@ -36,12 +42,15 @@ impl Norm {
             below += of.1;
             below >= 0.5 * area
         };
-        lit.iter().find(is_median).map(|&(typical_sq, _)| Self { lit: area, typical_sq })
+        lit.iter().find(is_median).map(|&(typical_sq, _)| Self::Local { lit: area, typical_sq })
     }
 
     /// What a squared error counts by m^2, where so much light is.
     pub fn weight(&self, light_sq: f64) -> f64 {
-        1.0 / (self.lit * light_sq.max(self.typical_sq))
+        match *self {
+            Self::Energy { light_sq: all } => 1.0 / all,
+            Self::Local { lit, typical_sq } => 1.0 / (lit * light_sq.max(typical_sq)),
+        }
     }
 }
 

@@ -1,15 +1,24 @@
 //! The lit mesh of a scene.
 
-use glam::DVec3;
+use std::borrow::Cow;
+
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use super::locate::Locator;
 use super::plane::Plane;
 use super::surface_mesh::SurfaceMesh;
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{DistinctChannels, Scene, SurfaceId};
 
-/// Radiosity as a function on the surfaces of a scene, and how far it is off the values that are gathered at points: in the local norm, over the
-/// surfaces that reflect.
-#[derive(Clone, Debug, PartialEq)]
+/// Nodes for each element: a corner for two elements, and the middles of three edges that two share.
+const NODES: usize = 2;
+
+/// What an element takes beside that while it is refined.
+const REFINED: usize = 700;
+
+/// Radiosity as a function on the surfaces of a scene, and how far it is off the values that are gathered at points: in the norm that was asked
+/// for, over the surfaces that reflect.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LitMesh {
     /// By surface; `None` where nothing is reflected.
     pub(super) surfaces: Vec<Option<SurfaceMesh>>,
@@ -33,6 +42,27 @@ pub struct MeshPart<'a> {
 }
 
 impl LitMesh {
+    /// Elements in all.
+    pub fn elements(&self) -> usize {
+        self.surfaces.iter().flatten().map(|mesh| mesh.triangles().len()).sum()
+    }
+
+    /// Nodes in all.
+    pub fn nodes(&self) -> usize {
+        self.surfaces.iter().flatten().map(|mesh| mesh.nodes().len()).sum()
+    }
+
+    /// Bytes that it takes to make one of so many elements: those of indirect light, as they stay, and those of all light, as they are refined.
+    pub(crate) fn bytes_to_make(elements: usize, channels: usize) -> u64 {
+        let kept = size_of::<[u32; 6]>() + NODES * (size_of::<DVec2>() + channels * size_of::<f32>());
+        (elements * (2 * kept + REFINED + NODES * channels * size_of::<[f32; 2]>())) as u64
+    }
+
+    /// Bytes that this takes.
+    pub fn memory_bytes(&self) -> u64 {
+        self.surfaces.iter().flatten().map(SurfaceMesh::memory_bytes).sum()
+    }
+
     /// The surfaces that have elements, in their order, of the scene that this is a mesh of.
     pub fn parts<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = MeshPart<'a>> {
         let part = |(number, mesh): (usize, &'a Option<SurfaceMesh>)| {
@@ -56,59 +86,68 @@ impl LitMesh {
         with_first.flat_map(|(first, mesh)| mesh.triangles().iter().map(move |nodes| nodes.map(|node| first + node)))
     }
 
-    /// Elements in all.
-    pub fn elements(&self) -> usize {
-        self.surfaces.iter().flatten().map(|mesh| mesh.triangles().len()).sum()
-    }
-
-    /// Nodes in all.
-    pub fn nodes(&self) -> usize {
-        self.surfaces.iter().flatten().map(|mesh| mesh.nodes().len()).sum()
-    }
-
-    /// Visits all elements: the number of the surface, the six nodes (three corners, counter-clockwise from the front, then the middles of the edges
-    /// from each) and the radiosity there by node and channel, in W/m^2.
+    /// Visits all elements: the number of the surface, the six nodes as in [`MeshPart::elements`], and the radiosity there by node and channel, in
+    /// W/m^2.
     pub fn for_each_element(&self, scene: &Scene, mut visit: impl FnMut(u32, [[f64; 3]; 6], &[f32])) {
-        let mut radiosity = Vec::new();
-        for (number, mesh) in self.surfaces.iter().enumerate() {
-            let (Some(mesh), surface) = (mesh, SurfaceId(number as u32)) else { continue };
-            let (plane, exitance) = (Plane::of(scene, surface), &scene.material_of(surface).exitance);
-            for nodes in mesh.triangles() {
+        let (channels, mut radiosity) = (scene.channels(), Vec::new());
+        for part in self.parts(scene) {
+            for element in part.elements {
+                let of_node = |&node: &u32| &part.radiosity[node as usize * channels..][..channels];
                 radiosity.clear();
-                for &node in nodes {
-                    let reflected = mesh.reflected(node, exitance.len());
-                    radiosity.extend(reflected.iter().zip(exitance).map(|(&reflected, &e)| reflected.max(0.0) + e as f32));
-                }
-                visit(number as u32, nodes.map(|node| plane.to_space(mesh.nodes()[node as usize]).to_array()), &radiosity);
+                element.iter().for_each(|node| radiosity.extend_from_slice(of_node(node)));
+                visit(part.surface, element.map(|node| part.nodes[node as usize]), &radiosity);
             }
         }
     }
+
+    /// The same for all channels, from those that were solved for.
+    pub(crate) fn expanded(&self, channels: &DistinctChannels) -> Self {
+        let expanded = |mesh: &Option<SurfaceMesh>| mesh.as_ref().map(|mesh| mesh.expanded(channels));
+        Self { surfaces: self.surfaces.iter().map(expanded).collect(), ..*self }
+    }
 }
+
+/// Where the elements of each surface lie: what it takes to find a point in them.
+#[derive(Clone)]
+pub(crate) struct MeshIndex(Vec<Option<(Plane, Locator)>>);
 
 /// Reads a lit mesh at points.
 pub(crate) struct MeshReader<'a> {
     scene: &'a Scene,
-    by_surface: Vec<Option<(&'a SurfaceMesh, Plane, Locator)>>,
+    meshes: &'a [Option<SurfaceMesh>],
+    index: Cow<'a, MeshIndex>,
+}
+
+impl MeshIndex {
+    pub fn new(scene: &Scene, mesh: &LitMesh) -> Self {
+        Self::of(scene, &mesh.surfaces)
+    }
+
+    fn of(scene: &Scene, meshes: &[Option<SurfaceMesh>]) -> Self {
+        let of_surface = |(number, mesh): (usize, &Option<SurfaceMesh>)| {
+            let mesh = mesh.as_ref()?;
+            Some((Plane::of(scene, SurfaceId(number as u32)), Locator::new(mesh)))
+        };
+        Self(meshes.iter().enumerate().map(of_surface).collect())
+    }
 }
 
 impl<'a> MeshReader<'a> {
-    pub fn new(scene: &'a Scene, mesh: &'a LitMesh) -> Self {
-        Self::of(scene, &mesh.surfaces)
+    /// Reads a lit mesh by its index.
+    pub fn new(scene: &'a Scene, mesh: &'a LitMesh, index: Cow<'a, MeshIndex>) -> Self {
+        Self { scene, meshes: &mesh.surfaces, index }
     }
 
     /// Reads meshes, which are given by surface.
     pub(super) fn of(scene: &'a Scene, meshes: &'a [Option<SurfaceMesh>]) -> Self {
-        let reader = |(number, mesh): (usize, &'a Option<SurfaceMesh>)| {
-            let mesh = mesh.as_ref()?;
-            Some((mesh, Plane::of(scene, SurfaceId(number as u32)), Locator::new(mesh)))
-        };
-        Self { scene, by_surface: meshes.iter().enumerate().map(reader).collect() }
+        Self { scene, meshes, index: Cow::Owned(MeshIndex::of(scene, meshes)) }
     }
 
     /// The reflected radiosity at a point of a surface, by channel; 0 where there is no mesh.
     pub fn reflected_at(&self, point: DVec3, surface: SurfaceId, reflected: &mut [f64]) {
         reflected.fill(0.0);
-        let Some((mesh, plane, locator)) = &self.by_surface[surface.index()] else { return };
+        let MeshIndex(index) = &*self.index;
+        let (Some(mesh), Some((plane, locator))) = (&self.meshes[surface.index()], &index[surface.index()]) else { return };
         if let Some((triangle, at)) = locator.find(mesh, plane.to_plane(point)) {
             mesh.reflected_at(triangle, at, reflected);
         }

@@ -9,6 +9,7 @@ use super::surface_mesh::SurfaceMesh;
 const CELLS: f64 = 1.0;
 
 /// Finds triangles by points.
+#[derive(Clone)]
 pub(super) struct Locator {
     origin: DVec2,
     /// Cells per metre, and how many there are.

@@ -7,12 +7,15 @@ mod grow;
 mod growing;
 mod judged;
 mod light;
+mod limits;
 mod lit_mesh;
 mod locate;
 mod plane;
 mod surface_mesh;
 mod triangulation;
+mod validate;
 
 pub(crate) use build::MeshBuilder;
-pub(crate) use lit_mesh::MeshReader;
+pub(crate) use limits::{MeshLimit, MeshLimits};
 pub use lit_mesh::{LitMesh, MeshPart};
+pub(crate) use lit_mesh::{MeshIndex, MeshReader};

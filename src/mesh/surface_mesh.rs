@@ -1,13 +1,15 @@
 //! The light on one surface as a function: quadratic elements.
 
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 use super::bisection::{Triangle, Triangles};
 use super::element;
+use crate::scene::DistinctChannels;
 
 /// Elements on one surface, and the radiosity at their nodes. Between elements it is continuous, but across edges where they share no nodes:
 /// there light may have a step.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct SurfaceMesh {
     /// In the surface's plane, in metres.
     nodes: Vec<DVec2>,
@@ -29,6 +31,21 @@ impl SurfaceMesh {
 
     pub fn triangles(&self) -> &[[u32; 6]] {
         &self.triangles
+    }
+
+    /// Reflected radiosity by node and channel, in W/m^2.
+    pub fn all_reflected(&self) -> &[f32] {
+        &self.reflected
+    }
+
+    /// The same for all channels, from those that were solved for.
+    pub fn expanded(&self, channels: &DistinctChannels) -> Self {
+        Self { reflected: channels.expand(&self.reflected), ..self.clone() }
+    }
+
+    /// Bytes that this takes.
+    pub fn memory_bytes(&self) -> u64 {
+        (size_of::<Self>() + size_of_val(&*self.nodes) + size_of_val(&*self.triangles) + size_of_val(&*self.reflected)) as u64
     }
 
     /// The reflected radiosity at a node, by channel.

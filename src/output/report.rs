@@ -12,8 +12,8 @@ use serde::Serialize;
 use crate::bounds::BoundsReport;
 use crate::scene::Scene;
 use crate::solve::{
-    Counts, Energy, EnergyBalance, ErrorFigure, IterationReport, LinkErrorReport, Norm, SkippedWork, SolveOptions, SolveReport,
-    StageTimes, StoppedBy,
+    Counts, Energy, EnergyBalance, ErrorFigure, IterationReport, LinkErrorReport, LitMeshReport, Norm, SkippedWork, SolveOptions,
+    SolveReport, StageTimes, StoppedBy,
 };
 use crate::values::ValuesError;
 
@@ -45,6 +45,8 @@ pub struct RunReport {
     pub memory: MemoryReport,
     /// The claimed error.
     pub error: ErrorFigures,
+    /// The lit mesh, where that was asked for and there is one.
+    pub lit_mesh: Option<LitMeshReport>,
     /// What is proved about the answer, where that was asked for.
     pub bounds: Option<BoundsReport>,
     /// How wrong radiosities may be by the links, for error-driven refinement.
@@ -57,9 +59,9 @@ pub struct RunReport {
     pub energy_balance: Option<EnergyBalance>,
     /// What was not done.
     pub skipped: Vec<SkippedWork>,
-    /// Whether the requested error is reached.
+    /// Whether the requested error is reached; by the lit mesh, where one is wanted.
     pub converged: bool,
-    /// Why refinement ended.
+    /// Why refinement ended; of the lit mesh, where that did not reach it.
     pub stopped_by: StoppedBy,
     /// What was repaired or is suspicious in the scene.
     pub warnings: Vec<String>,
@@ -131,7 +133,7 @@ pub struct CpuReport {
 /// Bytes.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct MemoryReport {
-    /// The solution: hierarchy, links, radiosities.
+    /// The solution: hierarchy, links, radiosities, the lit mesh.
     pub solution_bytes: u64,
     /// The most that the solve takes at one time by its own count, which is what a budget limits.
     pub accounted_bytes: u64,
@@ -144,7 +146,7 @@ pub struct MemoryReport {
 pub struct ErrorFigures {
     /// What was asked for.
     pub requested: f64,
-    /// The claim: an upper confidence limit of the measured error.
+    /// The claim for values at points: an upper confidence limit of the measured error.
     pub estimate: f64,
     /// The probability with which the claim holds.
     pub confidence: f64,
@@ -198,6 +200,7 @@ impl RunReport {
                 skipped: error.skipped,
                 points: None,
             },
+            lit_mesh: report.lit_mesh,
             bounds: report.bounds.clone(),
             link_error: report.link_error,
             energy: report.energy,

@@ -22,6 +22,11 @@ impl Material {
     /// No radiosity may exceed this, in W/m^2: results are stored in f32, and noise is to fit as well.
     pub const MOST_RADIOSITY: f64 = 1e36;
 
+    /// Whether any channel reflects.
+    pub fn reflects(&self) -> bool {
+        self.reflectance.iter().any(|&rho| rho > 0.0)
+    }
+
     /// Whether any channel emits.
     pub fn emits(&self) -> bool {
         self.exitance.iter().any(|&e| e > 0.0)

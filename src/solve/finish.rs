@@ -70,6 +70,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
         cell_radiosities: radiosities,
         error_bars,
         bounds: None,
+        mesh: None,
     };
     report.memory_bytes = solution.memory_bytes();
     (solution, report)

@@ -37,6 +37,16 @@ impl<'a> Job<'a> {
         Self { scene, kept_channels, options, run, deadline, memory, rays, observer }
     }
 
+    /// The part of the job that finds values at points where a function on the surfaces is made from them: it has half of the time.
+    pub fn of_values(&self, options: &'a SolveOptions) -> Self {
+        Self { options, deadline: self.half_time(), ..*self }
+    }
+
+    /// When all must be done, if there is a limit.
+    pub fn deadline(&self) -> Option<Instant> {
+        self.deadline
+    }
+
     pub fn is_over_time(&self) -> bool {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }

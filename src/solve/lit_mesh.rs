@@ -1,24 +1,100 @@
 //! The answer as a function on the surfaces.
 
+use std::time::Instant;
+
+use super::job::Job;
+use super::judge::add_time;
+use super::memory::Holdings;
+use super::report::{ErrorFigure, LitMeshReport, SolveReport, StoppedBy};
+use super::shares::error_of_mesh;
 use super::solution::Solution;
+use crate::cells::CellRadiosities;
 use crate::direct::{Blockers, DirectLight};
 use crate::discontinuities;
-use crate::mesh::{LitMesh, MeshBuilder};
-use crate::progress::{Observer, Progress, Stage};
+use crate::mesh::{LitMesh, MeshBuilder, MeshLimit, MeshLimits};
+use crate::paths::LightPaths;
+use crate::progress::{Observer, Progress, Stage, Stop};
 use crate::scene::SurfaceId;
 use crate::transmittance::Rays;
 use crate::values::{FinalGather, IndirectGather, LinkGather, RayBudget};
 
+/// Makes the lit mesh of what was solved, within the limits of a job and for an error of both together; tells of it, and whether that is reached.
+pub(super) fn add(job: &Job<'_>, solution: &mut Solution, report: &mut SolveReport) {
+    let start = Instant::now();
+    solution.options = job.options.clone();
+    report.error.requested = job.options.error;
+    let requested = error_of_mesh(job.options.error, report.error.estimate);
+
+    // The mesh, with the time and memory that are left.
+    let besides = kept_bytes(job, solution);
+    let bytes = |elements: usize| besides + LitMesh::bytes_to_make(elements, job.kept_channels);
+    let allows = |elements: usize| job.memory.allows(bytes(elements)) && job.observer.allows_memory(bytes(elements));
+    let limits = MeshLimits::new(&allows, job.deadline());
+    let mesh = solution.lit_mesh_within(job.rays, requested, &limits, &job.stop(), job.observer);
+
+    // What is told of it.
+    report.lit_mesh = mesh.as_ref().map(|mesh| told(mesh, requested, report));
+    report.converged = report.lit_mesh.is_some_and(|mesh| mesh.whole.estimate <= job.options.error);
+    report.stopped_by = match (report.stopped_by, limits.reached()) {
+        _ if job.is_cancelled() => StoppedBy::Cancelled,
+        _ if report.converged => StoppedBy::Error,
+        (StoppedBy::Error, Some(MeshLimit::Memory)) => StoppedBy::Memory,
+        (StoppedBy::Error, Some(MeshLimit::Time)) => StoppedBy::Time,
+        (StoppedBy::Error, None) if job.is_over_time() => StoppedBy::Time,
+        (StoppedBy::Error, None) => StoppedBy::Exhausted,
+        (of_values, _) => of_values,
+    };
+    report.accounted_bytes = report.accounted_bytes.max(bytes(mesh.as_ref().map_or(0, LitMesh::elements)));
+    solution.mesh = mesh;
+    report.memory_bytes = solution.memory_bytes();
+    add_time(&mut report.time_s.mesh, start);
+}
+
+/// What is told of a mesh that was allowed to be `requested` off the values of a report.
+fn told(mesh: &LitMesh, requested: f64, of_values: &SolveReport) -> LitMeshReport {
+    let (off_values, values) = (ErrorFigure { estimate: mesh.claimed, measured: mesh.measured }, of_values.error);
+    let whole =
+        ErrorFigure { estimate: off_values.estimate.hypot(values.estimate), measured: off_values.measured.hypot(values.measured) };
+    LitMeshReport { elements: mesh.elements() as u64, nodes: mesh.nodes() as u64, requested, off_values, whole }
+}
+
+/// What there is in memory while the mesh is made, beside it.
+fn kept_bytes(job: &Job<'_>, solution: &Solution) -> u64 {
+    let Solution { hierarchy, links, cell_radiosities, .. } = solution;
+    let of_cells =
+        |radiosities: &CellRadiosities| radiosities.memory_bytes() + LightPaths::bytes_of(&solution.scene, radiosities.cells());
+    job.memory.kept(Holdings { hierarchy, links, channels: job.kept_channels }) + cell_radiosities.as_ref().map_or(0, of_cells)
+}
+
 impl Solution {
-    /// Radiosity as a function on all surfaces that reflect, off the values at points by `error` in the local norm; `None` if the observer cancels.
+    /// Radiosity as a function on all surfaces that reflect, off the values at points by `error` in the norm of the options; `None` if the observer
+    /// cancels.
     ///
     /// Elements follow the lines where surfaces touch. Other discontinuities are met by refinement.
     pub(crate) fn lit_mesh(&self, rays: &Rays<'_>, error: f64, observer: &dyn Observer) -> Option<LitMesh> {
+        self.lit_mesh_within(rays, error, &MeshLimits::none(), &|| observer.cancelled(), observer)
+    }
+
+    /// The same within limits: what ends with them is judged as it is. `None` if stopped, or if they allow none.
+    fn lit_mesh_within(
+        &self,
+        rays: &Rays<'_>,
+        error: f64,
+        limits: &MeshLimits<'_>,
+        stop: Stop<'_>,
+        observer: &dyn Observer,
+    ) -> Option<LitMesh> {
         let Self { scene, hierarchy, links, exposure, radiosity, .. } = self;
-        let stop = || observer.cancelled();
+        let tell = |elements: u64| {
+            observer.progress(&Progress { stage: Stage::Mesh, round: 0, fraction: None, links: 0, elements, error: None });
+        };
+        tell(0);
+        if stop() {
+            return None;
+        }
 
         // Indirect light, as values at points gather it.
-        let paths = self.light_paths(rays, &stop);
+        let paths = self.light_paths(rays, stop);
         let whole = LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays);
         let reflected = radiosity.without_exitance(scene, hierarchy, exposure);
         let indirect = match (&self.cell_radiosities, &paths) {
@@ -30,17 +106,12 @@ impl Solution {
         let all = (0..scene.surfaces().len() as u32).map(SurfaceId);
         let emitters: Vec<SurfaceId> = all.clone().filter(|&surface| scene.material_of(surface).emits()).collect();
         let blockers = Blockers::of(scene);
-        let direct = DirectLight { scene, rays, blockers: &blockers, emitters: &emitters };
+        let direct = &DirectLight { scene, rays, blockers: &blockers, emitters: &emitters };
 
-        let contacts = discontinuities::find(scene, &[], &|_| 0.0, &stop);
-        let reflects = |surface: &SurfaceId| scene.material_of(*surface).reflectance.iter().any(|&rho| rho > 0.0);
-        let surfaces: Vec<SurfaceId> = all.filter(reflects).collect();
-        let tell = |elements: u64| {
-            observer.progress(&Progress { stage: Stage::Sample, round: 0, fraction: None, links: 0, elements, error: None });
-        };
-        let budget = RayBudget::of_values(self.point_rays, self.options.seed);
-        let builder =
-            MeshBuilder { scene, indirect: &indirect, direct: &direct, budget, lines: &contacts, error, tell: &tell, stop: &stop };
+        let lines = &discontinuities::find(scene, &[], &|_| 0.0, stop);
+        let surfaces: Vec<SurfaceId> = all.filter(|&surface| scene.material_of(surface).reflects()).collect();
+        let (budget, norm) = (RayBudget::of_values(self.point_rays, self.options.seed), self.options.norm.into());
+        let builder = MeshBuilder { scene, indirect: &indirect, direct, budget, lines, error, norm, limits, tell: &tell, stop };
         builder.build(&surfaces)
     }
 }

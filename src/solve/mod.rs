@@ -19,6 +19,7 @@ mod options;
 mod plan;
 mod report;
 mod scale;
+mod shares;
 mod solution;
 mod step;
 mod strategies;
@@ -34,8 +35,8 @@ pub use options::{
     OptionType, OptionsError, RunOptions, SolveOptions, Solver, Strategy, Sweep, UniformOptions,
 };
 pub use report::{
-    Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LinkErrorReport, SkippedWork, SolveReport,
-    StageTimes, StoppedBy,
+    Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LinkErrorReport, LitMeshReport, SkippedWork,
+    SolveReport, StageTimes, StoppedBy,
 };
 pub use solution::Solution;
 
@@ -72,10 +73,10 @@ pub(crate) fn solve(
     let merges = options.links.skips.channels && options.strategy == Strategy::Default;
     let Some(channels) = DistinctChannels::of(&scene).filter(|_| merges) else {
         let job = Job::new(&scene, scene.channels(), options, run, rays, observer);
-        return solve_all_channels(&job, importance);
+        return solve_to_the_end(&job, importance);
     };
     let job = Job::new(&channels.scene, scene.channels(), options, run, rays, observer);
-    let (solution, mut report) = solve_all_channels(&job, importance);
+    let (solution, mut report) = solve_to_the_end(&job, importance);
     let solution = solution.expanded(&channels, scene);
     report.energy = report.energy.times(channels.copies as f64);
     report.memory_bytes = solution.memory_bytes();
@@ -84,6 +85,17 @@ pub(crate) fn solve(
         count: channels.spared() as u64,
         ..SkippedWork::default()
     });
+    (solution, report)
+}
+
+/// Solves the scene of a job as it is: values at points, and the lit mesh if it is wanted.
+fn solve_to_the_end(job: &Job<'_>, importance: InitialImportance) -> (Solution, SolveReport) {
+    if !job.options.lit_mesh {
+        return solve_all_channels(job, importance);
+    }
+    let options = SolveOptions { error: shares::error_of_values(job.options.error), ..job.options.clone() };
+    let (mut solution, mut report) = solve_all_channels(&job.of_values(&options), importance);
+    lit_mesh::add(job, &mut solution, &mut report);
     (solution, report)
 }
 

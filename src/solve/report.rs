@@ -72,7 +72,7 @@ impl Default for ErrorFigure {
 pub struct ErrorReport {
     /// What was asked for.
     pub requested: f64,
-    /// The claim: an upper confidence limit of the measured error; infinite where nothing was, or can be, estimated.
+    /// The claim for values at points: an upper confidence limit of the measured error; infinite where nothing was, or can be, estimated.
     pub estimate: f64,
     /// The probability with which the claim holds, as far as the estimate's own statistics tell.
     pub confidence: f64,
@@ -169,6 +169,8 @@ pub struct StageTimes {
     pub resolve: f64,
     /// Estimating the error.
     pub error: f64,
+    /// Making the lit mesh.
+    pub mesh: f64,
     /// Bounding it.
     pub bounds: f64,
 }
@@ -223,6 +225,21 @@ pub struct EnergyBalance {
     pub ambient: f64,
 }
 
+/// The lit mesh, and how wrong it is in the norm of [`SolveOptions::error`](super::SolveOptions::error).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LitMeshReport {
+    /// Elements, six nodes each.
+    pub elements: u64,
+    /// Nodes; elements that are joined share them.
+    pub nodes: u64,
+    /// What it was allowed to be off the values at points.
+    pub requested: f64,
+    /// What it is off them.
+    pub off_values: ErrorFigure,
+    /// The error of the function: the root of the squares of what it is off the values, and of their error.
+    pub whole: ErrorFigure,
+}
+
 /// What a solve tells about itself: everything that is not the answer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SolveReport {
@@ -234,6 +251,8 @@ pub struct SolveReport {
     pub counts: Counts,
     /// The claimed error.
     pub error: ErrorReport,
+    /// The lit mesh, if that was asked for and there is one.
+    pub lit_mesh: Option<LitMeshReport>,
     /// What is proved about the answer, if that was asked for.
     pub bounds: Option<BoundsReport>,
     /// How wrong radiosities may be by the links, for error-driven refinement.
@@ -251,9 +270,9 @@ pub struct SolveReport {
     pub accounted_bytes: u64,
     /// Work that was not done.
     pub skipped: Vec<SkippedWork>,
-    /// Whether the requested error is reached.
+    /// Whether the requested error is reached; by the lit mesh, where one is wanted.
     pub converged: bool,
-    /// Why refinement ended.
+    /// Why refinement ended; of the lit mesh, where that did not reach it.
     pub stopped_by: StoppedBy,
 }
 

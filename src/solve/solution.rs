@@ -9,6 +9,7 @@ use crate::bounds::RadiosityBounds;
 use crate::cells::CellRadiosities;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
+use crate::mesh::LitMesh;
 use crate::paths::{Brightness, Illumination, LightPaths, Resolution, cell_count};
 use crate::progress::Stop;
 use crate::scene::{DistinctChannels, Scene};
@@ -35,6 +36,8 @@ pub struct Solution {
     pub(crate) error_bars: Option<ErrorBars>,
     /// What is proved, if that was asked for.
     pub(crate) bounds: Option<RadiosityBounds>,
+    /// The answer as a function, if that was asked for.
+    pub(crate) mesh: Option<LitMesh>,
 }
 
 impl Solution {
@@ -61,6 +64,11 @@ impl Solution {
     /// The radiosity of every node.
     pub fn radiosity(&self) -> &Radiosity {
         &self.radiosity
+    }
+
+    /// The lit mesh: the answer as a function on the surfaces, if it was solved with [`SolveOptions::lit_mesh`].
+    pub fn mesh(&self) -> Option<&LitMesh> {
+        self.mesh.as_ref()
     }
 
     /// Visibility rays that a value at a point takes.
@@ -110,7 +118,8 @@ impl Solution {
     pub(super) fn expanded(self, channels: &DistinctChannels, scene: Scene) -> Self {
         let radiosity = self.radiosity.expanded(channels);
         let cell_radiosities = self.cell_radiosities.map(|radiosities| radiosities.expanded(channels));
-        Self { scene, radiosity, cell_radiosities, ..self }
+        let mesh = self.mesh.map(|mesh| mesh.expanded(channels));
+        Self { scene, radiosity, cell_radiosities, mesh, ..self }
     }
 
     /// Visits the leaves of the hierarchy: polygon (counter-clockwise), surface index, radiosity per channel in W/m^2.
@@ -123,12 +132,13 @@ impl Solution {
         }
     }
 
-    /// Bytes that hierarchy, links and radiosities take.
+    /// Bytes that hierarchy, links, radiosities and the lit mesh take.
     pub fn memory_bytes(&self) -> u64 {
         self.hierarchy.memory_bytes()
             + self.links.memory_bytes()
             + size_of_val(self.radiosity.values()) as u64
             + self.cell_radiosities.as_ref().map_or(0, CellRadiosities::memory_bytes)
+            + self.mesh.as_ref().map_or(0, LitMesh::memory_bytes)
     }
 
     /// Checks everything that later stages rely on: ids in range, trees well formed, numbers finite.
@@ -163,6 +173,9 @@ impl Solution {
         }
         if let Some(bounds) = &self.bounds {
             bounds.validate(&self.scene, &self.hierarchy)?;
+        }
+        if let Some(mesh) = &self.mesh {
+            mesh.validate(&self.scene)?;
         }
         Ok(())
     }

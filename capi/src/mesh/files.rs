@@ -24,7 +24,7 @@ pub unsafe extern "C" fn patchlight_mesh_get_picture(
 ) -> patchlight_status {
     enter(|| {
         let mesh = handles::get(mesh)?;
-        let view = View { solution: &mesh.solution, mesh: Some(mesh.lit()) };
+        let view = View { solution: &mesh.solution, mesh: Some(mesh.lit()?) };
         // SAFETY: The contract of the header.
         unsafe { view.get(camera, Buffer::new(radiance, capacity, count)?, None) }
     })
@@ -40,7 +40,7 @@ pub unsafe extern "C" fn patchlight_mesh_write_picture(
     enter(|| {
         let mesh = handles::get(mesh)?;
         // SAFETY: The contract of the header.
-        unsafe { View { solution: &mesh.solution, mesh: Some(mesh.lit()) }.write(camera, path) }
+        unsafe { View { solution: &mesh.solution, mesh: Some(mesh.lit()?) }.write(camera, path) }
     })
 }
 
@@ -52,9 +52,9 @@ pub unsafe extern "C" fn patchlight_mesh_export(mesh: *mut patchlight_mesh, path
         // SAFETY: The contract of the header.
         let path = Path::new(unsafe { text(path, "path")? });
         let ExportFormat::Ply = ExportFormat::of_path(path)?;
-        let lit = mesh.solution.evaluator.solution();
-        let provenance = Provenance::new(lit.options());
-        Destination::new(path)?.write(|file| write_mesh_ply(file, lit.scene(), mesh.lit(), &provenance))?;
+        let (lit, solution) = (mesh.lit()?, mesh.solution.evaluator.solution());
+        let provenance = Provenance::new(solution.options());
+        Destination::new(path)?.write(|file| write_mesh_ply(file, solution.scene(), lit, &provenance))?;
         Ok(())
     })
 }

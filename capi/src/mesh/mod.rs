@@ -14,7 +14,7 @@ use crate::memory::Out;
 use crate::observer::Watcher;
 use crate::solution::{Solution, cancelled, patchlight_solution};
 use crate::solve::check_answers;
-use crate::status::{Ending, Outcome, PATCHLIGHT_LIMIT, patchlight_status};
+use crate::status::{Ending, Outcome, PATCHLIGHT_LIMIT, PATCHLIGHT_NOT_AVAILABLE, patchlight_status};
 
 /// Radiosity as a function on the surfaces: elements with six nodes each, between which it is quadratic. Unchangeable; may be read by many
 /// threads. Keeps the solution that it is of.
@@ -30,12 +30,15 @@ impl Handle for patchlight_mesh {
 /// Behind a handle.
 pub struct Mesh {
     solution: Arc<Solution>,
-    made: LitMesh,
+    /// Unless it is the solution's own.
+    made: Option<LitMesh>,
 }
 
 impl Mesh {
-    fn lit(&self) -> &LitMesh {
-        &self.made
+    fn lit(&self) -> Outcome<&LitMesh> {
+        let message = "this solution has no mesh: set the option lit_mesh to true, or make one";
+        let missing = || Ending::new(PATCHLIGHT_NOT_AVAILABLE, message);
+        self.made.as_ref().or_else(|| self.solution.evaluator.mesh()).ok_or_else(missing)
     }
 }
 
@@ -57,7 +60,23 @@ pub enum patchlight_mesh_figure {
 
 use patchlight_mesh_figure::*;
 
-/// Makes a mesh that is off the values at points by no more than `error`, above 0 and below 1. The progress function of the solution hears how
+/// The mesh of a solution, as it was solved or loaded. PATCHLIGHT_NOT_AVAILABLE if it has none: they come with the option `lit_mesh`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn patchlight_solution_get_mesh(
+    solution: *mut patchlight_solution,
+    mesh: *mut *mut patchlight_mesh,
+) -> patchlight_status {
+    enter(|| {
+        let solution = handles::get(solution)?;
+        // SAFETY: The contract of the header.
+        let out = unsafe { Out::new(mesh, "mesh")? };
+        let mesh = Mesh { solution, made: None };
+        mesh.lit()?;
+        out.set(handles::create(Arc::new(mesh)))
+    })
+}
+
+/// Makes a mesh, whether the solution has one or not, that is off the values at points by no more than `error`, above 0 and below 1. The progress function of the solution hears how
 /// far it is, and may cancel. PATCHLIGHT_LIMIT if less cannot be claimed than what PATCHLIGHT_MESH_CLAIMED tells: there is a mesh.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn patchlight_solution_make_mesh(
@@ -76,7 +95,7 @@ pub unsafe extern "C" fn patchlight_solution_make_mesh(
         let made = made.ok_or_else(cancelled)?;
 
         let claimed = made.claimed;
-        out.set(handles::create(Arc::new(Mesh { solution, made })))?;
+        out.set(handles::create(Arc::new(Mesh { solution, made: Some(made) })))?;
         if claimed <= error {
             return Ok(());
         }
@@ -104,7 +123,7 @@ pub unsafe extern "C" fn patchlight_mesh_get_figure(mesh: *mut patchlight_mesh, 
         let mesh = handles::get(mesh)?;
         // SAFETY: The contract of the header.
         let out = unsafe { Out::new(figure, "figure")? };
-        let lit = mesh.lit();
+        let lit = mesh.lit()?;
         out.set(match what {
             _ if what == PATCHLIGHT_MESH_CHANNELS as u32 => mesh.solution.evaluator.solution().scene().channels() as f64,
             _ if what == PATCHLIGHT_MESH_NODE_COUNT as u32 => lit.nodes() as f64,

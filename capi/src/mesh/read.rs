@@ -7,6 +7,8 @@ use crate::array::patchlight_array;
 use crate::entry::enter;
 use crate::handles;
 use crate::memory::Out;
+use crate::observer::Watcher;
+use crate::solution::cancelled;
 use crate::solution::values::points;
 use crate::status::{Ending, patchlight_status};
 use crate::target::{Components, Target, patchlight_buffer};
@@ -38,7 +40,7 @@ pub unsafe extern "C" fn patchlight_mesh_get_array(
 ) -> patchlight_status {
     enter(|| {
         let mesh = handles::get(mesh)?;
-        let (lit, scene) = (mesh.lit(), mesh.solution.evaluator.solution().scene());
+        let (lit, scene) = (mesh.lit()?, mesh.solution.evaluator.solution().scene());
         let (items, components) = match what {
             _ if what == PATCHLIGHT_MESH_POSITIONS as u32 => (lit.nodes(), Components::Reals(3)),
             _ if what == PATCHLIGHT_MESH_RADIOSITY as u32 => (lit.nodes(), Components::Reals(scene.channels())),
@@ -82,7 +84,8 @@ pub unsafe extern "C" fn patchlight_mesh_get_values(
             let target = Target::new(radiosity, &raw mut count, points.len(), Components::Reals(channels))?;
             (points, target.ok_or_else(|| Ending::argument("radiosity is NULL"))?)
         };
-        let values = evaluator.values_of_mesh(mesh.lit(), &points);
+        let watcher = Watcher::new(mesh.solution.listener(), &mesh.solution.failed);
+        let values = evaluator.values_of_mesh_observed(mesh.lit()?, &points, &watcher).ok_or_else(cancelled)?;
         let off = values.chunks_exact(channels).filter(|value| value[0].is_nan()).count();
         target.write_reals(values.into_iter().map(f64::from));
         if missed.is_null() {

@@ -46,6 +46,10 @@ options! {
         /// What the answer is wanted for: where errors count, with strategy error-driven. 'view' is what the camera of the picture sees.
         importance: Interest = Interest::Total, Text(Interest::RANGE);
 
+        /// Whether the answer is wanted as a function on the surfaces as well, the lit mesh. Then error is asked for of both together, values and
+        /// what the function is off them.
+        lit_mesh: bool = false, Flag;
+
         /// Seed of every random choice.
         seed: u64 = 0, any();
 

@@ -37,6 +37,7 @@ fn what_is_shown_is_what_is_read() {
         ("skips", "behind+rays"),
         ("skips", "none"),
         ("ambient", "false"),
+        ("lit_mesh", "true"),
         ("positions", "4096"),
         ("position_rays", "16"),
         ("leaf_rays", "0"),
@@ -79,6 +80,7 @@ fn each_option_is_stored_in_its_own_field() {
                 "sweep" => "in-place",
                 "skips" => "none",
                 "ambient" => "false",
+                "lit_mesh" => "true",
                 "positions" => "512",
                 _ if entry.range().starts_with("a number") => "0.75",
                 _ => "3",
@@ -122,6 +124,7 @@ fn values_out_of_range_are_refused_at_once() {
         ("bounds", "none", "estimate or guaranteed"),
         ("sweep", "up", "jacobi or in-place"),
         ("ambient", "yes", "true or false"),
+        ("lit_mesh", "1", "true or false"),
         ("skips", "light", "all, none, or behind, black, dark, within, rays, clear, clusters, channels, joined by +"),
         ("importance", "everything", Interest::RANGE),
     ] {

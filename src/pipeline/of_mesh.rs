@@ -1,0 +1,97 @@
+//! What is read off a lit mesh: values and pictures.
+
+use std::borrow::Cow;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{Evaluator, PipelineError};
+use crate::mesh::{LitMesh, MeshIndex, MeshReader};
+use crate::picture::{self, Camera, Image};
+use crate::progress::{Observer, Stop};
+use crate::scene::SurfacePoint;
+use crate::solve::Solution;
+use crate::transmittance::Rays;
+use crate::values::{self, Values};
+
+/// Points that are read between two looks at whether to stop: some milliseconds.
+const READ_AT_ONCE: usize = 1024;
+
+impl Evaluator {
+    /// The lit mesh of the solution, if it was solved with [`SolveOptions::lit_mesh`](crate::solve::SolveOptions::lit_mesh).
+    pub fn mesh(&self) -> Option<&LitMesh> {
+        self.solution.mesh()
+    }
+
+    /// Radiosities at points, in their order, read off the lit mesh of the solution; `None` if it has none. They are kept within the bounds where
+    /// there are any. A point takes some microseconds; what the function is off is told for the whole alone, so standard errors are not known.
+    pub fn mesh_values_at(&self, points: &[SurfacePoint]) -> Option<Values> {
+        let mut radiosity = self.values_of_mesh(self.mesh()?, points);
+        let channels = self.solution.scene().channels();
+        let missed = radiosity.chunks(channels).filter(|value| value[0].is_nan()).count();
+        if let Some(bounds) = self.bounds_at(points) {
+            bounds.confine(&mut radiosity);
+        }
+        Some(Values { channels, standard_error: vec![f32::NAN; radiosity.len()], radiosity, missed, error: None })
+    }
+
+    /// Makes a lit mesh from the values at points, whether the solution has one or not. It is refined until no more than `error`, in the norm of the
+    /// options, is claimed for what it differs from these, or until only their noise is left. Cancelled by the observer, it returns `None`.
+    pub fn lit_mesh(&self, error: f64, observer: &dyn Observer) -> Option<LitMesh> {
+        let rays = Rays::new(&*self.visibility, self.solution.scene());
+        self.pool.install(|| self.solution.lit_mesh(&rays, error, observer))
+    }
+
+    /// The radiosities of a lit mesh of this solution at points, by point and channel; NaN where a point lies on no surface.
+    pub fn values_of_mesh(&self, mesh: &LitMesh, points: &[SurfacePoint]) -> Vec<f32> {
+        self.read(mesh, points, &|| false)
+    }
+
+    /// The same; cancelled by the observer, it returns `None`.
+    pub fn values_of_mesh_observed(&self, mesh: &LitMesh, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Vec<f32>> {
+        let values = self.read(mesh, points, &|| observer.cancelled());
+        (!observer.cancelled()).then_some(values)
+    }
+
+    /// Reads a mesh at points; once it is stopped, nothing more.
+    fn read(&self, mesh: &LitMesh, points: &[SurfacePoint], stop: Stop<'_>) -> Vec<f32> {
+        let Solution { scene, hierarchy, .. } = &self.solution;
+        let (reader, tolerance) = (self.reader(mesh), values::tolerance(scene));
+        let of_point = |point: &SurfacePoint| {
+            let (position, normal) = (DVec3::from(point.position), DVec3::from(point.normal));
+            let mut radiosity = vec![f64::NAN; scene.channels()];
+            if let Some(surface) = hierarchy.surface_at(position, normal, tolerance) {
+                reader.radiosity_at(position, surface, &mut radiosity);
+            }
+            radiosity.into_iter().map(|b| b as f32)
+        };
+        let of_some = |some: &[SurfacePoint]| {
+            let points = if stop() { &[] } else { some };
+            points.iter().flat_map(of_point).collect::<Vec<f32>>()
+        };
+        self.pool.install(|| points.par_chunks(READ_AT_ONCE).flat_map_iter(of_some).collect())
+    }
+
+    /// A picture of a lit mesh of this solution, in linear radiance, without standard errors. Cancelled by the observer, it returns `None`.
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`].
+    pub fn render_mesh(&self, mesh: &LitMesh, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
+        let (through, scene) = (camera.rays()?, self.solution.scene());
+        let (rays, reader) = (Rays::new(&*self.visibility, scene), self.reader(mesh));
+        let render = || picture::render_mesh(scene, &reader, &rays, &through, [camera.width, camera.height], observer);
+        Ok(self.pool.install(render))
+    }
+
+    /// Reads a mesh; of the solution's own the index is made once.
+    fn reader<'a>(&'a self, mesh: &'a LitMesh) -> MeshReader<'a> {
+        let scene = self.solution.scene();
+        let is_own = self.mesh().is_some_and(|own| std::ptr::eq(own, mesh));
+        let index = if is_own {
+            Cow::Borrowed(self.mesh_index.get_or_init(|| MeshIndex::new(scene, mesh)))
+        } else {
+            Cow::Owned(MeshIndex::new(scene, mesh))
+        };
+        MeshReader::new(scene, mesh, index)
+    }
+}
