@@ -18,7 +18,7 @@ const USEFUL: &[u8] = &[
     2, 2, 2, 0, 1, 2, 0, 2, 3, 0, 1, 2, 0, 2, 3, 9, 9, 9, 0, 0, // its triangles
     4, 2, 5, 0, 1, 0, 2, 2, // committed and solved
     6, 2, 1, 1, 60, 2, 2, 2, 0, 1, // radiosities of surfaces
-    8, 2, 1, 0, // a mesh
+    8, 2, 0, 0, // a mesh
     9, 2, 1, 255, 2, 0, 0, 1, 2, 2, 2, 0, 0, // its nodes
 ];
 

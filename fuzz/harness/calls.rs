@@ -255,7 +255,8 @@ impl World {
         if self.meshes.len() >= MOST_MESHES {
             return;
         }
-        let (solution, error) = (any(&self.solutions, bytes), bytes.number());
+        let solution = any(&self.solutions, bytes);
+        let error = bytes.pick(&[0.5, 0.9, 0.2, 0.05, 0.0, -1.0, 1.0, f64::NAN, f64::INFINITY]);
         let (mut mesh, mut patience) = (null_mut(), bytes.pick(&[60_u32, 20, 2, 1]));
         // SAFETY: A place for a handle, and a number that outlives its use: nobody listens afterwards.
         unsafe {
