@@ -255,3 +255,42 @@ fn errors_that_cannot_be_are_refused_and_who_listens_may_cancel() {
     done(patchlight_solution_release(solution));
     done(patchlight_context_release(context));
 }
+
+/// The mesh that a solution has, or the status that says that it has none.
+fn own(solution: *mut patchlight_solution) -> Result<*mut patchlight_mesh, patchlight_status> {
+    let mut mesh = null_mut();
+    // SAFETY: A place for a handle.
+    let status = told(unsafe { patchlight_solution_get_mesh(solution, &mut mesh) });
+    if status == PATCHLIGHT_OK { Ok(mesh) } else { Err(status) }
+}
+
+#[test]
+fn a_solution_may_have_a_mesh_of_its_own_and_keeps_it_in_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = CString::new(folder.path().join("a.solution").to_str().unwrap()).unwrap();
+    let context = context(1);
+    let (without, with) = (lit_box(context, &[]), lit_box(context, &[("lit_mesh", "true")]));
+    let (mut again, mut whole, mut of_values) = (null_mut(), -1.0, -1.0);
+    let [whole_of, of_values_of] = [patchlight_figure::PATCHLIGHT_ERROR_MESH, patchlight_figure::PATCHLIGHT_ERROR_ESTIMATE];
+    // SAFETY: Texts that end in a zero, places for handles and numbers.
+    unsafe {
+        done(patchlight_solution_get_figure(with, whole_of as u32, &mut whole));
+        done(patchlight_solution_get_figure(with, of_values_of as u32, &mut of_values));
+        assert_eq!(told(patchlight_solution_get_figure(without, whole_of as u32, &mut whole)), PATCHLIGHT_NOT_AVAILABLE);
+        done(patchlight_solution_save(with, path.as_ptr()));
+        done(patchlight_solution_load(context, path.as_ptr(), null(), &mut again));
+    }
+    assert_eq!(own(without), Err(PATCHLIGHT_NOT_AVAILABLE));
+    let (mesh, same) = (own(with).unwrap(), own(again).unwrap());
+    assert_eq!(whole, figure(mesh, PATCHLIGHT_MESH_CLAIMED).hypot(of_values));
+    for what in [PATCHLIGHT_MESH_MEASURED, PATCHLIGHT_MESH_CLAIMED, PATCHLIGHT_MESH_NODE_COUNT] {
+        assert_eq!(figure(mesh, what), figure(same, what));
+    }
+    for (what, components) in [(PATCHLIGHT_MESH_POSITIONS, 3), (PATCHLIGHT_MESH_RADIOSITY, 1)] {
+        let numbers = |mesh| read::<f64>(mesh, what, DOUBLE, components);
+        assert!(!numbers(mesh).is_empty() && numbers(mesh) == numbers(same));
+    }
+    [mesh, same].map(|mesh| done(patchlight_mesh_release(mesh)));
+    [without, with, again].map(|solution| done(patchlight_solution_release(solution)));
+    done(patchlight_context_release(context));
+}
