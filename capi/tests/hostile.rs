@@ -3,9 +3,8 @@
 #[path = "support/calls.rs"]
 mod support;
 
-use std::ffi::{CString, c_void};
+use std::ffi::CString;
 use std::ptr::{null, null_mut};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use patchlight_capi::patchlight_items::*;
 use patchlight_capi::patchlight_real::*;
@@ -312,67 +311,6 @@ fn arrays_that_cannot_be_are_refused() {
         let status = patchlight_scene_add_faces(scene, &array(UINT32, &corners[..2], 1), null(), null());
         assert_eq!(told(status), PATCHLIGHT_INVALID_ARGUMENT);
     }
-    done(patchlight_scene_release(scene));
-    done(patchlight_context_release(context));
-}
-
-/// How visibility functions misbehave.
-struct Liar {
-    kind: u32,
-    released: AtomicUsize,
-}
-
-unsafe extern "C" fn lie(user: *mut c_void, _: *const patchlight_segment, count: usize, occluded: *mut u8) -> i32 {
-    // SAFETY: A `Liar` that the test below lends, and room for as many answers.
-    unsafe {
-        let liar = &*user.cast::<Liar>();
-        (0..count).for_each(|k| *occluded.add(k) = if liar.kind == 0 { 2 } else { 0 });
-        i32::from(liar.kind == 1)
-    }
-}
-
-unsafe extern "C" fn lie_of_hits(user: *mut c_void, _: *const patchlight_ray, count: usize, hits: *mut patchlight_hit) -> i32 {
-    // SAFETY: As above.
-    unsafe {
-        let (surface, distance) = match (*user.cast::<Liar>()).kind {
-            2 => (1000, 1.0),
-            3 => (0, f64::NAN),
-            _ => (0, -1.0),
-        };
-        (0..count).for_each(|k| *hits.add(k) = patchlight_hit { distance, surface, reserved: 0 });
-    }
-    0
-}
-
-unsafe extern "C" fn let_go(user: *mut c_void) {
-    // SAFETY: As above.
-    unsafe { (*user.cast::<Liar>()).released.fetch_add(1, Ordering::SeqCst) };
-}
-
-#[test]
-fn visibility_functions_that_fail_or_lie_end_the_solve() {
-    let context = context(2);
-    let (scene, options) = (closed_box(context), options(&[("error", "0.2")]));
-    for kind in 0..5 {
-        let (liar, mut solution) = (Liar { kind, released: AtomicUsize::new(0) }, null_mut());
-        let visibility = patchlight_visibility {
-            size: size_of::<patchlight_visibility>(),
-            user: (&raw const liar).cast_mut().cast(),
-            occluded: Some(lie),
-            first_hits: Some(lie_of_hits),
-            release: Some(let_go),
-        };
-        let info = patchlight_solve_info { visibility: &visibility, ..info(options) };
-        // SAFETY: Structs with their sizes, a liar that outlives the solve, and a place for a handle.
-        assert_eq!(told(unsafe { patchlight_solve(context, scene, &info, &mut solution) }), PATCHLIGHT_CALLBACK_ERROR, "{kind}");
-        assert!(solution.is_null() && liar.released.load(Ordering::SeqCst) == 1);
-
-        let missing = patchlight_visibility { first_hits: None, ..visibility };
-        let info = patchlight_solve_info { visibility: &missing, ..info };
-        // SAFETY: As above.
-        assert_eq!(told(unsafe { patchlight_solve(context, scene, &info, &mut solution) }), PATCHLIGHT_INVALID_ARGUMENT);
-    }
-    done(patchlight_options_release(options));
     done(patchlight_scene_release(scene));
     done(patchlight_context_release(context));
 }
