@@ -209,7 +209,9 @@ fn buffers_that_cannot_be_are_refused_and_left_alone() {
         assert_eq!(told(wholes), PATCHLIGHT_INVALID_ARGUMENT);
         for what in [0, 5, u32::MAX] {
             assert_eq!(told(patchlight_mesh_get_array(mesh, what, &good, null_mut())), PATCHLIGHT_INVALID_ARGUMENT);
-            assert_eq!(told(patchlight_mesh_get_figure(mesh, what + 6, &mut 0.0)), PATCHLIGHT_INVALID_ARGUMENT);
+        }
+        for what in [0, 6, u32::MAX] {
+            assert_eq!(told(patchlight_mesh_get_figure(mesh, what, &mut 0.0)), PATCHLIGHT_INVALID_ARGUMENT);
         }
         // A point that is none, and no room for its value.
         let (at, up) = ([0.5, 0.0, 0.5, f64::NAN, 0.0, 0.0], [0.0, 1.0, 0.0]);
@@ -290,7 +292,11 @@ fn a_solution_may_have_a_mesh_of_its_own_and_keeps_it_in_its_file() {
         let numbers = |mesh| read::<f64>(mesh, what, DOUBLE, components);
         assert!(!numbers(mesh).is_empty() && numbers(mesh) == numbers(same));
     }
-    [mesh, same].map(|mesh| done(patchlight_mesh_release(mesh)));
-    [without, with, again].map(|solution| done(patchlight_solution_release(solution)));
+    for mesh in [mesh, same] {
+        done(patchlight_mesh_release(mesh));
+    }
+    for solution in [without, with, again] {
+        done(patchlight_solution_release(solution));
+    }
     done(patchlight_context_release(context));
 }
