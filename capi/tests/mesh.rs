@@ -258,6 +258,19 @@ fn errors_that_cannot_be_are_refused_and_who_listens_may_cancel() {
     done(patchlight_context_release(context));
 }
 
+#[test]
+fn a_mesh_that_is_not_as_good_as_asked_for_says_so_and_is_there() {
+    let context = context(1);
+    let (solution, mut mesh) = (lit_box(context, &[("solver", "cells"), ("error", "0.9")]), null_mut());
+    // SAFETY: A place for a handle.
+    let status = told(unsafe { patchlight_solution_make_mesh(solution, 0.005, &mut mesh) });
+    assert!(status == PATCHLIGHT_LIMIT && message().contains("0.005 was asked for"), "{status:?}: {}", message());
+    assert!(figure(mesh, PATCHLIGHT_MESH_CLAIMED) > 0.005);
+    done(patchlight_mesh_release(mesh));
+    done(patchlight_solution_release(solution));
+    done(patchlight_context_release(context));
+}
+
 /// The mesh that a solution has, or the status that says that it has none.
 fn own(solution: *mut patchlight_solution) -> Result<*mut patchlight_mesh, patchlight_status> {
     let mut mesh = null_mut();
