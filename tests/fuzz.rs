@@ -52,7 +52,8 @@ struct Target {
 }
 
 fn targets() -> [Target; 3] {
-    let solutions = [Solver::Links, Solver::Cells].map(|solver| harness::small_solution(solver).to_vec());
+    let kinds = [(Solver::Links, false), (Solver::Cells, false), (Solver::Links, true)];
+    let solutions = kinds.map(|(solver, lit_mesh)| harness::small_solution(solver, lit_mesh).to_vec());
     [
         Target { name: "obj", few: 400, feed: harness::read_obj, seeds: vec![OBJ.to_vec(), Vec::new()] },
         Target { name: "solution", few: 200, feed: harness::read_solution, seeds: solutions.into() },

@@ -8,16 +8,18 @@ mod rooms;
 mod triangles;
 
 use std::f64::consts::PI;
+use std::io::{self, Cursor};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 use kirchhoff::kirchhoff;
 use patchlight::mesh::LitMesh;
-use patchlight::output::{Provenance, write_mesh_ply};
+use patchlight::output::{Provenance, write_mesh_ply, write_quadratic_mesh_ply, write_solution};
 use patchlight::pipeline::{self, Evaluator};
-use patchlight::progress::{Observer, Silent};
+use patchlight::progress::{Observer, Progress, Silent, Stage};
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Scene, SurfacePoint};
-use patchlight::solve::{RunOptions, SolveOptions};
+use patchlight::solve::{Norm, RunOptions, SolveOptions, StoppedBy};
 use rooms::Room;
 use triangles::Random;
 
@@ -127,37 +129,157 @@ fn in_a_furnace_the_function_is_constant() {
     }
 }
 
+/// The error of values in three channels, in either norm, every point counting alike.
+fn error_of(values: &[f32], truth: &[f32], norm: Norm) -> f64 {
+    let squares = |(f, t): (&[f32], &[f32])| {
+        let sum = |of: &dyn Fn(usize) -> f64| (0..3).map(of).sum::<f64>();
+        [sum(&|k| f64::from(f[k] - t[k]).powi(2)), sum(&|k| f64::from(t[k]).powi(2))]
+    };
+    let squares: Vec<[f64; 2]> = values.chunks(3).zip(truth.chunks(3)).map(squares).collect();
+    if norm == Norm::Energy {
+        let [errors, light] = [0, 1].map(|k| squares.iter().map(|of| of[k]).sum::<f64>());
+        return (errors / light).sqrt();
+    }
+    let mut light: Vec<f64> = squares.iter().map(|of| of[1]).collect();
+    light.sort_by(f64::total_cmp);
+    let typical = light[light.len() / 2];
+    (squares.iter().map(|[e, b]| e / b.max(typical)).sum::<f64>() / squares.len() as f64).sqrt()
+}
+
 #[test]
-fn what_is_claimed_covers_the_truth_over_links_and_over_cells() {
+fn what_is_asked_for_holds_for_the_function_over_links_and_over_cells() {
     for name in ["cornell.obj", "two_rooms.obj"] {
         let scene = read(name);
         let points = points_on(&scene, 2000);
         let truth = solved(scene.clone(), 0.01, 0).0.values_at(&points, &Silent).unwrap().radiosity;
-        let (evaluator, claimed) = solved(scene, 0.05, 0);
-        let mesh = evaluator.lit_mesh(0.05, &Silent).unwrap();
-        let values = evaluator.values_of_mesh(&mesh, &points);
-        let squares: Vec<[f64; 2]> = values
-            .chunks(3)
-            .zip(truth.chunks(3))
-            .map(|(f, t)| {
-                let sum = |of: &dyn Fn(usize) -> f64| (0..3).map(of).sum::<f64>();
-                [sum(&|k| f64::from(f[k] - t[k]).powi(2)), sum(&|k| f64::from(t[k]).powi(2))]
-            })
-            .collect();
-        let mut light: Vec<f64> = squares.iter().map(|of| of[1]).collect();
-        light.sort_by(f64::total_cmp);
-        let typical = light[light.len() / 2];
-        let local = (squares.iter().map(|[e, b]| e / b.max(typical)).sum::<f64>() / squares.len() as f64).sqrt();
-        // The truth is 1% off itself.
-        let all = claimed.hypot(mesh.claimed).hypot(0.01);
-        assert!(local <= all, "{name}: {local} off, {all} claimed");
+        for norm in [Norm::Local, Norm::Energy] {
+            let options = SolveOptions { error: 0.05, norm, lit_mesh: true, ..SolveOptions::default() };
+            let (evaluator, report) = pipeline::solve(scene.clone(), &options, &RunOptions::default(), &Silent).unwrap();
+            let told = report.lit_mesh.unwrap();
+            assert!(report.converged && report.stopped_by == StoppedBy::Error && report.time_s.mesh > 0.0, "{name}: {told:?}");
+            assert!((told.whole.estimate - told.off_values.estimate.hypot(report.error.estimate)).abs() < 1e-12);
+            assert!(told.whole.estimate <= 0.05 && report.error.requested == 0.05, "{name}: {told:?}");
+            assert_eq!(evaluator.solution().options(), &options);
+            let mesh = evaluator.mesh().unwrap();
+            assert_eq!((told.elements, told.nodes), (mesh.elements() as u64, mesh.nodes() as u64));
+
+            // By energy the lamps count as well: what they emit is exact, so it is left out. The truth is 1% off itself.
+            let values = evaluator.mesh_values_at(&points).unwrap();
+            assert_eq!((values.missed, values.error), (0, None));
+            assert!(values.standard_error.iter().all(|se| se.is_nan()));
+            let off = error_of(&values.radiosity, &truth, norm);
+            assert!(off <= told.whole.estimate.hypot(0.01), "{name}: {off} off, {told:?}");
+        }
+    }
+}
+
+/// Says no, or cancels, once the mesh is made.
+struct Refuses {
+    is_mesh: AtomicBool,
+    cancels: bool,
+    /// Bytes that are allowed then: what is asked for first.
+    allowed: AtomicU64,
+    allows_first: bool,
+}
+
+impl Refuses {
+    fn new(cancels: bool, allows_first: bool) -> Self {
+        Self { is_mesh: AtomicBool::new(false), cancels, allowed: AtomicU64::new(0), allows_first }
+    }
+}
+
+impl Observer for Refuses {
+    fn progress(&self, progress: &Progress) {
+        if progress.stage == Stage::Mesh {
+            self.is_mesh.store(true, Relaxed);
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancels && self.is_mesh.load(Relaxed)
+    }
+
+    fn allows_memory(&self, bytes: u64) -> bool {
+        if self.cancels || !self.is_mesh.load(Relaxed) {
+            return true;
+        }
+        if self.allows_first {
+            // Indirect light and all light begin with elements of their own.
+            let _ = self.allowed.compare_exchange(0, bytes + bytes / 4, Relaxed, Relaxed);
+        }
+        bytes <= self.allowed.load(Relaxed)
     }
 }
 
 #[test]
+fn limits_end_the_mesh_and_leave_the_values() {
+    let options = SolveOptions { error: 0.05, lit_mesh: true, ..SolveOptions::default() };
+    let solve = |observer: &dyn Observer, time_s| {
+        let run = RunOptions { time_s, ..RunOptions::default() };
+        pipeline::solve(read("cornell.obj"), &options, &run, observer).unwrap()
+    };
+    for (observer, stopped_by) in
+        [(Refuses::new(true, false), StoppedBy::Cancelled), (Refuses::new(false, false), StoppedBy::Memory)]
+    {
+        let (evaluator, report) = solve(&observer, None);
+        assert_eq!((evaluator.mesh(), report.lit_mesh, report.converged, report.stopped_by), (None, None, false, stopped_by));
+        assert!(report.error.estimate < 0.05 && evaluator.solution().options().lit_mesh, "{:?}", report.error);
+    }
+
+    // What there is when memory ends is judged as it is.
+    let (evaluator, report) = solve(&Refuses::new(false, true), None);
+    let told = report.lit_mesh.unwrap();
+    assert!(evaluator.mesh().is_some() && told.whole.estimate > 0.05 && told.whole.estimate.is_finite(), "{told:?}");
+    assert_eq!((report.converged, report.stopped_by), (false, StoppedBy::Memory));
+
+    // A budget that is just enough for the values.
+    let solve_within = |options: &SolveOptions, memory_bytes| {
+        let run = RunOptions { memory_bytes, ..RunOptions::default() };
+        pipeline::solve(read("cornell.obj"), options, &run, &Silent).unwrap().1
+    };
+    let asked = SolveOptions { error: 0.03, lit_mesh: true, ..SolveOptions::default() };
+    let of_values = SolveOptions { error: 0.03 * 0.2_f64.sqrt(), lit_mesh: false, ..asked.clone() };
+    let enough = solve_within(&of_values, None).accounted_bytes;
+    let report = solve_within(&asked, Some(enough));
+    assert!(report.lit_mesh.is_none_or(|told| told.whole.estimate > 0.03) && report.error.estimate < 0.03, "{report:?}");
+    assert_eq!((report.converged, report.stopped_by), (false, StoppedBy::Memory));
+    assert!(report.accounted_bytes <= enough);
+
+    // No time is left for anything.
+    let (evaluator, report) = solve(&Silent, Some(0.0));
+    assert_eq!((evaluator.mesh(), report.converged, report.stopped_by), (None, false, StoppedBy::Time));
+}
+
+#[test]
+fn channels_that_are_read_off_others_are_in_the_mesh_as_well() {
+    let room = |channels: usize| {
+        let mut room = Room::default();
+        let (grey, lamp) =
+            (room.material(&vec![0.5; channels], &vec![0.0; channels]), room.material(&vec![0.0; channels], &vec![10.0; channels]));
+        room.quad([-2.0, -2.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], grey);
+        room.quad([-0.5, -0.5, 0.8], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], lamp);
+        let options = SolveOptions { error: 0.1, lit_mesh: true, ..SolveOptions::default() };
+        pipeline::solve(room.scene(), &options, &RunOptions::default(), &Silent).unwrap().0
+    };
+    let [one, three] = [1, 3].map(room);
+    let points = points_on(one.solution().scene(), 100);
+    let [one, three] = [one, three].map(|evaluator| evaluator.mesh_values_at(&points).unwrap().radiosity);
+    assert_eq!(three, one.iter().flat_map(|&b| [b; 3]).collect::<Vec<f32>>());
+    assert!(one.iter().any(|&b| b > 0.0));
+}
+
+#[test]
 fn threads_change_nothing_and_an_observer_ends_it() {
-    let mesh = |threads| solved(read("two_rooms.obj"), 0.1, threads).0.lit_mesh(0.1, &Silent).unwrap();
-    assert_eq!(mesh(1), mesh(3));
+    let options = SolveOptions { error: 0.1, lit_mesh: true, ..SolveOptions::default() };
+    let stored = |threads| {
+        let run = RunOptions { threads, ..RunOptions::default() };
+        let (evaluator, _) = pipeline::solve(read("two_rooms.obj"), &options, &run, &Silent).unwrap();
+        assert!(evaluator.mesh().is_some());
+        let mut file = Cursor::new(Vec::new());
+        write_solution(&mut file, evaluator.solution(), &Provenance::new(&options)).unwrap();
+        file.into_inner()
+    };
+    assert!(stored(1) == stored(3));
 
     struct Cancels;
     impl Observer for Cancels {
@@ -169,7 +291,7 @@ fn threads_change_nothing_and_an_observer_ends_it() {
 }
 
 #[test]
-fn elements_cover_all_that_reflects_and_are_written_as_triangles() {
+fn elements_cover_all_that_reflects_and_are_written_as_triangles_or_as_they_are() {
     let scene = read("cornell.obj");
     let area: f64 = scene.surfaces().iter().map(|surface| surface.polygon.area()).sum();
     let (evaluator, _) = solved(scene, 0.1, 0);
@@ -183,14 +305,41 @@ fn elements_cover_all_that_reflects_and_are_written_as_triangles() {
     assert_eq!(elements, mesh.elements());
     assert!((covered / area - 1.0).abs() < 1e-6, "{covered} of {area}");
 
-    let mut file = Vec::new();
+    // A face of six vertices, or four triangles; nodes are vertices either way.
     let provenance = Provenance::new(evaluator.solution().options());
-    write_mesh_ply(&mut file, evaluator.solution().scene(), &mesh, &provenance).unwrap();
+    let nodes = mesh.nodes();
+    for (faces, corners, write) in [(4 * elements, 3, write_mesh_ply as Writer), (elements, 6, write_quadratic_mesh_ply)] {
+        let mut file = Vec::new();
+        write(&mut file, evaluator.solution().scene(), &mesh, &provenance).unwrap();
+        let (header, body) = header_and_body(&file);
+        let count = |what: &str| -> usize {
+            header.lines().find_map(|line| line.strip_prefix(&format!("element {what} "))).unwrap().parse().unwrap()
+        };
+        assert_eq!((count("face"), count("vertex")), (faces, nodes));
+        assert_eq!(body.len(), nodes * VERTEX + faces * (1 + corners * 4 + 4));
+
+        // Around each face, counter-clockwise; all faces together have the area of the surfaces.
+        let vertex = |number: u32| -> [f64; 3] {
+            std::array::from_fn(|k| f64::from_le_bytes(body[number as usize * VERTEX + 8 * k..][..8].try_into().unwrap()))
+        };
+        let (mut covered, mut face) = (0.0, &body[nodes * VERTEX..]);
+        while !face.is_empty() {
+            assert_eq!(usize::from(face[0]), corners);
+            let number = |k: usize| u32::from_le_bytes(face[1 + 4 * k..][..4].try_into().unwrap());
+            let around: Vec<[f64; 3]> = (0..corners).map(|k| vertex(number(k))).collect();
+            covered += (1..corners - 1).map(|k| fan_area(&around, k)).sum::<f64>();
+            face = &face[1 + 4 * corners + 4..];
+        }
+        assert!((covered / area - 1.0).abs() < 1e-6, "{covered} of {area}");
+    }
+}
+
+type Writer = fn(&mut Vec<u8>, &Scene, &LitMesh, &Provenance) -> io::Result<()>;
+
+/// Bytes of a vertex: a place, and three channels.
+const VERTEX: usize = 3 * 8 + 3 * 4;
+
+fn header_and_body(file: &[u8]) -> (String, &[u8]) {
     let end = file.windows(11).position(|text| text == b"end_header\n").unwrap() + 11;
-    let header = String::from_utf8(file[..end].to_vec()).unwrap();
-    let count = |what: &str| -> usize {
-        header.lines().find_map(|line| line.strip_prefix(&format!("element {what} "))).unwrap().parse().unwrap()
-    };
-    assert_eq!(count("face"), 4 * elements);
-    assert_eq!(file.len() - end, count("vertex") * (3 * 8 + 3 * 4) + count("face") * (1 + 3 * 4 + 4));
+    (String::from_utf8(file[..end].to_vec()).unwrap(), &file[end..])
 }

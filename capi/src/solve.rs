@@ -129,8 +129,7 @@ pub fn check_answers(failed: &AtomicBool) -> Outcome {
 
 /// How a solve ended, and what to tell about it.
 fn ending(report: &SolveReport) -> (patchlight_status, String) {
-    let claimed = report.lit_mesh.map_or(report.error.estimate, |mesh| mesh.whole.estimate);
-    let claim = format!("an error of {claimed} is claimed, {} was asked for", report.error.requested);
+    let claim = format!("an error of {} is claimed, {} was asked for", report.claimed(), report.error.requested);
     match report.stopped_by {
         StoppedBy::Error => (PATCHLIGHT_OK, String::new()),
         StoppedBy::Exhausted if report.converged => (PATCHLIGHT_OK, String::new()),
@@ -149,7 +148,12 @@ fn told(report: &SolveReport) -> String {
     let (counts, error) = (&report.counts, &report.error);
     format!(
         "{}: {} elements, {} links, {} rays; error {} claimed, {} asked for",
-        report.backend, counts.elements, counts.links, counts.rays, error.estimate, error.requested
+        report.backend,
+        counts.elements,
+        counts.links,
+        counts.rays,
+        report.claimed(),
+        error.requested
     )
 }
 

@@ -6,7 +6,9 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use patchlight::geometry::Polygon;
-use patchlight::output::{Provenance, SOLUTION_FORMAT_VERSION, read_solution_from, write_ply, write_solution};
+use patchlight::output::{
+    Provenance, SOLUTION_FORMAT_VERSION, read_solution_from, write_mesh_ply, write_ply, write_quadratic_mesh_ply, write_solution,
+};
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
 use patchlight::scene::import::Diagnostics;
@@ -60,16 +62,30 @@ fn look_at(bytes: &[u8]) -> bool {
     let values = evaluator.values_at(&points, &Silent).expect("nobody cancels");
     assert_eq!(values.channels * points.len(), values.radiosity.len());
     assert!(evaluator.bounds_at(&points).is_none_or(|bounds| bounds.lower.len() == values.radiosity.len()));
+    look_at_mesh(&evaluator, &points);
     if let Ok(image) = evaluator.render(&evaluator.default_camera(4, 3), &Silent) {
         assert!(image.is_some());
     }
     true
 }
 
-/// The body of a small stored solution, over links or over cells: fuzzers change it.
-pub fn small_solution(solver: Solver) -> &'static [u8] {
-    static BODIES: [OnceLock<Vec<u8>>; 2] = [OnceLock::new(), OnceLock::new()];
-    BODIES[usize::from(solver == Solver::Cells)].get_or_init(|| {
+/// A lit mesh must be good for values, pictures and exports.
+fn look_at_mesh(evaluator: &Evaluator, points: &[SurfacePoint]) {
+    let (solution, Some(mesh)) = (evaluator.solution(), evaluator.mesh()) else { return };
+    let values = evaluator.mesh_values_at(points).expect("there is a mesh");
+    assert!(values.radiosity.iter().all(|b| b.is_nan() || b.is_finite() && *b >= 0.0), "{:?}", values.radiosity);
+    let (provenance, scene) = (Provenance::new(solution.options()), solution.scene());
+    write_mesh_ply(&mut Vec::new(), scene, mesh, &provenance).expect("memory suffices");
+    write_quadratic_mesh_ply(&mut Vec::new(), scene, mesh, &provenance).expect("memory suffices");
+    if let Ok(image) = evaluator.render_mesh(mesh, &evaluator.default_camera(4, 3), &Silent) {
+        assert!(image.is_some_and(|image| image.radiance.iter().all(|l| l.is_finite())));
+    }
+}
+
+/// The body of a small stored solution, over links or over cells, with a lit mesh or without: fuzzers change it.
+pub fn small_solution(solver: Solver, lit_mesh: bool) -> &'static [u8] {
+    static BODIES: [[OnceLock<Vec<u8>>; 2]; 2] = [const { [const { OnceLock::new() }; 2] }; 2];
+    BODIES[usize::from(solver == Solver::Cells)][usize::from(lit_mesh)].get_or_init(|| {
         let wall = Material { name: "wall".to_owned(), reflectance: vec![0.5], exitance: vec![0.0] };
         let lamp = Material { name: "lamp".to_owned(), reflectance: vec![0.0], exitance: vec![1.0] };
         let floor = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -77,7 +93,8 @@ pub fn small_solution(solver: Solver) -> &'static [u8] {
         let faces = vec![(Polygon::new(&floor), 0, 0), (Polygon::new(&ceiling), 1, 1)];
         let faces = faces.into_iter().map(|(polygon, material, face)| (polygon.expect("it has an area"), material, face)).collect();
         let scene = Scene::new(1, vec![wall, lamp], faces, Sides::Front).expect("a scene");
-        let options = SolveOptions { error: 0.5, solver, max_links: Some(8), point_rays: Some(16), ..SolveOptions::default() };
+        let (max_links, point_rays) = (Some(8), Some(16));
+        let options = SolveOptions { error: 0.5, solver, max_links, point_rays, lit_mesh, ..SolveOptions::default() };
         let (evaluator, _) = pipeline::solve(scene, &options, &RunOptions::default(), &Silent).expect("legal options");
         let mut file = Cursor::new(Vec::new());
         write_solution(&mut file, evaluator.solution(), &Provenance::new(&options)).expect("memory suffices");

@@ -66,6 +66,8 @@ pub fn solve_scene(bytes: &[u8]) {
         .collect();
     let values = evaluator.values_at(&points, &Silent).expect("nobody cancels");
     assert_eq!(values.missed, 0);
+    let of_mesh = evaluator.mesh_values_at(&points).map_or(Vec::new(), |values| values.radiosity);
+    assert!(of_mesh.iter().all(|b| b.is_finite() && *b >= 0.0), "{of_mesh:?}");
     assert!(values.radiosity.iter().all(|b| b.is_finite() && *b >= 0.0), "{:?}", values.radiosity);
 }
 
@@ -92,6 +94,7 @@ fn options(bytes: &mut Bytes) -> SolveOptions {
             ..LinkOptions::default()
         },
         point_rays: bytes.pick(&[Some(8), Some(1)]),
+        lit_mesh: bytes.pick(&[false, false, false, true]),
         seed: u64::from(bytes.next()),
         max_links: Some(MOST_LINKS),
         holzschuch94: Holzschuch94Options { iterations: 3, ..Holzschuch94Options::default() },

@@ -82,8 +82,7 @@ fn limit(report: &SolveReport) -> Option<String> {
         StoppedBy::Memory => "the memory budget, or who was asked for more, ended the solve",
         StoppedBy::Exhausted => "nothing more can be gained",
     };
-    let claimed = report.lit_mesh.map_or(report.error.estimate, |mesh| mesh.whole.estimate);
-    Some(format!("{what}: an error of {claimed} is claimed, {} was asked for", report.error.requested))
+    Some(format!("{what}: an error of {} is claimed, {} was asked for", report.claimed(), report.error.requested))
 }
 
 /// The report as the program writes it; what only a program knows is missing.

@@ -95,10 +95,11 @@ impl Watcher {
         self.news.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// Looks for signals and tells what is new.
+    /// Looks for signals and tells what is new, until the listener wants an end.
     fn look(&self, py: Python<'_>, listener: &Listener) -> PyResult<()> {
         py.check_signals()?;
-        if let Some(news) = self.take_news()
+        if !self.cancelled.load(Ordering::Relaxed)
+            && let Some(news) = self.take_news()
             && listener.tell(py, &news)?
         {
             self.cancelled.store(true, Ordering::Relaxed);

@@ -41,6 +41,10 @@ fn describe_solution(path: &Path, solution: &Solution) -> String {
     let mut leaves = 0_u64;
     solution.for_each_leaf(|_, _, _| leaves += 1);
     let summary = SceneSummary::new(solution.scene(), &Diagnostics::default());
+    let mesh = solution.mesh().map_or(String::new(), |mesh| {
+        let (elements, nodes, off) = (mesh.elements(), mesh.nodes(), 100.0 * mesh.claimed);
+        format!("lit mesh     {elements} elements, {nodes} nodes, claimed to be {off:.2}% off the values at points\n")
+    });
     let options = serde_json::to_string(solution.options()).unwrap_or_default();
-    format!("{}: solution\n{summary}leaves       {leaves}\noptions      {options}\n", path.display())
+    format!("{}: solution\n{summary}leaves       {leaves}\n{mesh}options      {options}\n", path.display())
 }

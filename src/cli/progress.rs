@@ -175,5 +175,7 @@ mod tests {
         assert_eq!(describe(&progress), "refining, round 3, 12 links, 34 elements, error 3.12%");
         progress = Progress { stage: Stage::Render, round: 0, fraction: Some(0.5), links: 0, elements: 0, error: None };
         assert_eq!(describe(&progress), "taking the picture 50%");
+        progress = Progress { stage: Stage::Mesh, round: 0, fraction: None, links: 0, elements: 1234, error: None };
+        assert_eq!(describe(&progress), "making the lit mesh, 1234 elements");
     }
 }

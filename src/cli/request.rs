@@ -7,7 +7,7 @@ use patchlight::picture::{Camera, CameraRequest};
 use patchlight::scene::import::ImportOptions;
 use patchlight::solve::{Bounds, Interest, RunOptions, SolveOptions};
 
-use super::arguments::{ExportArguments, PictureArguments, RenderArguments, SampleArguments, SolveArguments};
+use super::arguments::{ExportArguments, PictureArguments, RenderArguments, SampleArguments, SolveArguments, Whence};
 use super::exit::Failure;
 use super::files::{Outputs, Sink};
 use super::progress::Voice;
@@ -24,6 +24,8 @@ pub struct PictureRequest {
     pub size: (u32, u32),
     pub exposure: PngExposure,
     pub quantity: Quantity,
+    /// What is shown, if that was said.
+    pub from: Option<Whence>,
 }
 
 impl PictureRequest {
@@ -43,6 +45,9 @@ impl PictureRequest {
         if quantity == Quantity::Width && formats.contains(&ImageFormat::Png) {
             return Err(Failure::usage("--quantity width is for .exr alone; take the .png in a run of its own"));
         }
+        if quantity == Quantity::Width && typed.from.is_some() {
+            return Err(Failure::usage("--quantity width shows bounds: leave --from out"));
+        }
         // A view that is given in full can be judged before the scene is known.
         if let CameraRequest { eye: Some(eye), target: Some(target), up, field_of_view_degrees } = camera {
             let up = up.unwrap_or(if eye[0] == target[0] && eye[2] == target[2] { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] });
@@ -51,7 +56,8 @@ impl PictureRequest {
             camera.validate().map_err(Failure::usage)?;
         }
         let destinations: Vec<Destination> = paths.iter().map(|path| outputs.file(path)).collect::<Result<_, _>>()?;
-        Ok(Self { files: destinations.into_iter().zip(formats).collect(), camera, size, exposure, quantity })
+        let files = destinations.into_iter().zip(formats).collect();
+        Ok(Self { files, camera, size, exposure, quantity, from: typed.from })
     }
 }
 
@@ -75,14 +81,17 @@ pub struct SolveRequest {
 impl SolveRequest {
     /// Validates what was typed.
     pub fn new(typed: SolveArguments) -> Result<Self, Failure> {
-        let settings = Settings::new(&typed.settings, &typed.run, typed.picture.camera.as_deref())?;
+        let mut settings = Settings::new(&typed.settings, &typed.run, typed.picture.camera.as_deref())?;
+        if typed.mesh.is_some() {
+            settings.want_mesh(&typed.settings)?;
+        }
 
         // Outputs, before anything is computed.
         let points = typed.points.as_deref();
         let mut outputs = Outputs::beside(&[&[typed.scene.as_path()], points.as_slice()].concat());
         let solution = typed.output.as_deref().map(|path| outputs.file(path)).transpose()?;
         let picture = Self::picture(&typed, &settings.options, &mut outputs)?;
-        let mesh = Self::mesh(&typed, picture.as_ref(), &mut outputs)?;
+        let mesh = Self::mesh(&typed, &mut outputs)?;
         let values = typed.values.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
         Ok(Self {
@@ -101,15 +110,8 @@ impl SolveRequest {
     }
 
     /// The file for the lit mesh, if one is asked for.
-    fn mesh(
-        typed: &SolveArguments,
-        picture: Option<&PictureRequest>,
-        outputs: &mut Outputs,
-    ) -> Result<Option<Destination>, Failure> {
+    fn mesh(typed: &SolveArguments, outputs: &mut Outputs) -> Result<Option<Destination>, Failure> {
         let Some(path) = typed.mesh.as_deref() else { return Ok(None) };
-        if picture.is_some_and(|picture| picture.quantity == Quantity::Width) {
-            return Err(Failure::usage("--quantity width shows bounds, and --mesh has none: take one of them away"));
-        }
         if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply")) {
             return Err(Failure::usage(format_args!("--mesh writes PLY: name the file {}", path.with_extension("ply").display())));
         }
@@ -122,14 +124,17 @@ impl SolveRequest {
         if typed.image.is_empty() {
             let camera = flags.camera.as_ref().filter(|_| !matches!(options.importance, Interest::View(_)));
             let typed = [camera, flags.size.as_ref(), flags.exposure.as_ref(), flags.quantity.as_ref()];
-            if typed.iter().any(|flag| flag.is_some()) {
-                return Err(Failure::usage("--camera, --size, --exposure and --quantity need --image FILE"));
+            if flags.from.is_some() || typed.iter().any(|flag| flag.is_some()) {
+                return Err(Failure::usage("--camera, --size, --exposure, --quantity and --from need --image FILE"));
             }
             return Ok(None);
         }
         let picture = PictureRequest::new(&typed.image, flags, outputs)?;
         if picture.quantity == Quantity::Width && options.bounds != Bounds::Guaranteed {
             return Err(Failure::usage("--quantity width needs --bounds guaranteed"));
+        }
+        if picture.from == Some(Whence::Mesh) && !options.lit_mesh {
+            return Err(Failure::usage("--from mesh needs --lit-mesh"));
         }
         Ok(Some(picture))
     }
@@ -169,6 +174,7 @@ pub struct SampleRequest {
     pub solution: PathBuf,
     pub points: PathBuf,
     pub output: Sink,
+    pub from: Whence,
     pub run: RunOptions,
     pub voice: Voice,
 }
@@ -178,7 +184,7 @@ impl SampleRequest {
     pub fn new(typed: SampleArguments) -> Result<Self, Failure> {
         let output = Outputs::beside(&[&typed.solution, &typed.points]).sink(&typed.output)?;
         let (run, voice) = (run_options(&typed.run)?, Voice::new(typed.run.progress));
-        Ok(Self { solution: typed.solution, points: typed.points, output, run, voice })
+        Ok(Self { solution: typed.solution, points: typed.points, output, from: typed.from, run, voice })
     }
 }
 
@@ -206,6 +212,18 @@ pub struct ExportRequest {
     pub solution: PathBuf,
     pub destination: Destination,
     pub format: ExportFormat,
+    pub what: Exported,
+}
+
+/// What is exported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exported {
+    /// The lit mesh, or the elements of the solver where there is none.
+    Best,
+    /// The elements of the solver.
+    Elements,
+    /// The lit mesh, by faces of six vertices.
+    Quadratic,
 }
 
 impl ExportRequest {
@@ -213,6 +231,11 @@ impl ExportRequest {
     pub fn new(typed: ExportArguments) -> Result<Self, Failure> {
         let format = ExportFormat::of_path(&typed.output).map_err(Failure::usage)?;
         let destination = Outputs::beside(&[&typed.solution]).file(&typed.output)?;
-        Ok(Self { solution: typed.solution, destination, format })
+        let what = match (typed.elements, typed.quadratic) {
+            (true, _) => Exported::Elements,
+            (_, true) => Exported::Quadratic,
+            _ => Exported::Best,
+        };
+        Ok(Self { solution: typed.solution, destination, format, what })
     }
 }

@@ -4,17 +4,18 @@ use patchlight::bounds::PointBounds;
 use patchlight::mesh::LitMesh;
 use patchlight::output::{
     Destination, ExportFormat, ImageFormat, Points, Provenance, Quantity, write_bounded_values, write_mesh_ply, write_ply,
-    write_png, write_solution, write_values,
+    write_png, write_quadratic_mesh_ply, write_solution, write_values,
 };
 use patchlight::picture::Image;
 use patchlight::pipeline::Evaluator;
 use patchlight::values::Values;
 
+use super::arguments::Whence;
 use super::exit::{Exit, Failure};
 use super::files::{self, Sink};
 use super::interrupt;
 use super::progress::{Voice, Watcher};
-use super::request::{ExportRequest, PictureRequest, RenderRequest, SampleRequest};
+use super::request::{ExportRequest, Exported, PictureRequest, RenderRequest, SampleRequest};
 
 /// `patchlight sample`.
 pub fn sample(request: SampleRequest) -> Result<Exit, Failure> {
@@ -22,7 +23,11 @@ pub fn sample(request: SampleRequest) -> Result<Exit, Failure> {
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
     interrupt::listen();
     request.voice.figure("backend", format_args!("{}", evaluator.backend()));
-    let Some(values) = values_at(&evaluator, &points, request.voice) else { return Ok(Exit::Cancelled) };
+    let values = match request.from {
+        Whence::Gather => values_at(&evaluator, &points, request.voice),
+        Whence::Mesh => Some(values_of_mesh(&evaluator, &points)?),
+    };
+    let Some(values) = values else { return Ok(Exit::Cancelled) };
     write_values_to(&request.output, &points, &values, request.voice)?;
     Ok(Exit::Done)
 }
@@ -33,6 +38,17 @@ pub type BoundedValues = (Values, Option<PointBounds>);
 /// Values at points, with their bounds; `None` if interrupted.
 pub fn values_at(evaluator: &Evaluator, points: &Points, voice: Voice) -> Option<BoundedValues> {
     evaluator.bounded_values_at(&points.surface_points(), &Watcher::new(voice))
+}
+
+/// Values at points by the lit mesh, with their bounds.
+fn values_of_mesh(evaluator: &Evaluator, points: &Points) -> Result<BoundedValues, Failure> {
+    let points = points.surface_points();
+    let values = evaluator.mesh_values_at(&points).ok_or_else(|| no_mesh("--from mesh"))?;
+    Ok((values, evaluator.bounds_at(&points)))
+}
+
+fn no_mesh(flag: &str) -> Failure {
+    Failure::usage(format_args!("{flag}: this solution has no lit mesh; solve the scene with --lit-mesh"))
 }
 
 /// Writes values, with their bounds where there are any, and tells how many points lie on no surface.
@@ -57,18 +73,18 @@ pub fn render(request: RenderRequest) -> Result<Exit, Failure> {
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
     interrupt::listen();
     request.voice.figure("backend", format_args!("{}", evaluator.backend()));
-    let Some(image) = take_picture(&evaluator, None, &request.picture, request.voice)? else { return Ok(Exit::Cancelled) };
+    let Some(image) = take_picture(&evaluator, &request.picture, request.voice)? else { return Ok(Exit::Cancelled) };
     write_picture(&image, &request.picture, &Provenance::new(evaluator.solution().options()), request.voice)?;
     Ok(Exit::Done)
 }
 
-/// Takes a picture, of the lit mesh where there is one; `None` if interrupted.
-pub fn take_picture(
-    evaluator: &Evaluator,
-    mesh: Option<&LitMesh>,
-    request: &PictureRequest,
-    voice: Voice,
-) -> Result<Option<Image>, Failure> {
+/// Takes a picture, of the lit mesh where there is one and nothing else was asked for; `None` if interrupted.
+pub fn take_picture(evaluator: &Evaluator, request: &PictureRequest, voice: Voice) -> Result<Option<Image>, Failure> {
+    let mesh = match (request.from, evaluator.mesh()) {
+        (Some(Whence::Gather), _) => None,
+        (Some(Whence::Mesh), None) => return Err(no_mesh("--from mesh")),
+        (_, mesh) => mesh,
+    };
     let (width, height) = request.size;
     let camera = request.camera.apply_to(evaluator.default_camera(width, height)).map_err(Failure::usage)?;
     voice.figure("camera", format_args!("{camera}, {width}x{height}"));
@@ -120,19 +136,12 @@ pub fn write_picture(image: &Image, request: &PictureRequest, provenance: &Prove
     Ok(())
 }
 
-/// Writes a lit mesh, and tells how good it is.
+/// Writes the lit mesh.
 pub fn write_mesh_to(destination: &Destination, evaluator: &Evaluator, mesh: &LitMesh, voice: Voice) -> Result<(), Failure> {
     let solution = evaluator.solution();
-    destination.write(|file| write_mesh_ply(file, solution.scene(), mesh, &Provenance::new(solution.options())))?;
-    let (elements, off, asked) = (mesh.elements(), 100.0 * mesh.claimed, 100.0 * solution.options().error);
-    let reached = if off <= asked { "reached" } else { "not reached" };
-    voice.figure(
-        "mesh",
-        format_args!(
-            "{elements} elements, claimed to be {off:.2}% off the values at points, in the local norm; {asked:.2}% asked for: {reached}"
-        ),
-    );
-    voice.figure("wrote", format_args!("{}", destination.path().display()));
+    let provenance = Provenance::new(solution.options());
+    destination.write(|file| write_mesh_ply(file, solution.scene(), mesh, &provenance))?;
+    voice.figure("wrote", format_args!("{} ({} elements of the lit mesh)", destination.path().display(), mesh.elements()));
     Ok(())
 }
 
@@ -148,8 +157,15 @@ pub fn write_solution_to(destination: &Destination, evaluator: &Evaluator, voice
 pub fn export(request: ExportRequest) -> Result<Exit, Failure> {
     let solution = files::read_solution(&request.solution)?;
     let provenance = Provenance::new(solution.options());
-    match request.format {
-        ExportFormat::Ply => request.destination.write(|file| write_ply(file, &solution, &provenance))?,
+    let scene = solution.scene();
+    let ExportFormat::Ply = request.format;
+    match (request.what, solution.mesh()) {
+        (Exported::Quadratic, None) => return Err(no_mesh("--quadratic")),
+        (Exported::Quadratic, Some(mesh)) => {
+            request.destination.write(|file| write_quadratic_mesh_ply(file, scene, mesh, &provenance))?;
+        }
+        (Exported::Best, Some(mesh)) => request.destination.write(|file| write_mesh_ply(file, scene, mesh, &provenance))?,
+        _ => request.destination.write(|file| write_ply(file, &solution, &provenance))?,
     }
     Ok(Exit::Done)
 }

@@ -50,6 +50,16 @@ impl Settings {
         Ok(settings)
     }
 
+    /// Makes a solve find the lit mesh, unless it was said that it shall not.
+    pub fn want_mesh(&mut self, typed: &SettingArguments) -> Result<(), Failure> {
+        let is_key = |setting: &String| setting.split_once('=').is_some_and(|(key, _)| key.trim() == "lit_mesh");
+        if let Some(setting) = typed.set.iter().rfind(|setting| is_key(setting)).filter(|_| !self.options.lit_mesh) {
+            return Err(Failure::usage(format_args!("--set {setting} and --mesh contradict each other: leave one of them out")));
+        }
+        self.options.lit_mesh = true;
+        Ok(())
+    }
+
     /// Sets one option from text: those of the run here, all others by [`SolveOptions::set`].
     fn set(&mut self, key: &str, value: &str) -> Result<(), Failure> {
         let positive = |unit: &str| {

@@ -3,13 +3,12 @@
 use std::time::Instant;
 
 use patchlight::bounds::{BoundsReport, Certainty};
-use patchlight::mesh::LitMesh;
 use patchlight::output::{CpuReport, Points, Provenance, RunReport, SceneReport, write_report};
 use patchlight::picture::Image;
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::scene::Scene;
 use patchlight::scene::import::read_scene;
-use patchlight::solve::{ErrorReport, Norm, RunOptions, SolveOptions, SolveReport};
+use patchlight::solve::{ErrorReport, LitMeshReport, Norm, RunOptions, SolveOptions, SolveReport};
 use patchlight::values::{Values, ValuesError};
 
 use super::exit::{Exit, Failure};
@@ -116,26 +115,19 @@ fn write_results(
             None => ending.cancel(voice, &sink.name()),
         }
     }
-    let mesh = write_mesh(request, evaluator, ending);
+    match (&request.mesh, evaluator.mesh()) {
+        (Some(destination), Some(mesh)) => ending.write(|| results::write_mesh_to(destination, evaluator, mesh, voice)),
+        (Some(destination), None) => voice.warn(format_args!("{} is not written: there is no mesh", destination.path().display())),
+        (None, _) => {}
+    }
     if let Some(picture) = &request.picture {
-        match results::take_picture(evaluator, mesh.as_ref(), picture, voice) {
+        match results::take_picture(evaluator, picture, voice) {
             Ok(Some(image)) => ending.write(|| results::write_picture(&image, picture, provenance, voice)),
             Ok(None) => ending.cancel(voice, "the picture"),
             Err(failure) => ending.note(Err(failure)),
         }
     }
     error
-}
-
-/// Makes the lit mesh and writes it, if it is asked for.
-fn write_mesh(request: &SolveRequest, evaluator: &Evaluator, ending: &mut Ending) -> Option<LitMesh> {
-    let destination = request.mesh.as_ref()?;
-    let mesh = evaluator.lit_mesh(request.options.error, &Watcher::new(request.voice));
-    match &mesh {
-        Some(mesh) => ending.write(|| results::write_mesh_to(destination, evaluator, mesh, request.voice)),
-        None => ending.cancel(request.voice, "the mesh"),
-    }
-    mesh
 }
 
 fn available_threads() -> usize {
@@ -151,10 +143,15 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
     let counts = &report.counts;
     voice.figure("solution", format_args!("{} elements, {} links, {} rays", counts.elements, counts.links, counts.rays));
     let error = &report.error;
-    let reached = if report.converged { "reached" } else { "not reached" };
     let claim = claim_in_words(error, run.options.norm);
-    let asked = 100.0 * run.options.error;
-    voice.figure("error", format_args!("{claim}; {asked:.2}% asked for: {reached} (stopped by {})", stopped_by_name(report)));
+    if run.options.lit_mesh {
+        voice.figure("error", format_args!("{claim}, of values at points"));
+        voice.figure("mesh", format_args!("{}", mesh_in_words(report)));
+    } else {
+        let reached = if report.converged { "reached" } else { "not reached" };
+        let asked = 100.0 * run.options.error;
+        voice.figure("error", format_args!("{claim}; {asked:.2}% asked for: {reached} (stopped by {})", stopped_by_name(report)));
+    }
     if let Some(links) = &report.link_error {
         let part = 100.0 * links.estimated_error / links.reflected;
         voice.figure(
@@ -165,6 +162,23 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
     if let Some(bounds) = &report.bounds {
         voice.figure("bounds", format_args!("{}", bounds_in_words(bounds)));
     }
+}
+
+/// How good the lit mesh is, or why there is none.
+fn mesh_in_words(report: &SolveReport) -> String {
+    let Some(mesh) = &report.lit_mesh else {
+        return format!("not made: the solve was stopped by {}", stopped_by_name(report));
+    };
+    let LitMeshReport { elements, nodes, off_values, whole, .. } = mesh;
+    let off = 100.0 * off_values.estimate;
+    let claim = if whole.estimate.is_finite() {
+        let reached = if report.converged { "reached" } else { "not reached" };
+        let (claimed, asked) = (100.0 * whole.estimate, 100.0 * report.error.requested);
+        format!("{claimed:.2}% claimed of both together; {asked:.2}% asked for: {reached} (stopped by {})", stopped_by_name(report))
+    } else {
+        "nothing can be said about both together".to_owned()
+    };
+    format!("{elements} elements, {nodes} nodes, claimed to be {off:.2}% off the values; {claim}")
 }
 
 /// What bounds prove. It is a mean over the area, of elements: single points have bounds of their own, which may be wider or narrower.

@@ -10,8 +10,8 @@ use super::plane::Plane;
 use super::surface_mesh::SurfaceMesh;
 use crate::scene::{DistinctChannels, Scene, SurfaceId};
 
-/// Nodes for each element: a corner for two elements, and the middles of three edges that two share.
-const NODES: usize = 2;
+/// Nodes for each element: two where many are joined, more on small surfaces.
+const NODES: usize = 3;
 
 /// What an element takes beside that while it is refined.
 const REFINED: usize = 700;

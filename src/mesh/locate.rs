@@ -8,6 +8,10 @@ use super::surface_mesh::SurfaceMesh;
 /// Cells for each triangle.
 const CELLS: f64 = 1.0;
 
+/// Triangles lie in so many cells each on average, at most; else there are fewer cells by this factor.
+const MOST_ENTRIES: usize = 32;
+const COARSER: f64 = 0.25;
+
 /// Finds triangles by points.
 #[derive(Clone)]
 pub(super) struct Locator {
@@ -22,15 +26,17 @@ pub(super) struct Locator {
 
 impl Locator {
     pub fn new(mesh: &SurfaceMesh) -> Self {
-        // The grid: about square cells over the box of all nodes.
+        // A grid of about square cells over the box of all nodes: coarser where long triangles would lie in too many of them.
         let (min, max) =
             mesh.nodes().iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), &at| (min.min(at), max.max(at)));
         let extent = (max - min).max(DVec2::splat(f64::MIN_POSITIVE));
-        let count = (CELLS * mesh.triangles().len() as f64).max(1.0);
-        let side = (extent.x * extent.y / count).sqrt().max(extent.max_element() / count);
-        let size = [extent.x, extent.y].map(|extent| ((extent / side).ceil() as usize).max(1));
-        let scale = DVec2::new(size[0] as f64, size[1] as f64) / extent;
-        let mut locator = Self { origin: min, scale, size, starts: vec![0; size[0] * size[1] + 1], triangles: Vec::new() };
+        let triangles = mesh.triangles().len();
+        let mut cells = CELLS * triangles as f64;
+        let mut locator = Self::grid(min, extent, cells);
+        while cells > 1.0 && locator.entries(mesh) > MOST_ENTRIES * triangles {
+            cells *= COARSER;
+            locator = Self::grid(min, extent, cells);
+        }
 
         // Count the triangles of each cell, then fill them in.
         for triangle in 0..mesh.triangles().len() {
@@ -48,10 +54,32 @@ impl Locator {
         locator
     }
 
+    /// A grid of about so many cells, one at least, with nothing in them.
+    fn grid(origin: DVec2, extent: DVec2, cells: f64) -> Self {
+        let cells = cells.max(1.0);
+        let side = (extent.x * extent.y / cells).sqrt().max(extent.max_element() / cells);
+        let size = [extent.x, extent.y].map(|extent| ((extent / side).ceil() as usize).max(1));
+        let scale = DVec2::new(size[0] as f64, size[1] as f64) / extent;
+        Self { origin, scale, size, starts: vec![0; size[0] * size[1] + 1], triangles: Vec::new() }
+    }
+
+    /// In how many cells triangles lie, added.
+    fn entries(&self, mesh: &SurfaceMesh) -> usize {
+        let cells_of = |triangle: usize| {
+            let [[from_x, from_y], [to_x, to_y]] = self.range_of(mesh.corners(triangle));
+            (to_x - from_x + 1) * (to_y - from_y + 1)
+        };
+        (0..mesh.triangles().len()).map(cells_of).sum()
+    }
+
+    /// The first and the last cell that the box of a triangle meets.
+    fn range_of(&self, [a, b, c]: [DVec2; 3]) -> [[usize; 2]; 2] {
+        [self.cell(a.min(b).min(c)), self.cell(a.max(b).max(c))]
+    }
+
     /// The cells that the box of a triangle meets.
     fn cells_of(&self, corners: [DVec2; 3]) -> impl Iterator<Item = usize> + use<> {
-        let [a, b, c] = corners;
-        let ([from_x, from_y], [to_x, to_y], width) = (self.cell(a.min(b).min(c)), self.cell(a.max(b).max(c)), self.size[0]);
+        let ([[from_x, from_y], [to_x, to_y]], width) = (self.range_of(corners), self.size[0]);
         (from_y..=to_y).flat_map(move |row| (from_x..=to_x).map(move |column| row * width + column))
     }
 
@@ -90,6 +118,20 @@ mod tests {
     use super::*;
     use crate::geometry::sampling;
     use crate::mesh::triangulation::triangulate;
+
+    /// Strips across a square, from corner to corner: each meets all cells of a fine grid by its box.
+    #[test]
+    fn long_triangles_take_no_more_memory() {
+        let count = 2000_u32;
+        let at = |k: u32, side: f64| DVec2::new(side + f64::from(k) / f64::from(count), side);
+        let nodes: Vec<DVec2> = (0..count).flat_map(|k| [at(k, 0.0), at(k + 1, 0.0), at(k, 1.0)]).collect();
+        let triangles: Vec<[u32; 6]> = (0..count).map(|k| [0, 1, 2, 0, 1, 2].map(|corner| 3 * k + corner)).collect();
+        let mesh = serde_json::json!({ "nodes": nodes, "triangles": triangles, "reflected": vec![0.0; nodes.len()] });
+        let mesh: SurfaceMesh = serde_json::from_value(mesh).unwrap();
+        let locator = Locator::new(&mesh);
+        assert!(locator.triangles.len() <= MOST_ENTRIES * count as usize, "{}", locator.triangles.len());
+        assert!(locator.find(&mesh, at(77, 0.5)).is_some());
+    }
 
     #[test]
     fn every_point_is_found_in_a_triangle_around_it() {

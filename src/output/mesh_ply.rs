@@ -1,9 +1,8 @@
 //! A lit mesh with float radiosities, as binary little-endian PLY.
 //!
-//! Vertices (`double x y z`, in metres) carry their radiosity per channel in W/m^2, named as in [`write_ply`](super::write_ply). Each quadratic element is
-//! four triangles between its six nodes, with the number of their surface.
+//! Vertices (`double x y z`, in metres) are the nodes, surface after surface, with their radiosity per channel in W/m^2, named as in
+//! [`write_ply`](super::write_ply). Faces, with the number of their surface, are the elements as they are, or four triangles for each.
 
-use std::collections::HashMap;
 use std::io::{self, Write};
 
 use super::values::radiosity_columns;
@@ -11,47 +10,61 @@ use super::{Provenance, Quantity};
 use crate::mesh::LitMesh;
 use crate::scene::Scene;
 
-/// The triangles of an element, by its nodes: three corners, then the middles of the edges from each.
-const PARTS: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
-
-/// Writes a lit mesh of a scene.
+/// Writes a lit mesh of a scene, each element as four triangles: for readers that know flat faces alone.
 ///
 /// # Errors
-/// What the writer says.
+/// What the writer says; or that there are more nodes than the format can number.
 pub fn write_mesh_ply(writer: &mut impl Write, scene: &Scene, mesh: &LitMesh, provenance: &Provenance) -> io::Result<()> {
-    // A vertex for each place with its light.
-    let mut numbers: HashMap<Vec<u64>, u32> = HashMap::new();
-    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
-    let channels = scene.channels();
-    mesh.for_each_element(scene, |surface, nodes, radiosity| {
-        let mut vertex = |node: usize| {
-            let (at, light) = (nodes[node], &radiosity[node * channels..][..channels]);
-            let key = at.iter().map(|x| x.to_bits()).chain(light.iter().map(|b| u64::from(b.to_bits()))).collect();
-            *numbers.entry(key).or_insert_with(|| {
-                vertices.extend(at.iter().flat_map(|x| x.to_le_bytes()));
-                vertices.extend(light.iter().flat_map(|b| b.to_le_bytes()));
-                (vertices.len() / (24 + 4 * channels)) as u32 - 1
-            })
-        };
-        let own: [u32; 6] = std::array::from_fn(&mut vertex);
-        for part in PARTS {
-            faces.push(3);
-            part.iter().for_each(|&node| faces.extend(own[node].to_le_bytes()));
-            faces.extend(surface.to_le_bytes());
-        }
-    });
+    write_faces(writer, scene, mesh, &[&[0, 3, 5], &[3, 1, 4], &[5, 4, 2], &[3, 4, 5]], provenance)
+}
 
+/// Writes a lit mesh of a scene, each element as one face of six vertices, counter-clockwise around it: every second one, from the first on, is a
+/// corner, the next is the middle of the edge from there. In between the radiosity is the quadratic function through all six.
+///
+/// # Errors
+/// As [`write_mesh_ply`].
+pub fn write_quadratic_mesh_ply(writer: &mut impl Write, scene: &Scene, mesh: &LitMesh, provenance: &Provenance) -> io::Result<()> {
+    write_faces(writer, scene, mesh, &[&[0, 3, 1, 4, 2, 5]], provenance)
+}
+
+/// Writes each element as some faces, given by its nodes: three corners, then the middles of the edges from each.
+fn write_faces(
+    writer: &mut impl Write,
+    scene: &Scene,
+    mesh: &LitMesh,
+    of_element: &[&[usize]],
+    provenance: &Provenance,
+) -> io::Result<()> {
+    if u32::try_from(mesh.nodes()).is_err() {
+        return Err(io::Error::other("more than 2^32 vertices do not fit into a PLY file"));
+    }
     writeln!(writer, "ply\nformat binary_little_endian 1.0")?;
     for (key, text) in provenance.statements(Quantity::Radiosity) {
         writeln!(writer, "comment {key}: {text}")?;
     }
-    writeln!(writer, "element vertex {}", numbers.len())?;
+    writeln!(writer, "element vertex {}", mesh.nodes())?;
     writeln!(writer, "property double x\nproperty double y\nproperty double z")?;
+    let channels = scene.channels();
     for column in radiosity_columns(channels) {
         writeln!(writer, "property float {column}")?;
     }
-    writeln!(writer, "element face {}", PARTS.len() * mesh.elements())?;
+    writeln!(writer, "element face {}", of_element.len() * mesh.elements())?;
     writeln!(writer, "property list uchar uint vertex_indices\nproperty uint surface\nend_header")?;
-    writer.write_all(&vertices)?;
-    writer.write_all(&faces)
+
+    for part in mesh.parts(scene) {
+        for (node, radiosity) in part.nodes.iter().zip(part.radiosity.chunks(channels)) {
+            node.iter().try_for_each(|x| writer.write_all(&x.to_le_bytes()))?;
+            radiosity.iter().try_for_each(|b| writer.write_all(&b.to_le_bytes()))?;
+        }
+    }
+    let mut first = 0;
+    for part in mesh.parts(scene) {
+        for (element, face) in part.elements.iter().flat_map(|element| of_element.iter().map(move |face| (element, face))) {
+            writer.write_all(&[face.len() as u8])?;
+            face.iter().try_for_each(|&node| writer.write_all(&(first + element[node]).to_le_bytes()))?;
+            writer.write_all(&part.surface.to_le_bytes())?;
+        }
+        first += part.nodes.len() as u32;
+    }
+    Ok(())
 }

@@ -9,6 +9,7 @@
 //! |---|---|---|
 //! | `.exr` | [`write_exr`] | linear radiance or radiosity, 32-bit float |
 //! | `.png` | [`write_png`] | an exposed, tone-mapped picture for display |
+//! | `.ply` | [`write_mesh_ply`] | the lit mesh with float radiosities at its nodes |
 //! | `.ply` | [`write_ply`] | the leaves of the hierarchy with float radiosities |
 //! | solution | [`write_solution`] | everything, to be read back by [`read_solution`] |
 //! | `.csv` | [`write_values`] | radiosities at the points that [`read_points`] read |
@@ -31,7 +32,7 @@ pub mod values;
 pub use atomic::{Destination, DestinationError};
 pub use exr::write_exr;
 pub use format::{ExportFormat, ImageFormat, UnknownExtension};
-pub use mesh_ply::write_mesh_ply;
+pub use mesh_ply::{write_mesh_ply, write_quadratic_mesh_ply};
 #[cfg(feature = "openexr")]
 pub use openexr::write_openexr;
 pub use ply::write_ply;

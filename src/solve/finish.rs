@@ -40,20 +40,17 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
         lit: error.map_or(0.0, |error| error.lit),
         skipped: if reflected > 0.0 { energy.held_back / reflected } else { 0.0 },
     };
-    let (segments, first_hits) = (linked.job.rays.segments(), linked.job.rays.first_hit_rays());
-    report.time_s.visibility = segments.seconds() + first_hits.seconds();
-    report.time_s.first_hits = first_hits.seconds();
     report.counts = Counts {
         surfaces: scene.surfaces().len() as u64,
         clusters: linked.hierarchy.cluster_count() as u64,
         elements: (linked.hierarchy.len() - linked.hierarchy.cluster_count()) as u64,
         links: linked.links.len() as u64,
         dormant: linked.links.dormant().len() as u64,
-        rays: segments.count() + first_hits.count(),
-        first_hit_rays: first_hits.count(),
         ..report.counts
     };
+    report.count_rays(linked.job.rays);
     report.skipped.extend(skipped);
+    let segments = linked.job.rays.segments();
     let per_ray = segments.seconds() / segments.count().max(1) as f64;
     let price = |work: &mut SkippedWork| work.estimate_saved_s = per_ray * work.estimate_saved_rays as f64;
     report.skipped.iter_mut().for_each(price);

@@ -47,6 +47,7 @@ pub(super) fn add(job: &Job<'_>, solution: &mut Solution, report: &mut SolveRepo
     report.accounted_bytes = report.accounted_bytes.max(bytes(mesh.as_ref().map_or(0, LitMesh::elements)));
     solution.mesh = mesh;
     report.memory_bytes = solution.memory_bytes();
+    report.count_rays(job.rays);
     add_time(&mut report.time_s.mesh, start);
 }
 

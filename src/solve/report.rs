@@ -7,6 +7,7 @@ use crate::hierarchy::Hierarchy;
 use crate::links::LinkSet;
 use crate::scene::{Scene, SurfaceId};
 use crate::sweep::{self, Closure, Exposure, Radiosity};
+use crate::transmittance::Rays;
 
 /// Why refinement ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -274,6 +275,22 @@ pub struct SolveReport {
     pub converged: bool,
     /// Why refinement ended; of the lit mesh, where that did not reach it.
     pub stopped_by: StoppedBy,
+}
+
+impl SolveReport {
+    /// The error that is claimed for what was asked for: of the lit mesh where there is one, else of values at points.
+    pub fn claimed(&self) -> f64 {
+        self.lit_mesh.map_or(self.error.estimate, |mesh| mesh.whole.estimate)
+    }
+
+    /// Counts the rays that were asked so far, and the time that they took.
+    pub(super) fn count_rays(&mut self, rays: &Rays<'_>) {
+        let (segments, first_hits) = (rays.segments(), rays.first_hit_rays());
+        self.time_s.visibility = segments.seconds() + first_hits.seconds();
+        self.time_s.first_hits = first_hits.seconds();
+        self.counts.rays = segments.count() + first_hits.count();
+        self.counts.first_hit_rays = first_hits.count();
+    }
 }
 
 /// What is told about the power that travels over the links of a solution.

@@ -2,6 +2,7 @@
 
 mod commands;
 mod hostile;
+mod lit_mesh;
 mod solve;
 #[path = "../support/mod.rs"]
 mod support;
@@ -83,6 +84,12 @@ impl Place {
     /// says after that.
     #[cfg(unix)]
     fn run_until_signal(&self, arguments: &str, signal: &str) -> (Option<i32>, String) {
+        self.run_until_signal_at(arguments, "\"progress\"", signal)
+    }
+
+    /// The same once it has reported something.
+    #[cfg(unix)]
+    fn run_until_signal_at(&self, arguments: &str, reported: &str, signal: &str) -> (Option<i32>, String) {
         let mut child = Command::new(env!("CARGO_BIN_EXE_patchlight"))
             .args(arguments.split_whitespace())
             .args(["--progress", "json"])
@@ -92,9 +99,9 @@ impl Place {
             .unwrap();
         let mut stderr = BufReader::new(child.stderr.take().unwrap());
         let mut line = String::new();
-        while !line.contains("\"progress\"") {
+        while !line.contains(reported) {
             line.clear();
-            assert!(stderr.read_line(&mut line).unwrap() > 0, "the program ended before it reported progress");
+            assert!(stderr.read_line(&mut line).unwrap() > 0, "the program ended before it reported {reported}");
         }
         // Every shell has a kill of its own; the program of this name may not be installed.
         let kill = format!("kill -{signal} {}", child.id());
@@ -218,6 +225,16 @@ fn wrong_usage_ends_with_2_and_says_what_is_wrong() {
         ("solve room.obj --importance view", &["importance is view", "unless strategy is error-driven"]),
         ("solve room.obj --strategy error-driven --importance everything", &["importance is everything", "material NAME"]),
         ("solve room.obj --image w.exr --quantity width", &["width", "--bounds guaranteed"]),
+        ("solve room.obj --set lit_mesh=perhaps", &["lit_mesh is perhaps", "true or false"]),
+        ("solve room.obj --mesh m.ply --set lit_mesh=false", &["--set lit_mesh=false and --mesh contradict each other"]),
+        ("solve room.obj --mesh m.obj", &["--mesh writes PLY", "m.ply"]),
+        ("solve room.obj --image a.png --from mesh", &["--from mesh needs --lit-mesh"]),
+        ("solve room.obj --lit-mesh --from mesh", &["need --image"]),
+        ("solve room.obj --lit-mesh --bounds guaranteed --image w.exr --quantity width --from mesh", &["leave --from out"]),
+        ("render room.solution -o a.png --from mesh", &["no lit mesh", "--lit-mesh"]),
+        ("sample room.solution P.csv -o V.csv --from mesh", &["no lit mesh", "--lit-mesh"]),
+        ("export room.solution -o a.ply --quadratic", &["no lit mesh", "--lit-mesh"]),
+        ("export room.solution -o a.ply --quadratic --elements", &["cannot be used with"]),
         ("solve room.obj --bounds tight", &["bounds is tight"]),
         ("solve room.obj --set gather=links", &["unknown option 'gather'", "solver"]),
         ("solve room.obj --set solver=hemisphere", &["solver is hemisphere", "auto, links or cells"]),
@@ -265,6 +282,7 @@ fn a_flag_and_a_setting_for_the_same_key_contradict_each_other() {
     for (arguments, words) in [
         ("--set error=0.1 --error 0.2", "--set error=0.1 and --error both say what error is: leave one of them out"),
         ("--set threads=1 --threads 2", "--set threads=1 and --threads"),
+        ("--set lit_mesh=false --lit-mesh", "--set lit_mesh=false and --lit-mesh"),
         ("--set max_links=1 --max-links 2", "--set max_links=1 and --max-links"),
     ] {
         place.run(&format!("solve room.obj {arguments}")).failed(2, &[words]);
@@ -340,6 +358,7 @@ fn outputs_that_cannot_be_written_are_found_before_the_work() {
         "solve room.obj -o nowhere/room.solution",
         "solve room.obj --report nowhere/r.json",
         "solve room.obj --image nowhere/a.png",
+        "solve room.obj --mesh nowhere/a.ply",
         "solve room.obj --points P.csv --values nowhere/V.csv",
         "sample room.solution P.csv -o nowhere/V.csv",
         "render room.solution -o nowhere/a.exr",
@@ -358,6 +377,7 @@ fn a_file_is_not_read_and_written_or_written_twice() {
     place.run("solve room.obj -o room.obj").failed(2, &["room.obj is read by this command"]);
     place.run("sample room.solution P.csv -o P.csv").failed(2, &["P.csv is read by this command"]);
     place.run("solve room.obj -o a --report a").failed(2, &["two outputs cannot both be a"]);
+    place.run("solve room.obj -o a.ply --mesh a.ply").failed(2, &["two outputs cannot both be a.ply"]);
     place.run("solve room.obj --points P.csv --values - --report -").failed(2, &["two outputs cannot both go to stdout"]);
     assert_eq!(place.read("room.obj"), ROOM);
     assert!(place.new_files().is_empty());
@@ -366,7 +386,7 @@ fn a_file_is_not_read_and_written_or_written_twice() {
 #[test]
 fn an_existing_output_survives_a_failed_run() {
     let place = Place::new();
-    for name in ["V.csv", "a.png", "a.exr", "a.ply", "out.solution", "r.json"] {
+    for name in ["V.csv", "a.png", "a.exr", "a.ply", "m.ply", "out.solution", "r.json"] {
         fs::write(place.path(name), "precious").unwrap();
     }
     let mut bytes = fs::read(place.path("room.solution")).unwrap();
@@ -379,12 +399,13 @@ fn an_existing_output_survives_a_failed_run() {
         "render bad.solution -o a.png",
         "render bad.solution -o a.exr",
         "export bad.solution -o a.ply",
-        "solve missing.obj -o out.solution --report r.json --image a.png --points P.csv --values V.csv",
+        "solve missing.obj -o out.solution --report r.json --image a.png --points P.csv --values V.csv --mesh m.ply",
     ] {
         assert_eq!(place.run(arguments).code, 3, "{arguments}");
     }
-    for name in ["V.csv", "a.png", "a.exr", "a.ply", "out.solution", "r.json"] {
+    for name in ["V.csv", "a.png", "a.exr", "a.ply", "m.ply", "out.solution", "r.json"] {
         assert_eq!(place.read(name), "precious", "{name}");
     }
-    assert_eq!(place.new_files(), ["V.csv", "a.exr", "a.ply", "a.png", "bad.csv", "bad.solution", "out.solution", "r.json"]);
+    let expected = ["V.csv", "a.exr", "a.ply", "a.png", "bad.csv", "bad.solution", "m.ply", "out.solution", "r.json"];
+    assert_eq!(place.new_files(), expected);
 }

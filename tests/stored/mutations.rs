@@ -8,7 +8,7 @@ use serde_json::{Number, Value};
 use super::triangles::Random;
 use super::{harness, scene, solved, stored};
 
-/// Solutions of several scenes by either solver, some with bounds; so small that they are read often.
+/// Solutions of several scenes by either solver, some with bounds, some with a lit mesh; so small that they are read often.
 fn solutions() -> Vec<Solution> {
     let of = |name: &str, sides, solver, bounds, max_links| {
         let (point_rays, max_links) = (Some(4), Some(max_links));
@@ -16,12 +16,21 @@ fn solutions() -> Vec<Solution> {
         let options = SolveOptions { error: 0.9, solver, bounds, bounds_work, point_rays, max_links, ..SolveOptions::default() };
         solved(scene(name, sides), &options).solution().clone()
     };
+    let with_mesh = |name: &str, solver| {
+        let max_links = Some(100);
+        let options = SolveOptions { error: 0.9, solver, lit_mesh: true, max_links, ..SolveOptions::default() };
+        let solution = solved(scene(name, Sides::Front), &options).solution().clone();
+        assert!(solution.mesh().is_some());
+        solution
+    };
     vec![
         of("furnace.obj", Sides::Front, Solver::Links, Bounds::Guaranteed, 1000),
         of("four_polygons.obj", Sides::Both, Solver::Links, Bounds::Guaranteed, 200),
         of("cornell.obj", Sides::Both, Solver::Links, Bounds::Estimate, 200),
         of("cornell.obj", Sides::Front, Solver::Cells, Bounds::Estimate, 200),
         of("two_rooms.obj", Sides::Front, Solver::Links, Bounds::Guaranteed, 100),
+        with_mesh("furnace.obj", Solver::Links),
+        with_mesh("cornell.obj", Solver::Cells),
     ]
 }
 
@@ -91,6 +100,38 @@ fn changed(value: &Value, random: &mut Random) -> Value {
         }
         other => other.clone(),
     }
+}
+
+/// Each of these would make the program fail, hang or show nonsense.
+#[test]
+fn meshes_that_are_none_are_refused() {
+    let options = SolveOptions { error: 0.5, lit_mesh: true, ..SolveOptions::default() };
+    let solution = solved(scene("furnace.obj", Sides::Front), &options).solution().clone();
+    let value = serde_json::to_value(&solution).unwrap();
+    let refused = |path: &str, change: &dyn Fn(&Value) -> Value, words: &str| {
+        let mut value = value.clone();
+        let place = value.pointer_mut(path).unwrap_or_else(|| panic!("{path}"));
+        *place = change(place);
+        let error = Solution::deserialize(&value).unwrap().validate().unwrap_err();
+        assert!(error.contains(words), "{path}: {error}");
+    };
+    let number = |value: &Value| value.as_f64().unwrap();
+    refused("/mesh/claimed", &|_| Value::from(-1.0), "error of the lit mesh");
+    refused("/mesh/surfaces", &|of| Value::from(of.as_array().unwrap()[1..].to_vec()), "does not fit the scene");
+    let surface = value["mesh"]["surfaces"].as_array().unwrap().iter().position(|of| !of.is_null()).unwrap();
+    let of = |rest: &str| format!("/mesh/surfaces/{surface}/{rest}");
+    refused(&of("triangles/0/0"), &|_| Value::from(u32::MAX), "an element is none");
+    refused(&of("triangles/0/3"), &|_| value.pointer(&of("triangles/0/0")).unwrap().clone(), "an element is none");
+    refused(
+        &of("triangles/0"),
+        &|nodes| Value::from([1, 0, 2, 3, 5, 4].map(|k: usize| nodes[k].clone()).to_vec()),
+        "an element is none",
+    );
+    refused(&of("triangles"), &|all| Value::from(all.as_array().unwrap()[1..].to_vec()), "do not fill the polygon");
+    refused(&of("triangles"), &|all| Value::from([&all.as_array().unwrap()[..]; 2].concat()), "do not fill the polygon");
+    refused(&of("nodes/0/0"), &|x| Value::from(number(x) + 10.0), "outside of the polygon");
+    refused(&of("reflected/0"), &|_| Value::from(3e38), "not finite at a node");
+    refused(&of("reflected"), &|all| Value::from(all.as_array().unwrap()[1..].to_vec()), "too many or too few");
 }
 
 #[test]

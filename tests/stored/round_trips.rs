@@ -14,7 +14,8 @@ fn values(evaluator: &Evaluator, most: usize) -> Vec<u32> {
     let points = points(evaluator.solution().scene(), most);
     let values = evaluator.values_at(&points, &Silent).unwrap();
     let bounds = evaluator.bounds_at(&points).map(|bounds| [bounds.lower, bounds.upper].concat()).unwrap_or_default();
-    values.radiosity.iter().chain(&bounds).map(|value| value.to_bits()).collect()
+    let of_mesh = evaluator.mesh_values_at(&points).map(|values| values.radiosity).unwrap_or_default();
+    values.radiosity.iter().chain(&bounds).chain(&of_mesh).map(|value| value.to_bits()).collect()
 }
 
 /// Writes and reads a solution; all must be as before.
@@ -35,6 +36,19 @@ fn every_scene_is_read_back_with_one_side_or_two() {
             let options = SolveOptions { error: 0.9, point_rays: Some(16), max_links: Some(100_000), ..SolveOptions::default() };
             assert_reads_back(&solved(scene, &options), 20, &format!("{}, {sides:?}", file.display()));
         }
+    }
+}
+
+/// The meshes of all scenes are read back, those with slivers and narrow strips as well.
+#[test]
+fn lit_meshes_are_read_back() {
+    for file in scene_files() {
+        let scene = read_scene(&file, &ImportOptions::default()).unwrap().scene;
+        let (max_links, point_rays) = (Some(100_000), Some(16));
+        let options = SolveOptions { error: 0.9, lit_mesh: true, max_links, point_rays, ..SolveOptions::default() };
+        let evaluator = solved(scene, &options);
+        assert!(evaluator.mesh().is_some_and(|mesh| mesh.elements() > 0), "{}", file.display());
+        assert_reads_back(&evaluator, 20, &format!("{} with a mesh", file.display()));
     }
 }
 
@@ -105,7 +119,8 @@ fn spoilt_scenes_are_read_back() {
         let sides = if number % 2 == 0 { Sides::Front } else { Sides::Both };
         let Ok(imported) = read_scene(&file, &ImportOptions { sides, ..ImportOptions::default() }) else { continue };
         let solver = [Solver::Auto, Solver::Links, Solver::Cells][number % 3];
-        let options = SolveOptions { error: 0.9, solver, point_rays: Some(4), max_links: Some(2000), ..SolveOptions::default() };
+        let (point_rays, max_links, lit_mesh) = (Some(4), Some(2000), number % 7 == 0);
+        let options = SolveOptions { error: 0.9, solver, point_rays, max_links, lit_mesh, ..SolveOptions::default() };
         assert_reads_back(&solved(imported.scene, &options), 4, &format!("scene {number}"));
         read_back += 1;
     }
