@@ -52,11 +52,11 @@ enum patchlight_status
   // Done.
   PATCHLIGHT_OK = 0,
   // A limit on time or links ended the solve before the requested error was reached, or nothing more could be gained. There is a
-  // solution.
+  // solution; or, where a mesh was made, a mesh.
   PATCHLIGHT_LIMIT = 1,
   // The memory budget ended the solve before the requested error was reached. There is a solution.
   PATCHLIGHT_MEMORY_LIMIT = 2,
-  // The progress function cancelled. Of a solve there is a solution, of values and pictures nothing.
+  // The progress function cancelled. Of a solve there is a solution, of values, meshes and pictures nothing.
   PATCHLIGHT_CANCELLED = 3,
   // An argument is NULL where it must not be, not finite, not UTF-8, or does not fit the others.
   PATCHLIGHT_INVALID_ARGUMENT = 100,
@@ -387,7 +387,7 @@ enum patchlight_figure
   PATCHLIGHT_POINT_RAYS = 3,
   // The error that was asked for.
   PATCHLIGHT_ERROR_REQUESTED = 100,
-  // The error that is claimed: an upper confidence limit; infinite where nothing was, or can be, estimated.
+  // The error that is claimed for values at points: an upper confidence limit; infinite where nothing was, or can be, estimated.
   PATCHLIGHT_ERROR_ESTIMATE = 101,
   // The measured error itself.
   PATCHLIGHT_ERROR_MEASURED = 102,
@@ -405,6 +405,8 @@ enum patchlight_figure
   PATCHLIGHT_RAYS = 108,
   // 1 if the requested error is reached, else 0.
   PATCHLIGHT_CONVERGED = 109,
+  // The error that is claimed for the mesh, that of the values it was made from included; only where it was asked for.
+  PATCHLIGHT_ERROR_MESH = 110,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -497,8 +499,61 @@ typedef uint32_t patchlight_whole;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// A number that tells about a mesh. Values may be added.
+enum patchlight_mesh_figure
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Channels.
+  PATCHLIGHT_MESH_CHANNELS = 1,
+  // Nodes.
+  PATCHLIGHT_MESH_NODE_COUNT = 2,
+  // Elements.
+  PATCHLIGHT_MESH_ELEMENT_COUNT = 3,
+  // How far the mesh is off the values at points, relative to these: measured at points that had no part in making it.
+  PATCHLIGHT_MESH_MEASURED = 4,
+  // An upper confidence limit of that. What the values are off the truth comes on top: the whole is the root of both squares.
+  PATCHLIGHT_MESH_CLAIMED = 5,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum patchlight_mesh_figure patchlight_mesh_figure;
+#else
+typedef uint32_t patchlight_mesh_figure;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What an array of a mesh holds. Values may be added.
+enum patchlight_mesh_array
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // For each node its position, three coordinates in metres. Elements of one surface share nodes, but where light may have a step.
+  PATCHLIGHT_MESH_POSITIONS = 1,
+  // For each node its radiosity in W/m^2, by channel.
+  PATCHLIGHT_MESH_RADIOSITY = 2,
+  // For each element its six nodes, by their places in the arrays of nodes: three corners, counter-clockwise from the front, then the
+  // middles of the edges from the first to the second, from that to the third, and back.
+  PATCHLIGHT_MESH_ELEMENT_NODES = 3,
+  // For each element the surface that it lies on.
+  PATCHLIGHT_MESH_ELEMENT_SURFACE = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum patchlight_mesh_array patchlight_mesh_array;
+#else
+typedef uint32_t patchlight_mesh_array;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Worker threads, and who hears what happens. Scenes, solves and solutions of a context use its threads.
 typedef struct patchlight_context patchlight_context;
+
+// Radiosity as a function on the surfaces: elements with six nodes each, between which it is quadratic. Unchangeable; may be read by many
+// threads. Keeps the solution that it is of.
+typedef struct patchlight_mesh patchlight_mesh;
 
 // What is asked of a solve: options by their keys, those of `patchlight solve --set key=value`.
 typedef struct patchlight_options patchlight_options;
@@ -512,6 +567,38 @@ typedef struct patchlight_solution patchlight_solution;
 // Hears lines of the log: its own data, a patchlight_log_level, and a line that is gone when it returns. Called on the thread that called
 // the library, during that call.
 typedef void (*patchlight_log_function)(void *user, uint32_t level, const char *line);
+
+// A pinhole camera.
+typedef struct patchlight_camera {
+  // `sizeof(patchlight_camera)`
+  size_t size;
+  // Width of the picture in pixels.
+  uint32_t width;
+  // Height of the picture in pixels.
+  uint32_t height;
+  // The eye, in metres.
+  double eye[3];
+  // What is at the centre of the picture.
+  double target[3];
+  // What points up in the picture; not parallel to the view.
+  double up[3];
+  // Vertical field of view in degrees, above 0 and below 180.
+  double field_of_view;
+} patchlight_camera;
+
+// An array that is written: items with a number of components each, which lie one behind the other.
+typedef struct patchlight_buffer {
+  // `sizeof(patchlight_buffer)`
+  size_t size;
+  // What the components become: a patchlight_format.
+  uint32_t format;
+  // The first item. Need not be aligned.
+  void *data;
+  // How many items there is room for.
+  size_t capacity;
+  // Bytes from one item to the next; 0 if they lie one behind the other. What lies between items is left as it is.
+  size_t stride;
+} patchlight_buffer;
 
 // An array that is read: items with a number of components each, which lie one behind the other.
 typedef struct patchlight_array {
@@ -654,24 +741,6 @@ typedef struct patchlight_solve_info {
   void *memory_user;
 } patchlight_solve_info;
 
-// A pinhole camera.
-typedef struct patchlight_camera {
-  // `sizeof(patchlight_camera)`
-  size_t size;
-  // Width of the picture in pixels.
-  uint32_t width;
-  // Height of the picture in pixels.
-  uint32_t height;
-  // The eye, in metres.
-  double eye[3];
-  // What is at the centre of the picture.
-  double target[3];
-  // What points up in the picture; not parallel to the view.
-  double up[3];
-  // Vertical field of view in degrees, above 0 and below 180.
-  double field_of_view;
-} patchlight_camera;
-
 // Where values at points are written, point after point, with a number for each channel. What is NULL is left out.
 typedef struct patchlight_values {
   // `sizeof(patchlight_values)`
@@ -712,6 +781,55 @@ patchlight_status patchlight_context_threads(struct patchlight_context *context,
 patchlight_status patchlight_context_set_log(struct patchlight_context *context,
                                              patchlight_log_function function,
                                              void *user);
+
+// The mesh of a solution, as it was solved or loaded. PATCHLIGHT_NOT_AVAILABLE if it has none: they come with the option `lit_mesh`.
+patchlight_status patchlight_solution_get_mesh(struct patchlight_solution *solution,
+                                               struct patchlight_mesh **mesh);
+
+// Makes a mesh, whether the solution has one or not, that is off the values at points by no more than `error`, above 0 and below 1. The progress function of the solution hears how
+// far it is, and may cancel. PATCHLIGHT_LIMIT if less cannot be claimed than what PATCHLIGHT_MESH_CLAIMED tells: there is a mesh.
+patchlight_status patchlight_solution_make_mesh(struct patchlight_solution *solution,
+                                                double error,
+                                                struct patchlight_mesh **mesh);
+
+// One more patchlight_mesh_release is needed.
+patchlight_status patchlight_mesh_retain(struct patchlight_mesh *mesh);
+
+// Lets a mesh go. NULL is let go by.
+patchlight_status patchlight_mesh_release(struct patchlight_mesh *mesh);
+
+// A number that tells about a mesh: `what` is a patchlight_mesh_figure.
+patchlight_status patchlight_mesh_get_figure(struct patchlight_mesh *mesh, uint32_t what, double *figure);
+
+// Takes a picture of a mesh: as patchlight_solution_get_picture, but at once and without grain, since it only reads the mesh. The progress
+// function of the solution hears of it.
+patchlight_status patchlight_mesh_get_picture(struct patchlight_mesh *mesh,
+                                              const struct patchlight_camera *camera,
+                                              float *radiance,
+                                              size_t capacity,
+                                              size_t *count);
+
+// Takes a picture of a mesh and writes it, as patchlight_solution_write_picture does.
+patchlight_status patchlight_mesh_write_picture(struct patchlight_mesh *mesh,
+                                                const struct patchlight_camera *camera,
+                                                const char *path);
+
+// Writes a mesh, `.ply`: four triangles for each element, with radiosities at their corners.
+patchlight_status patchlight_mesh_export(struct patchlight_mesh *mesh, const char *path);
+
+// Writes an array of a mesh: `what` is a patchlight_mesh_array. Without a buffer only the count of items is told.
+patchlight_status patchlight_mesh_get_array(struct patchlight_mesh *mesh,
+                                            uint32_t what,
+                                            const struct patchlight_buffer *buffer,
+                                            size_t *count);
+
+// Reads a mesh at points that lie on surfaces, with the normals of the sides that are looked at: radiosities in W/m^2 by channel, an item for
+// each point, NaN where it lies on no surface. `missed` says how many do; it may be NULL.
+patchlight_status patchlight_mesh_get_values(struct patchlight_mesh *mesh,
+                                             const struct patchlight_array *positions,
+                                             const struct patchlight_array *normals,
+                                             const struct patchlight_buffer *radiosity,
+                                             size_t *missed);
 
 // Makes options, all with their defaults.
 patchlight_status patchlight_options_create(struct patchlight_options **options);
@@ -839,7 +957,7 @@ patchlight_status patchlight_solution_retain(struct patchlight_solution *solutio
 // Lets a solution go. NULL is let go by.
 patchlight_status patchlight_solution_release(struct patchlight_solution *solution);
 
-// Sets who hears how far values at points and pictures are, and may cancel them; NULL for nobody, as at first.
+// Sets who hears how far values at points, meshes and pictures are, and may cancel them; NULL for nobody, as at first.
 patchlight_status patchlight_solution_set_progress(struct patchlight_solution *solution,
                                                    patchlight_progress_function progress,
                                                    void *user);

@@ -1,4 +1,4 @@
-//! Arrays of the caller's: of several types, with any stride.
+//! Arrays of the caller's that are read: of several types, with any stride.
 
 use std::ffi::c_void;
 

@@ -12,12 +12,14 @@ mod entry;
 mod float_state;
 mod handles;
 mod memory;
+mod mesh;
 mod observer;
 mod options;
 mod scene;
 mod solution;
 mod solve;
 mod status;
+mod target;
 mod version;
 mod visibility;
 
@@ -27,6 +29,12 @@ pub use context::{
     patchlight_context, patchlight_context_create, patchlight_context_create_sharing, patchlight_context_release,
     patchlight_context_retain, patchlight_context_set_log, patchlight_context_threads, patchlight_log_function,
     patchlight_log_level,
+};
+pub use mesh::files::{patchlight_mesh_export, patchlight_mesh_get_picture, patchlight_mesh_write_picture};
+pub use mesh::read::{patchlight_mesh_array, patchlight_mesh_get_array, patchlight_mesh_get_values};
+pub use mesh::{
+    patchlight_mesh, patchlight_mesh_figure, patchlight_mesh_get_figure, patchlight_mesh_release, patchlight_mesh_retain,
+    patchlight_solution_get_mesh, patchlight_solution_make_mesh,
 };
 pub use observer::{patchlight_memory_function, patchlight_progress, patchlight_progress_function, patchlight_stage};
 pub use options::{
@@ -62,6 +70,7 @@ pub use solution::{
 };
 pub use solve::{patchlight_solve, patchlight_solve_info};
 pub use status::patchlight_status;
+pub use target::patchlight_buffer;
 pub use version::{
     PATCHLIGHT_VERSION_MAJOR, PATCHLIGHT_VERSION_MINOR, PATCHLIGHT_VERSION_PATCH, patchlight_get_message, patchlight_get_version,
 };

@@ -18,11 +18,11 @@ pub enum patchlight_status {
     /// Done.
     PATCHLIGHT_OK = 0,
     /// A limit on time or links ended the solve before the requested error was reached, or nothing more could be gained. There is a
-    /// solution.
+    /// solution; or, where a mesh was made, a mesh.
     PATCHLIGHT_LIMIT = 1,
     /// The memory budget ended the solve before the requested error was reached. There is a solution.
     PATCHLIGHT_MEMORY_LIMIT = 2,
-    /// The progress function cancelled. Of a solve there is a solution, of values and pictures nothing.
+    /// The progress function cancelled. Of a solve there is a solution, of values, meshes and pictures nothing.
     PATCHLIGHT_CANCELLED = 3,
     /// An argument is NULL where it must not be, not finite, not UTF-8, or does not fit the others.
     PATCHLIGHT_INVALID_ARGUMENT = 100,

@@ -3,9 +3,8 @@
 #[path = "support/calls.rs"]
 mod support;
 
-use std::ffi::{CString, c_void};
+use std::ffi::CString;
 use std::ptr::{null, null_mut};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use patchlight_capi::patchlight_items::*;
 use patchlight_capi::patchlight_real::*;
@@ -16,13 +15,14 @@ use support::*;
 /// A function by its name, and a call of it.
 type Call = (&'static str, fn(&Handles) -> patchlight_status);
 
-/// What functions are handed. All four handles are NULL, or not alive, or alive.
+/// What functions are handed. All five handles are NULL, or not alive, or alive.
 #[derive(Clone, Copy)]
 struct Handles {
     context: *mut patchlight_context,
     options: *mut patchlight_options,
     scene: *mut patchlight_scene,
     solution: *mut patchlight_solution,
+    mesh: *mut patchlight_mesh,
 }
 
 // SAFETY: Handles are numbers, and any thread may use any of them.
@@ -45,6 +45,12 @@ const CALLS: &[Call] = calls! {
     patchlight_context_create(h, 1, null_mut());
     patchlight_context_create_sharing(h, h.context, null_mut());
     patchlight_context_threads(h, h.context, null_mut());
+    patchlight_mesh_export(h, h.mesh, null());
+    patchlight_mesh_get_array(h, h.mesh, 1, null(), null_mut());
+    patchlight_mesh_get_figure(h, h.mesh, 1, null_mut());
+    patchlight_mesh_get_picture(h, h.mesh, null(), null_mut(), 0, null_mut());
+    patchlight_mesh_get_values(h, h.mesh, null(), null(), null(), null_mut());
+    patchlight_mesh_write_picture(h, h.mesh, null(), null());
     patchlight_option_count(h, null_mut());
     patchlight_option_get_text(h, 0, 1, null_mut(), 0, null_mut());
     patchlight_option_get_type(h, 0, null_mut());
@@ -71,12 +77,14 @@ const CALLS: &[Call] = calls! {
     patchlight_solution_get_camera(h, h.solution, null_mut());
     patchlight_solution_get_double(h, h.solution, 1, 1, null_mut(), 0, null_mut());
     patchlight_solution_get_figure(h, h.solution, 1, null_mut());
+    patchlight_solution_get_mesh(h, h.solution, null_mut());
     patchlight_solution_get_picture(h, h.solution, null(), null_mut(), null_mut(), 0, null_mut());
     patchlight_solution_get_report(h, h.solution, null_mut(), 0, null_mut());
     patchlight_solution_get_status(h, h.solution, null_mut());
     patchlight_solution_get_uint32(h, h.solution, 1, 1, null_mut(), 0, null_mut());
     patchlight_solution_get_values(h, h.solution, null(), null(), null(), null_mut());
     patchlight_solution_load(h, h.context, null(), null(), null_mut());
+    patchlight_solution_make_mesh(h, h.solution, 0.5, null_mut());
     patchlight_solution_save(h, h.solution, null());
     patchlight_solution_write_picture(h, h.solution, null(), null());
     patchlight_solve(h, h.context, h.scene, null(), null_mut());
@@ -87,6 +95,7 @@ const CALLS: &[Call] = calls! {
 const HANDLES_ALONE: &[Call] = calls! {
     patchlight_context_retain(h, h.context);
     patchlight_context_set_log(h, h.context, None, null_mut());
+    patchlight_mesh_retain(h, h.mesh);
     patchlight_options_retain(h, h.options);
     patchlight_scene_commit(h, h.scene);
     patchlight_scene_retain(h, h.scene);
@@ -96,6 +105,7 @@ const HANDLES_ALONE: &[Call] = calls! {
 
 const RELEASES: &[Call] = calls! {
     patchlight_context_release(h, h.context);
+    patchlight_mesh_release(h, h.mesh);
     patchlight_options_release(h, h.options);
     patchlight_scene_release(h, h.scene);
     patchlight_solution_release(h, h.solution);
@@ -111,11 +121,13 @@ const WITHOUT_HANDLES: [&str; 6] = [
     "patchlight_get_version",
 ];
 
-const NOBODY: Handles = Handles { context: null_mut(), options: null_mut(), scene: null_mut(), solution: null_mut() };
+const NOBODY: Handles =
+    Handles { context: null_mut(), options: null_mut(), scene: null_mut(), solution: null_mut(), mesh: null_mut() };
 
 fn alive() -> Handles {
     let context = context(1);
-    Handles { context, options: options(&[]), scene: closed_box(context), solution: lit_box(context, &[]) }
+    let solution = lit_box(context, &[]);
+    Handles { context, options: options(&[]), scene: closed_box(context), solution, mesh: mesh_of(solution, 0.5) }
 }
 
 fn release(handles: &Handles) {
@@ -158,13 +170,15 @@ fn handles_that_were_released_or_are_of_another_kind_are_refused() {
         context: alive.scene.cast(),
         options: alive.solution.cast(),
         scene: alive.options.cast(),
-        solution: alive.context.cast(),
+        solution: alive.mesh.cast(),
+        mesh: alive.context.cast(),
     };
     let nonsense = Handles {
         context: 7 as *mut _,
         options: usize::MAX as *mut _,
         scene: (&raw const alive).cast_mut().cast(),
         solution: (1_usize << 40) as *mut _,
+        mesh: 9 as *mut _,
     };
     let refused = |handles: &Handles| {
         for (name, call) in [CALLS, HANDLES_ALONE, RELEASES].concat() {
@@ -297,67 +311,6 @@ fn arrays_that_cannot_be_are_refused() {
         let status = patchlight_scene_add_faces(scene, &array(UINT32, &corners[..2], 1), null(), null());
         assert_eq!(told(status), PATCHLIGHT_INVALID_ARGUMENT);
     }
-    done(patchlight_scene_release(scene));
-    done(patchlight_context_release(context));
-}
-
-/// How visibility functions misbehave.
-struct Liar {
-    kind: u32,
-    released: AtomicUsize,
-}
-
-unsafe extern "C" fn lie(user: *mut c_void, _: *const patchlight_segment, count: usize, occluded: *mut u8) -> i32 {
-    // SAFETY: A `Liar` that the test below lends, and room for as many answers.
-    unsafe {
-        let liar = &*user.cast::<Liar>();
-        (0..count).for_each(|k| *occluded.add(k) = if liar.kind == 0 { 2 } else { 0 });
-        i32::from(liar.kind == 1)
-    }
-}
-
-unsafe extern "C" fn lie_of_hits(user: *mut c_void, _: *const patchlight_ray, count: usize, hits: *mut patchlight_hit) -> i32 {
-    // SAFETY: As above.
-    unsafe {
-        let (surface, distance) = match (*user.cast::<Liar>()).kind {
-            2 => (1000, 1.0),
-            3 => (0, f64::NAN),
-            _ => (0, -1.0),
-        };
-        (0..count).for_each(|k| *hits.add(k) = patchlight_hit { distance, surface, reserved: 0 });
-    }
-    0
-}
-
-unsafe extern "C" fn let_go(user: *mut c_void) {
-    // SAFETY: As above.
-    unsafe { (*user.cast::<Liar>()).released.fetch_add(1, Ordering::SeqCst) };
-}
-
-#[test]
-fn visibility_functions_that_fail_or_lie_end_the_solve() {
-    let context = context(2);
-    let (scene, options) = (closed_box(context), options(&[("error", "0.2")]));
-    for kind in 0..5 {
-        let (liar, mut solution) = (Liar { kind, released: AtomicUsize::new(0) }, null_mut());
-        let visibility = patchlight_visibility {
-            size: size_of::<patchlight_visibility>(),
-            user: (&raw const liar).cast_mut().cast(),
-            occluded: Some(lie),
-            first_hits: Some(lie_of_hits),
-            release: Some(let_go),
-        };
-        let info = patchlight_solve_info { visibility: &visibility, ..info(options) };
-        // SAFETY: Structs with their sizes, a liar that outlives the solve, and a place for a handle.
-        assert_eq!(told(unsafe { patchlight_solve(context, scene, &info, &mut solution) }), PATCHLIGHT_CALLBACK_ERROR, "{kind}");
-        assert!(solution.is_null() && liar.released.load(Ordering::SeqCst) == 1);
-
-        let missing = patchlight_visibility { first_hits: None, ..visibility };
-        let info = patchlight_solve_info { visibility: &missing, ..info };
-        // SAFETY: As above.
-        assert_eq!(told(unsafe { patchlight_solve(context, scene, &info, &mut solution) }), PATCHLIGHT_INVALID_ARGUMENT);
-    }
-    done(patchlight_options_release(options));
     done(patchlight_scene_release(scene));
     done(patchlight_context_release(context));
 }

@@ -44,7 +44,7 @@ fn examples_are_clean_by_valgrind() {
         return skip("no valgrind; make setup installs it");
     }
     let installed = Installed::get();
-    for source in ["examples/c/visibility.c", "capi/tests/c/hostile.c"] {
+    for source in ["examples/c/visibility.c", "examples/c/mesh.c", "capi/tests/c/hostile.c"] {
         let program = installed.build(&Build::plain(source));
         let mut command = Command::new("valgrind");
         command

@@ -12,6 +12,7 @@ use patchlight_capi::*;
 /// So that one input takes milliseconds.
 const MOST_CALLS: usize = 40;
 const MOST_SOLVES: usize = 3;
+const MOST_MESHES: usize = 3;
 
 /// Bytes, taken one by one; 0 when they are used up.
 struct Bytes<'a>(&'a [u8]);
@@ -38,6 +39,7 @@ struct World {
     options: Vec<*mut patchlight_options>,
     scenes: Vec<*mut patchlight_scene>,
     solutions: Vec<*mut patchlight_solution>,
+    meshes: Vec<*mut patchlight_mesh>,
     solves: usize,
 }
 
@@ -82,32 +84,42 @@ unsafe extern "C" fn listen(user: *mut c_void, progress: *const patchlight_progr
     i32::from(user.is_null() && stage == patchlight_stage::PATCHLIGHT_STAGE_ERROR as u32)
 }
 
+/// Cancels when it has been asked so often.
+unsafe extern "C" fn lose_patience(user: *mut c_void, _: *const patchlight_progress) -> i32 {
+    // SAFETY: A number that `make_mesh` lends, of one thread at a time.
+    let patience = unsafe { &mut *user.cast::<u32>() };
+    *patience = patience.saturating_sub(1);
+    i32::from(*patience == 0)
+}
+
 unsafe extern "C" fn refuse(user: *mut c_void, bytes: u64) -> i32 {
     i32::from(user.is_null() && bytes > 25_000_000)
 }
 
-/// Plays the calls that the bytes stand for, and lets all handles go. Tells how many solves there were.
-pub fn play(bytes: &[u8]) -> usize {
+/// Plays the calls that the bytes stand for, and lets all handles go. Tells how many solves there were, and meshes.
+pub fn play(bytes: &[u8]) -> [usize; 2] {
     let mut bytes = Bytes(bytes);
     let (contexts, options, scenes) = (Vec::new(), Vec::new(), Vec::new());
-    let mut world = World { contexts, options, scenes, solutions: Vec::new(), solves: 0 };
+    let mut world = World { contexts, options, scenes, solutions: Vec::new(), meshes: Vec::new(), solves: 0 };
     for _ in 0..MOST_CALLS {
         if bytes.0.is_empty() {
             break;
         }
-        match bytes.next() % 8 {
+        match bytes.next() % 10 {
             0 => world.make(&mut bytes),
             1 => world.set(&mut bytes),
             2 | 3 => world.add(&mut bytes),
             4 => drop(check(patchlight_scene_commit(any(&world.scenes, &mut bytes)))),
             5 => world.solve(&mut bytes),
             6 => world.read(&mut bytes),
-            _ => world.count(&mut bytes),
+            7 => world.count(&mut bytes),
+            8 => world.make_mesh(&mut bytes),
+            _ => world.read_mesh(&mut bytes),
         }
     }
-    let solves = world.solves;
+    let made = [world.solves, world.meshes.len()];
     world.end();
-    solves
+    made
 }
 
 impl World {
@@ -239,21 +251,73 @@ impl World {
         }
     }
 
+    fn make_mesh(&mut self, bytes: &mut Bytes<'_>) {
+        if self.meshes.len() >= MOST_MESHES {
+            return;
+        }
+        let solution = any(&self.solutions, bytes);
+        let error = bytes.pick(&[0.5, 0.9, 0.2, 0.05, 0.0, -1.0, 1.0, f64::NAN, f64::INFINITY]);
+        let (mut mesh, mut patience) = (null_mut(), bytes.pick(&[60_u32, 20, 2, 1]));
+        // SAFETY: A place for a handle, and a number that outlives its use: nobody listens afterwards.
+        unsafe {
+            // Without a limit an input might take minutes.
+            check(patchlight_solution_set_progress(solution, Some(lose_patience), (&raw mut patience).cast()));
+            if check(patchlight_solution_make_mesh(solution, error, &mut mesh)) && !mesh.is_null() {
+                self.meshes.push(mesh);
+            }
+            check(patchlight_solution_set_progress(solution, None, null_mut()));
+        }
+    }
+
+    fn read_mesh(&mut self, bytes: &mut Bytes<'_>) {
+        let (mesh, what, mut count) = (any(&self.meshes, bytes), u32::from(bytes.next() % 7), 0);
+        let (capacity, format) = (usize::from(bytes.next()) * 8, u32::from(bytes.next() % 6));
+        // Up to three channels and six nodes of eight bytes fit in each stride.
+        let stride = bytes.pick(&[48, 0, 49, 64, 3]);
+        let mut room = vec![0_u8; capacity * 64];
+        let size = bytes.pick(&[size_of::<patchlight_buffer>(), size_of::<patchlight_buffer>(), 8, 0]);
+        let data = if bytes.next() == 0 { null_mut() } else { room.as_mut_ptr().cast() };
+        let buffer = patchlight_buffer { size, format, data, capacity, stride };
+        let point = [bytes.number(), bytes.number(), bytes.number(), 0.0, 0.0, bytes.pick(&[1.0, -1.0, 2.0])];
+        // SAFETY: A buffer with more room than is told, arrays and structs that live on.
+        unsafe {
+            check(match bytes.next() % 4 {
+                0 => patchlight_mesh_get_array(mesh, what, &buffer, &mut count),
+                1 => patchlight_mesh_get_figure(mesh, what, &mut 0.0),
+                2 => {
+                    let position = array(patchlight_format::PATCHLIGHT_DOUBLE, &point[..3], 3, bytes);
+                    let normal = array(patchlight_format::PATCHLIGHT_DOUBLE, &point[3..], 3, bytes);
+                    patchlight_mesh_get_values(mesh, &position, &normal, &buffer, &mut count)
+                }
+                _ => {
+                    let (size, eye) = (size_of::<patchlight_camera>(), [bytes.number(); 3]);
+                    let (target, up) = ([0.5, 0.5, bytes.number()], [0.0, 1.0, 0.0]);
+                    let camera = patchlight_camera { size, width: 4, height: 3, eye, target, up, field_of_view: 45.0 };
+                    let mut floats = vec![0.0_f32; capacity];
+                    patchlight_mesh_get_picture(mesh, &camera, floats.as_mut_ptr(), capacity, &mut count)
+                }
+            });
+        }
+    }
+
     /// Lets go, or holds on once more and lets go.
     fn count(&mut self, bytes: &mut Bytes<'_>) {
         let (context, options) = (any(&self.contexts, bytes), any(&self.options, bytes));
-        let (scene, solution) = (any(&self.scenes, bytes), any(&self.solutions, bytes));
-        match bytes.next() % 5 {
+        let (scene, solution, mesh) = (any(&self.scenes, bytes), any(&self.solutions, bytes), any(&self.meshes, bytes));
+        match bytes.next() % 7 {
             0 => check(patchlight_context_release(context)),
             1 => check(patchlight_options_release(options)),
             2 => check(patchlight_scene_release(scene)),
             3 => check(patchlight_solution_release(solution)),
+            4 => check(patchlight_mesh_release(mesh)),
+            5 => check(patchlight_mesh_retain(mesh)) && check(patchlight_mesh_release(mesh)),
             _ => check(patchlight_scene_retain(scene)) && check(patchlight_scene_release(scene)),
         };
     }
 
     /// Lets all go, as often as it takes.
     fn end(self) {
+        self.meshes.into_iter().for_each(|handle| while check(patchlight_mesh_release(handle)) {});
         self.solutions.into_iter().for_each(|handle| while check(patchlight_solution_release(handle)) {});
         self.scenes.into_iter().for_each(|handle| while check(patchlight_scene_release(handle)) {});
         self.options.into_iter().for_each(|handle| while check(patchlight_options_release(handle)) {});

@@ -11,6 +11,7 @@ __all__ = [
     "Camera",
     "Diagnostic",
     "Links",
+    "Mesh",
     "Nodes",
     "Option",
     "Picture",
@@ -27,6 +28,7 @@ __version__: str
 
 _Path = Union[str, os.PathLike[str]]
 _Progress = Union[bool, Callable[[str, Optional[float]], Any], None]
+_Memory = Union[float, Callable[[int], Any], None]
 _Sides = Literal["front", "both"]
 _Reals = npt.NDArray[np.float64]
 _Singles = npt.NDArray[np.float32]
@@ -185,6 +187,27 @@ class Links:
     def indptr(self) -> npt.NDArray[Any]: ...
 
 @final
+class Mesh:
+    def __len__(self) -> int: ...
+    @property
+    def nodes(self) -> _Reals: ...
+    @property
+    def elements(self) -> _Wholes: ...
+    @property
+    def surface(self) -> _Wholes: ...
+    @property
+    def radiosity(self) -> _Singles: ...
+    @property
+    def measured(self) -> float: ...
+    @property
+    def claimed(self) -> float: ...
+    def values(self, points: npt.ArrayLike, normals: npt.ArrayLike, *, progress: _Progress = None) -> _Singles: ...
+    def render(
+        self, camera: Union[Camera, str, None] = None, *, width: int = 640, height: int = 480, progress: _Progress = None
+    ) -> Picture: ...
+    def write_ply(self, path: _Path) -> None: ...
+
+@final
 class Solution:
     def values(self, points: npt.ArrayLike, normals: npt.ArrayLike, *, progress: _Progress = None) -> Values: ...
     def camera(
@@ -200,6 +223,7 @@ class Solution:
     def render(
         self, camera: Union[Camera, str, None] = None, *, width: int = 640, height: int = 480, progress: _Progress = None
     ) -> Picture: ...
+    def mesh(self, error: Optional[float] = None, *, progress: _Progress = None) -> Mesh: ...
     def save(self, path: _Path) -> None: ...
     def export(self, path: _Path) -> None: ...
     @property
@@ -249,7 +273,7 @@ def solve(
     threads: Optional[int] = None,
     progress: _Progress = None,
     time: Optional[float] = None,
-    memory: Optional[float] = None,
+    memory: _Memory = None,
     backend: Optional[str] = None,
     **options: Union[float, bool, str, None],
 ) -> Solution: ...

@@ -67,6 +67,12 @@ pub fn class_of<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>>
     py.import("patchlight._errors")?.getattr(name)
 }
 
+/// Warns that something ended before the error that was asked for was reached.
+pub fn warn_of_limit(py: Python<'_>, message: &str) -> PyResult<()> {
+    let warn = py.import("warnings")?.getattr("warn")?;
+    warn.call1((message, class_of(py, "LimitWarning")?)).map(drop)
+}
+
 impl From<OptionsError> for Failure {
     fn from(error: OptionsError) -> Self {
         Self::option(error)

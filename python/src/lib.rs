@@ -10,6 +10,7 @@ mod diagnostic;
 mod errors;
 mod links;
 mod lit;
+mod mesh;
 mod names;
 mod nodes;
 mod options;
@@ -30,6 +31,8 @@ mod _native {
     use crate::diagnostic::Diagnostic;
     #[pymodule_export]
     use crate::links::Links;
+    #[pymodule_export]
+    use crate::mesh::Mesh;
     #[pymodule_export]
     use crate::nodes::Nodes;
     #[pymodule_export]

@@ -86,6 +86,8 @@ fn of_run() -> [OptionText; 3] {
 pub struct Settings {
     pub solve: SolveOptions,
     pub run: RunOptions,
+    /// Who is asked for memory, where `memory` is a function.
+    pub memory: Option<Py<PyAny>>,
 }
 
 impl Settings {
@@ -96,8 +98,10 @@ impl Settings {
             settings.set("error", &format!("{error:e}"))?;
         }
         for (key, value) in given.into_iter().flatten() {
-            if !value.is_none() {
-                let key: String = key.extract()?;
+            let key: String = key.extract()?;
+            if key == "memory" && value.is_callable() {
+                settings.memory = Some(value.unbind());
+            } else if !value.is_none() {
                 settings.set(&key, &typed(&key, &value)?)?;
             }
         }

@@ -3,16 +3,17 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use patchlight::output::{Destination, ExportFormat, Provenance, write_ply, write_solution};
-use patchlight::picture::{Camera, CameraRequest};
+use patchlight::output::{Destination, ExportFormat, write_ply, write_solution};
 use patchlight::progress::Observer;
+use patchlight::solve::SolveOptions;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::camera::CameraView;
-use crate::errors::Failure;
+use crate::errors::{Failure, warn_of_limit};
 use crate::links::Links;
 use crate::lit::Lit;
+use crate::mesh::Mesh;
 use crate::names::name_of;
 use crate::nodes::{Nodes, Which};
 use crate::picture::Picture;
@@ -56,7 +57,7 @@ impl Solution {
     #[pyo3(signature = (*, width=640, height=480, **view))]
     fn camera(&self, py: Python<'_>, width: u32, height: u32, view: Option<&Bound<'_, PyDict>>) -> PyResult<CameraView> {
         let request = CameraView::request(view)?;
-        self.camera_of(py, &request, width, height).map(CameraView)
+        self.lit.camera_of(py, &request, width, height).map(CameraView)
     }
 
     /// Takes a picture, which shows itself in a notebook.
@@ -75,22 +76,42 @@ impl Solution {
     ) -> PyResult<Picture> {
         let evaluator = self.lit.evaluator()?;
         let listener = Listener::new(progress)?;
-        let camera = match camera.map(|camera| (camera, camera.cast::<CameraView>())) {
-            Some((_, Ok(camera))) => camera.get().0,
-            Some((text, Err(_))) => {
-                let text: String = text.extract().map_err(|_| Failure::argument("camera must be a Camera, a str or None"))?;
-                self.camera_of(py, &text.parse().map_err(Failure::from)?, width, height)?
-            }
-            None => self.camera_of(py, &CameraRequest::default(), width, height)?,
-        };
+        let camera = self.lit.camera(py, camera, width, height)?;
         let image = watched(py, &listener, |observer: &dyn Observer| evaluator.render(&camera, observer))?;
         let image = image.map_err(Failure::from)?.ok_or_else(Failure::cancelled)?;
-        Picture::new(py, image, camera, self.provenance()?)
+        Picture::new(py, image, camera, self.lit.provenance()?)
+    }
+
+    /// The mesh: radiosity as a function on the surfaces. The one that was solved for with lit_mesh=True, or a new one.
+    ///
+    /// error: how far a new one may be off the values at points, relative to these, 0 to 1. If left out, it is the mesh of the solution; if that has
+    ///     none, a new one, with the error of the solve.
+    /// progress: as in `solve`; returns it True, `Cancelled` is raised.
+    ///
+    /// If what is claimed for a new one is more than was asked for, it warns with `LimitWarning`; `Mesh.claimed` tells.
+    #[pyo3(signature = (error=None, *, progress=None))]
+    fn mesh(&self, py: Python<'_>, error: Option<f64>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Mesh> {
+        let evaluator = self.lit.evaluator()?;
+        let listener = Listener::new(progress)?;
+        if error.is_none() && evaluator.mesh().is_some() {
+            return Ok(Mesh::new(self.lit.clone(), None));
+        }
+        let error = error.unwrap_or(evaluator.solution().options().error);
+        SolveOptions { error, ..SolveOptions::default() }.validate().map_err(Failure::from)?;
+        let made = watched(py, &listener, |observer: &dyn Observer| evaluator.lit_mesh(error, observer))?;
+        let made = made.ok_or_else(Failure::cancelled)?;
+        if made.claimed > error {
+            warn_of_limit(
+                py,
+                &format!("nothing more can be gained: an error of {} is claimed, {error} was asked for", made.claimed),
+            )?;
+        }
+        Ok(Mesh::new(self.lit.clone(), Some(made)))
     }
 
     /// Writes it, to be read by `patchlight.load` and by the program. A file that is there is replaced by a complete one.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let (lit, provenance) = (self.lit.evaluator()?.solution(), self.provenance()?);
+        let (lit, provenance) = (self.lit.evaluator()?.solution(), self.lit.provenance()?);
         py.detach(|| -> Result<(), Failure> {
             Ok(Destination::new(&path)?.write(|file| write_solution(file, lit, &provenance))?)
         })?;
@@ -99,7 +120,7 @@ impl Solution {
 
     /// Writes the elements with their radiosities: .ply.
     fn export(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let (lit, provenance) = (self.lit.evaluator()?.solution(), self.provenance()?);
+        let (lit, provenance) = (self.lit.evaluator()?.solution(), self.lit.provenance()?);
         let ExportFormat::Ply = ExportFormat::of_path(&path).map_err(Failure::from)?;
         py.detach(|| -> Result<(), Failure> { Ok(Destination::new(&path)?.write(|file| write_ply(file, lit, &provenance))?) })?;
         Ok(())
@@ -154,7 +175,7 @@ impl Solution {
         Ok(self.lit.evaluator()?.solution().memory_bytes())
     }
 
-    /// The error that is claimed: an upper confidence limit; infinite where none was estimated. None if it was read from a file.
+    /// The error that is claimed for values: an upper confidence limit; infinite where none was estimated. None if it was read from a file.
     #[getter]
     fn error(&self) -> Option<f64> {
         Some(self.lit.report.as_ref()?.solve.error.estimate)
@@ -190,18 +211,5 @@ impl Solution {
 impl Solution {
     pub fn of(lit: Lit) -> Self {
         Self { lit: Arc::new(lit) }
-    }
-
-    fn provenance(&self) -> Result<Provenance, Failure> {
-        Ok(Provenance::new(self.lit.evaluator()?.solution().options()))
-    }
-
-    /// The camera of a request, put in place of the default view where that is silent.
-    fn camera_of(&self, py: Python<'_>, request: &CameraRequest, width: u32, height: u32) -> PyResult<Camera> {
-        let evaluator = self.lit.evaluator()?;
-        let (target, up) = ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
-        Camera { eye: [0.0; 3], target, up, field_of_view_degrees: 45.0, width, height }.validate().map_err(Failure::from)?;
-        let default = py.detach(|| evaluator.default_camera(width, height));
-        Ok(request.apply_to(default).map_err(Failure::from)?)
     }
 }

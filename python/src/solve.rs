@@ -9,7 +9,7 @@ use patchlight::solve::{SolveOptions, SolveReport, StoppedBy};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::errors::{Failure, class_of};
+use crate::errors::{Failure, warn_of_limit};
 use crate::lit::{Lit, Report};
 use crate::options::Settings;
 use crate::scene::Scene;
@@ -25,7 +25,9 @@ use crate::workers::workers;
 /// progress: True for a bar, or a function of stage (str) and fraction (float from 0 to 1, or None where it is not known), called on this
 ///     thread up to 20 times a second. Returns it True, the solve ends, and what there is is returned; what it raises ends the solve and
 ///     is raised.
-/// options: time in seconds, memory in GB, backend, and all that `patchlight.options()` lists, by name.
+/// memory: GB that it may take; or a function of the bytes (int) that it would take, called on this thread before it takes more. Returns it
+///     True, they are refused: the solve ends as with that limit. What it raises is raised. It must not use Patchlight itself: the solve waits.
+/// options: time in seconds, backend, and all that `patchlight.options()` lists, by name.
 ///
 /// Other Python threads go on meanwhile. Ctrl-C ends it within half a second with KeyboardInterrupt. A solve that a limit ends returns a
 /// solution as well, and warns with `LimitWarning`; `converged` and `stopped_by` tell.
@@ -40,7 +42,7 @@ pub fn solve(
 ) -> PyResult<Solution> {
     let py = scene.py();
     let settings = Settings::new(error, options)?;
-    let listener = Listener::new(progress)?;
+    let listener = Listener::new(progress)?.asking(settings.memory);
     let scene = Scene::of(scene)?;
     let scene = scene.get();
     let workers = workers(threads)?;
@@ -49,8 +51,7 @@ pub fn solve(
     let work = |observer: &dyn Observer| solve_on(pool, copy, &settings.solve, &settings.run, observer);
     let (evaluator, report) = watched(py, &listener, work)?.map_err(Failure::from)?;
     if let Some(limit) = limit(&report) {
-        let warn = py.import("warnings")?.getattr("warn")?;
-        warn.call1((limit, class_of(py, "LimitWarning")?))?;
+        warn_of_limit(py, &limit)?;
     }
     let json = json(scene, &settings.solve, &report, workers.count());
     Ok(Solution::of(Lit::new(evaluator, Some(Report { json, solve: report }))))
@@ -78,10 +79,10 @@ fn limit(report: &SolveReport) -> Option<String> {
         StoppedBy::Exhausted if report.converged => return None,
         StoppedBy::MaxLinks => "the limit on links ended the solve",
         StoppedBy::Time => "the time limit ended the solve",
-        StoppedBy::Memory => "the memory budget ended the solve",
+        StoppedBy::Memory => "the memory budget, or who was asked for more, ended the solve",
         StoppedBy::Exhausted => "nothing more can be gained",
     };
-    Some(format!("{what}: an error of {} is claimed, {} was asked for", report.error.estimate, report.error.requested))
+    Some(format!("{what}: an error of {} is claimed, {} was asked for", report.claimed(), report.error.requested))
 }
 
 /// The report as the program writes it; what only a program knows is missing.

@@ -1,13 +1,15 @@
 //! Long work beside Python: without its lock, telling how far it is, and ended by Ctrl-C.
 //!
 //! The work has a thread of its own. The thread that called waits for it, and takes the lock every now and then, to look for signals and to
-//! tell the progress function. So no worker ever needs Python, and the function is called where its author expects it.
+//! tell the progress function. So no worker ever needs Python, and functions are called where their author expects it: where the work asks for
+//! memory, it waits for that thread to answer.
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use patchlight::progress::{Observer, Progress};
 use pyo3::prelude::*;
@@ -19,33 +21,53 @@ use crate::names::name_of;
 /// How often signals are looked for and progress is told: well below the half second after which Ctrl-C feels dead.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Who hears how far it is.
+thread_local! {
+    /// Whether a worker waits for what a function answers on this thread.
+    static IS_ANSWERING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Who hears how far it is, and is asked for memory.
 pub struct Listener {
     function: Option<Py<PyAny>>,
     /// A bar of ours, which is closed at the end.
     is_bar: bool,
+    memory: Option<Py<PyAny>>,
 }
 
 impl Listener {
     /// From what a caller gave as `progress`: a function, True for a bar, None or False for nothing.
     pub fn new(progress: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        let Some(progress) = progress else { return Ok(Self { function: None, is_bar: false }) };
+        let Some(progress) = progress else { return Ok(Self { function: None, is_bar: false, memory: None }) };
         if let Ok(flag) = progress.cast::<PyBool>() {
             let bar = || progress.py().import("patchlight._progress")?.getattr("bar")?.call0();
             let bar = if flag.is_true() { Some(bar()?).filter(|bar| !bar.is_none()) } else { None };
-            return Ok(Self { is_bar: bar.is_some(), function: bar.map(Bound::unbind) });
+            return Ok(Self { is_bar: bar.is_some(), function: bar.map(Bound::unbind), memory: None });
         }
         if !progress.is_callable() {
             return Err(Failure::argument("progress must be True, or a function of stage and fraction").into());
         }
-        Ok(Self { function: Some(progress.clone().unbind()), is_bar: false })
+        Ok(Self { function: Some(progress.clone().unbind()), is_bar: false, memory: None })
+    }
+
+    /// Asks a function for memory, too: it is told bytes, and refuses them by True.
+    pub fn asking(self, memory: Option<Py<PyAny>>) -> Self {
+        Self { memory, ..self }
+    }
+
+    /// Whether so many bytes may be taken.
+    fn allows(&self, py: Python<'_>, bytes: u64) -> PyResult<bool> {
+        let Some(function) = &self.memory else { return Ok(true) };
+        IS_ANSWERING.set(true);
+        let answer = function.bind(py).call1((bytes,));
+        IS_ANSWERING.set(false);
+        Ok(!is_true(&answer?))
     }
 
     /// Tells the function; whether it wants an end.
     fn tell(&self, py: Python<'_>, progress: &Progress) -> PyResult<bool> {
         let Some(function) = &self.function else { return Ok(false) };
         let answer = function.bind(py).call1((name_of(&progress.stage), progress.fraction))?;
-        Ok(answer.cast::<PyBool>().is_ok_and(|flag| flag.is_true()))
+        Ok(is_true(&answer))
     }
 
     fn close(&self, py: Python<'_>) -> PyResult<()> {
@@ -54,6 +76,10 @@ impl Listener {
             _ => Ok(()),
         }
     }
+}
+
+fn is_true(answer: &Bound<'_, PyAny>) -> bool {
+    answer.cast::<PyBool>().is_ok_and(|flag| flag.is_true())
 }
 
 /// Between the work and the thread that waits for it.
@@ -69,10 +95,11 @@ impl Watcher {
         self.news.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// Looks for signals and tells what is new.
+    /// Looks for signals and tells what is new, until the listener wants an end.
     fn look(&self, py: Python<'_>, listener: &Listener) -> PyResult<()> {
         py.check_signals()?;
-        if let Some(news) = self.take_news()
+        if !self.cancelled.load(Ordering::Relaxed)
+            && let Some(news) = self.take_news()
             && listener.tell(py, &news)?
         {
             self.cancelled.store(true, Ordering::Relaxed);
@@ -81,36 +108,78 @@ impl Watcher {
     }
 }
 
-impl Observer for Watcher {
+/// Whether the work may take so many bytes.
+struct Question {
+    bytes: u64,
+    answer: Sender<bool>,
+}
+
+/// The watcher as the work sees it. What goes with the work is the other end of `questions`.
+struct Worker<'a> {
+    watcher: &'a Watcher,
+    questions: Sender<Question>,
+    asks: bool,
+}
+
+impl Observer for Worker<'_> {
     fn progress(&self, progress: &Progress) {
-        *self.news.lock().unwrap_or_else(PoisonError::into_inner) = Some(*progress);
+        *self.watcher.news.lock().unwrap_or_else(PoisonError::into_inner) = Some(*progress);
     }
 
     fn cancelled(&self) -> bool {
-        self.cancelled.load(Ordering::Relaxed)
+        self.watcher.cancelled.load(Ordering::Relaxed)
+    }
+
+    fn allows_memory(&self, bytes: u64) -> bool {
+        if !self.asks {
+            return true;
+        }
+        let (answer, answered) = channel();
+        self.questions.send(Question { bytes, answer }).is_ok() && answered.recv().unwrap_or(false)
     }
 }
 
 /// Does `work` on another thread while Python goes on. If the listener wants an end, the work learns of it and its result is returned; if a
 /// signal or the listener raises, the work ends soon, and that is raised.
 pub fn watched<R: Send>(py: Python<'_>, listener: &Listener, work: impl FnOnce(&dyn Observer) -> R + Send) -> PyResult<R> {
+    // Of the threads that would work, one may be the one that waits for the answer.
+    if IS_ANSWERING.get() {
+        return Err(Failure::argument("the function that is asked for memory must not solve or evaluate").into());
+    }
     let watcher = Watcher::default();
     let result = py.detach(|| {
         thread::scope(|scope| {
-            // `done` goes with the work, however that ends, and the channel tells so.
-            let (done, end) = channel::<()>();
-            let body = || {
-                let _done = done;
-                work(&watcher)
-            };
+            // The sender goes with the work, however that ends, and the channel tells so.
+            let (questions, asked) = channel();
+            let body = || work(&Worker { watcher: &watcher, questions, asks: listener.memory.is_some() });
             let worker = thread::Builder::new().name("patchlight".to_owned()).spawn_scoped(scope, body);
             let worker = worker.map_err(|error| Failure::resource(format_args!("cannot start a thread: {error}")))?;
 
-            let mut raised = None;
-            while end.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+            let (mut raised, mut looked) = (None, Instant::now());
+            loop {
+                let question: Option<Question> = match asked.recv_timeout(PATIENCE) {
+                    Ok(question) => Some(question),
+                    Err(RecvTimeoutError::Timeout) => None,
+                    Err(RecvTimeoutError::Disconnected) => break,
+                };
+                let mut answer = Ok(false);
                 if raised.is_none() {
-                    raised = Python::attach(|py| watcher.look(py, listener)).err();
-                    watcher.cancelled.fetch_or(raised.is_some(), Ordering::Relaxed);
+                    answer = Python::attach(|py| {
+                        if looked.elapsed() >= PATIENCE {
+                            watcher.look(py, listener)?;
+                            looked = Instant::now();
+                        }
+                        question.as_ref().map_or(Ok(true), |question| listener.allows(py, question.bytes))
+                    });
+                }
+                let is_allowed = answer.unwrap_or_else(|error| {
+                    raised = Some(error);
+                    watcher.cancelled.store(true, Ordering::Relaxed);
+                    false
+                });
+                if let Some(question) = question {
+                    // Who asked waits for it.
+                    let _ = question.answer.send(is_allowed);
                 }
             }
             let result = worker.join().map_err(|panic| Failure::internal(told(&*panic)))?;

@@ -98,6 +98,42 @@ def test_what_progress_raises_ends_the_solve(office):
         patchlight.solve(office, progress=3)
 
 
+def test_a_function_may_refuse_memory(repository):
+    scene, asked = patchlight.Scene.read(repository / "scenes/cornell.obj"), []
+
+    def wants(most):
+        def refuse(size):
+            asked.append((size, threading.get_ident()))
+            return size > most
+
+        return refuse
+
+    full = patchlight.solve(scene, error=0.02, solver="links", memory=wants(float("inf")))
+    most = max(size for size, _ in asked)
+    assert full.converged and most > full.memory_bytes
+    assert all(isinstance(size, int) and thread == threading.get_ident() for size, thread in asked)
+    with pytest.warns(patchlight.LimitWarning, match="memory"):
+        less = patchlight.solve(scene, error=0.02, solver="links", memory=wants(most - 1))
+    assert less.stopped_by == "memory" and not less.converged
+    assert len(less.links) <= len(full.links)
+    # None, and what is not True, refuses nothing.
+    assert patchlight.solve(scene, error=0.5, memory=lambda size: None).converged
+
+
+def test_what_the_memory_function_raises_ends_the_solve(cornell, repository):
+    scene = repository / "scenes/cornell.obj"
+
+    def fail(size):
+        raise LookupError(size)
+
+    with pytest.raises(LookupError):
+        patchlight.solve(scene, error=0.02, solver="links", memory=fail)
+    # Threads wait for the answer, so it cannot ask them for more; afterwards they are free.
+    with pytest.raises(patchlight.ArgumentError, match="must not solve"):
+        patchlight.solve(scene, error=0.02, solver="links", memory=lambda size: cornell.values([0.1, 0, 0.1], [0, 1, 0]))
+    assert cornell.values([0.1, 0, 0.1], [0, 1, 0]).missed == 0
+
+
 def test_values_and_pictures_that_are_cancelled_raise(cornell):
     camera = cornell.camera(width=2000, height=2000)
     with pytest.raises(patchlight.Cancelled):

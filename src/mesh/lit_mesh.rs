@@ -76,6 +76,16 @@ impl LitMesh {
         self.surfaces.iter().enumerate().filter_map(part)
     }
 
+    /// The nodes of all elements, part by part, where the nodes of all parts are numbered through.
+    pub fn element_nodes(&self) -> impl Iterator<Item = [u32; 6]> {
+        let with_first = self.surfaces.iter().flatten().scan(0, |next, mesh| {
+            let first = *next;
+            *next += mesh.nodes().len() as u32;
+            Some((first, mesh))
+        });
+        with_first.flat_map(|(first, mesh)| mesh.triangles().iter().map(move |nodes| nodes.map(|node| first + node)))
+    }
+
     /// Visits all elements: the number of the surface, the six nodes as in [`MeshPart::elements`], and the radiosity there by node and channel, in
     /// W/m^2.
     pub fn for_each_element(&self, scene: &Scene, mut visit: impl FnMut(u32, [[f64; 3]; 6], &[f32])) {

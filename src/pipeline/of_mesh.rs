@@ -8,11 +8,14 @@ use rayon::prelude::*;
 use super::{Evaluator, PipelineError};
 use crate::mesh::{LitMesh, MeshIndex, MeshReader};
 use crate::picture::{self, Camera, Image};
-use crate::progress::Observer;
+use crate::progress::{Observer, Stop};
 use crate::scene::SurfacePoint;
 use crate::solve::Solution;
 use crate::transmittance::Rays;
 use crate::values::{self, Values};
+
+/// Points that are read between two looks at whether to stop: some milliseconds.
+const READ_AT_ONCE: usize = 1024;
 
 impl Evaluator {
     /// The lit mesh of the solution, if it was solved with [`SolveOptions::lit_mesh`](crate::solve::SolveOptions::lit_mesh).
@@ -41,6 +44,17 @@ impl Evaluator {
 
     /// The radiosities of a lit mesh of this solution at points, by point and channel; NaN where a point lies on no surface.
     pub fn values_of_mesh(&self, mesh: &LitMesh, points: &[SurfacePoint]) -> Vec<f32> {
+        self.read(mesh, points, &|| false)
+    }
+
+    /// The same; cancelled by the observer, it returns `None`.
+    pub fn values_of_mesh_observed(&self, mesh: &LitMesh, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Vec<f32>> {
+        let values = self.read(mesh, points, &|| observer.cancelled());
+        (!observer.cancelled()).then_some(values)
+    }
+
+    /// Reads a mesh at points; once it is stopped, nothing more.
+    fn read(&self, mesh: &LitMesh, points: &[SurfacePoint], stop: Stop<'_>) -> Vec<f32> {
         let Solution { scene, hierarchy, .. } = &self.solution;
         let (reader, tolerance) = (self.reader(mesh), values::tolerance(scene));
         let of_point = |point: &SurfacePoint| {
@@ -51,7 +65,11 @@ impl Evaluator {
             }
             radiosity.into_iter().map(|b| b as f32)
         };
-        self.pool.install(|| points.par_iter().flat_map_iter(of_point).collect())
+        let of_some = |some: &[SurfacePoint]| {
+            let points = if stop() { &[] } else { some };
+            points.iter().flat_map(of_point).collect::<Vec<f32>>()
+        };
+        self.pool.install(|| points.par_chunks(READ_AT_ONCE).flat_map_iter(of_some).collect())
     }
 
     /// A picture of a lit mesh of this solution, in linear radiance, without standard errors. Cancelled by the observer, it returns `None`.

@@ -38,7 +38,7 @@ pub struct Solution {
     report: Option<Report>,
     listener: Mutex<Listener>,
     /// Set by visibility functions of the caller's.
-    failed: Arc<AtomicBool>,
+    pub failed: Arc<AtomicBool>,
 }
 
 /// What the solve told.
@@ -58,13 +58,13 @@ impl Solution {
         self.report.as_ref().ok_or_else(|| Ending::new(PATCHLIGHT_NOT_AVAILABLE, message))
     }
 
-    fn listener(&self) -> Listener {
+    pub fn listener(&self) -> Listener {
         *self.listener.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// Values or a picture were cancelled.
-fn cancelled() -> Ending {
+/// Values, a mesh or a picture were cancelled.
+pub fn cancelled() -> Ending {
     Ending::new(PATCHLIGHT_CANCELLED, "the progress function cancelled; nothing was written")
 }
 
@@ -80,7 +80,7 @@ pub extern "C" fn patchlight_solution_release(solution: *mut patchlight_solution
     enter(|| handles::release(solution))
 }
 
-/// Sets who hears how far values at points and pictures are, and may cancel them; NULL for nobody, as at first.
+/// Sets who hears how far values at points, meshes and pictures are, and may cancel them; NULL for nobody, as at first.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn patchlight_solution_set_progress(
     solution: *mut patchlight_solution,

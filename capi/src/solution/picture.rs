@@ -3,6 +3,7 @@
 use std::ffi::c_char;
 use std::path::Path;
 
+use patchlight::mesh::LitMesh;
 use patchlight::output::{Destination, ImageFormat, PngExposure, Provenance, Quantity, write_exr, write_png};
 use patchlight::picture::{Camera, Image};
 
@@ -69,11 +70,65 @@ pub unsafe extern "C" fn patchlight_solution_get_camera(
     })
 }
 
-fn taken(solution: &Solution, camera: &Camera) -> Outcome<Image> {
-    let watcher = Watcher::new(solution.listener(), &solution.failed);
-    let image = solution.evaluator.render(camera, &watcher)?;
-    check_answers(&solution.failed)?;
-    image.ok_or_else(cancelled)
+/// What a picture shows: the values of a solution, or a mesh of it.
+pub struct View<'a> {
+    pub solution: &'a Solution,
+    pub mesh: Option<&'a LitMesh>,
+}
+
+impl View<'_> {
+    fn take(&self, camera: &Camera) -> Outcome<Image> {
+        let Self { solution, mesh } = self;
+        let watcher = Watcher::new(solution.listener(), &solution.failed);
+        let image = match mesh {
+            Some(mesh) => solution.evaluator.render_mesh(mesh, camera, &watcher)?,
+            None => solution.evaluator.render(camera, &watcher)?,
+        };
+        check_answers(&solution.failed)?;
+        image.ok_or_else(cancelled)
+    }
+
+    /// Takes a picture into buffers of the caller's.
+    ///
+    /// # Safety
+    /// As the text at the head of the header demands.
+    pub unsafe fn get(
+        &self,
+        camera: *const patchlight_camera,
+        radiance: Buffer<f32>,
+        standard_error: Option<Buffer<f32>>,
+    ) -> Outcome {
+        // SAFETY: The caller's promise.
+        let camera = unsafe { self::camera(camera)? };
+        let pixels = camera.width as usize * camera.height as usize;
+        if !radiance.begin(pixels * self.solution.evaluator.solution().scene().channels())? {
+            return Ok(());
+        }
+        let image = self.take(&camera)?;
+        if let Some(errors) = standard_error {
+            let missing = || Ending::new(PATCHLIGHT_NOT_AVAILABLE, "the standard errors of this solution are not known");
+            errors.copy(image.standard_error.as_deref().ok_or_else(missing)?)?;
+        }
+        radiance.copy(&image.radiance)
+    }
+
+    /// Takes a picture and writes it.
+    ///
+    /// # Safety
+    /// As the text at the head of the header demands.
+    pub unsafe fn write(&self, camera: *const patchlight_camera, path: *const c_char) -> Outcome {
+        // SAFETY: The caller's promise.
+        let (camera, path) = unsafe { (self::camera(camera)?, Path::new(text(path, "path")?)) };
+        let format = ImageFormat::of_path(path)?;
+        let destination = Destination::new(path)?;
+        let image = self.take(&camera)?;
+        let provenance = Provenance::new(self.solution.evaluator.solution().options());
+        destination.write(|file| match format {
+            ImageFormat::Png => write_png(file, &image, PngExposure::Auto, &provenance).map(drop),
+            ImageFormat::Exr => write_exr(file, &image, Quantity::Radiance, &provenance),
+        })?;
+        Ok(())
+    }
 }
 
 /// Takes a picture: radiances in W/m^2/sr, row after row from the top left, with a number for each channel of a pixel. `standard_error` is
@@ -89,22 +144,13 @@ pub unsafe extern "C" fn patchlight_solution_get_picture(
 ) -> patchlight_status {
     enter(|| {
         let solution = handles::get(solution)?;
-        // SAFETY: The contract of the header.
-        let (camera, buffer) = unsafe { (self::camera(camera)?, Buffer::new(radiance, capacity, count)?) };
-        let pixels = camera.width as usize * camera.height as usize;
-        if !buffer.begin(pixels * solution.evaluator.solution().scene().channels())? {
-            return Ok(());
+        let has_errors = !standard_error.is_null();
+        // SAFETY: The contract of the header; where `standard_error` is NULL, nothing is written to it.
+        unsafe {
+            let radiance = Buffer::new(radiance, capacity, count)?;
+            let errors = has_errors.then(|| Buffer::new(standard_error, capacity, std::ptr::null_mut())).transpose()?;
+            View { solution: &solution, mesh: None }.get(camera, radiance, errors)
         }
-        // SAFETY: The contract of the header; where it is NULL, nothing is written.
-        let errors = (!standard_error.is_null())
-            .then(|| unsafe { Buffer::new(standard_error, capacity, std::ptr::null_mut()) })
-            .transpose()?;
-        let image = taken(&solution, &camera)?;
-        if let Some(errors) = errors {
-            let missing = || Ending::new(PATCHLIGHT_NOT_AVAILABLE, "the standard errors of this solution are not known");
-            errors.copy(image.standard_error.as_deref().ok_or_else(missing)?)?;
-        }
-        buffer.copy(&image.radiance)
     })
 }
 
@@ -118,15 +164,6 @@ pub unsafe extern "C" fn patchlight_solution_write_picture(
     enter(|| {
         let solution = handles::get(solution)?;
         // SAFETY: The contract of the header.
-        let (camera, path) = unsafe { (self::camera(camera)?, Path::new(text(path, "path")?)) };
-        let format = ImageFormat::of_path(path)?;
-        let destination = Destination::new(path)?;
-        let image = taken(&solution, &camera)?;
-        let provenance = Provenance::new(solution.evaluator.solution().options());
-        destination.write(|file| match format {
-            ImageFormat::Png => write_png(file, &image, PngExposure::Auto, &provenance).map(drop),
-            ImageFormat::Exr => write_exr(file, &image, Quantity::Radiance, &provenance),
-        })?;
-        Ok(())
+        unsafe { View { solution: &solution, mesh: None }.write(camera, path) }
     })
 }

@@ -25,7 +25,7 @@ pub enum patchlight_figure {
     PATCHLIGHT_POINT_RAYS = 3,
     /// The error that was asked for.
     PATCHLIGHT_ERROR_REQUESTED = 100,
-    /// The error that is claimed: an upper confidence limit; infinite where nothing was, or can be, estimated.
+    /// The error that is claimed for values at points: an upper confidence limit; infinite where nothing was, or can be, estimated.
     PATCHLIGHT_ERROR_ESTIMATE = 101,
     /// The measured error itself.
     PATCHLIGHT_ERROR_MEASURED = 102,
@@ -43,6 +43,8 @@ pub enum patchlight_figure {
     PATCHLIGHT_RAYS = 108,
     /// 1 if the requested error is reached, else 0.
     PATCHLIGHT_CONVERGED = 109,
+    /// The error that is claimed for the mesh, that of the values it was made from included; only where it was asked for.
+    PATCHLIGHT_ERROR_MESH = 110,
 }
 
 /// What an array of a solution has items for. Values may be added.
@@ -272,6 +274,10 @@ pub unsafe extern "C" fn patchlight_solution_get_figure(
             _ if what == PATCHLIGHT_LIT as u32 => error.lit,
             _ if what == PATCHLIGHT_RAYS as u32 => report.counts.rays as f64,
             _ if what == PATCHLIGHT_CONVERGED as u32 => f64::from(u8::from(report.converged)),
+            _ if what == PATCHLIGHT_ERROR_MESH as u32 => match &report.lit_mesh {
+                Some(mesh) => mesh.whole.estimate,
+                None => return Err(Ending::new(PATCHLIGHT_NOT_AVAILABLE, "this solution was not solved with a mesh")),
+            },
             _ if what == PATCHLIGHT_ERROR_BOUND as u32 => match &report.bounds {
                 Some(bounds) => bounds.relative_error,
                 None => return Err(Ending::new(PATCHLIGHT_NOT_AVAILABLE, "this solution has no bounds")),

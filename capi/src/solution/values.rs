@@ -38,7 +38,7 @@ unsafe impl SizedStruct for patchlight_values {
 ///
 /// # Safety
 /// As the text at the head of the header demands.
-unsafe fn points(positions: *const patchlight_array, normals: *const patchlight_array) -> Outcome<Vec<SurfacePoint>> {
+pub unsafe fn points(positions: *const patchlight_array, normals: *const patchlight_array) -> Outcome<Vec<SurfacePoint>> {
     // SAFETY: The caller's promise.
     let (positions, normals) = unsafe { (vectors(positions, "positions")?, vectors(normals, "normals")?) };
     if positions.len() != normals.len() {

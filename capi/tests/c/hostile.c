@@ -104,6 +104,34 @@ static void buffers(patchlight_context *context, patchlight_scene *scene, patchl
     CHECK(patchlight_solution_release(solution));
 }
 
+static void meshes(patchlight_context *context, patchlight_scene *scene, patchlight_options *options) {
+    patchlight_solution *solution;
+    patchlight_mesh *mesh;
+    patchlight_solve_info info = {sizeof info, options, NULL, NULL, NULL, NULL, NULL};
+    CHECK(patchlight_solve(context, scene, &info, &solution));
+    REFUSED(patchlight_solution_get_mesh(solution, &mesh), PATCHLIGHT_NOT_AVAILABLE);
+    REFUSED(patchlight_solution_make_mesh(solution, NAN, &mesh), PATCHLIGHT_OUT_OF_RANGE);
+    CHECK(patchlight_solution_make_mesh(solution, 0.9, &mesh));
+    CHECK(patchlight_solution_release(solution));
+
+    // A byte beyond the last item would not be there.
+    size_t count = 0;
+    CHECK(patchlight_mesh_get_array(mesh, PATCHLIGHT_MESH_ELEMENT_NODES, NULL, &count));
+    const size_t stride = 49, size = (count - 1) * stride + 6 * sizeof(uint64_t);
+    unsigned char *nodes = (unsigned char *)malloc(size);
+    patchlight_buffer buffer = {sizeof buffer, PATCHLIGHT_UINT64, nodes, count, stride};
+    CHECK(patchlight_mesh_get_array(mesh, PATCHLIGHT_MESH_ELEMENT_NODES, &buffer, NULL));
+    buffer.capacity--;
+    REFUSED(patchlight_mesh_get_array(mesh, PATCHLIGHT_MESH_ELEMENT_NODES, &buffer, NULL), PATCHLIGHT_BUFFER_TOO_SMALL);
+    buffer.stride = 47;
+    REFUSED(patchlight_mesh_get_array(mesh, PATCHLIGHT_MESH_ELEMENT_NODES, &buffer, NULL), PATCHLIGHT_INVALID_ARGUMENT);
+    free(nodes);
+
+    patchlight_mesh *same = mesh;
+    CHECK(patchlight_mesh_release(mesh));
+    REFUSED(patchlight_mesh_get_array(same, PATCHLIGHT_MESH_POSITIONS, NULL, &count), PATCHLIGHT_INVALID_HANDLE);
+}
+
 int main(void) {
     const double reflectance[2] = {0.6, 0.3}, exitance[2] = {0, 5};
     patchlight_context *context;
@@ -113,6 +141,7 @@ int main(void) {
     sizes(context, scene, options);
     handles(context, scene, options);
     buffers(context, scene, options);
+    meshes(context, scene, options);
     CHECK(patchlight_options_release(options));
     CHECK(patchlight_scene_release(scene));
     CHECK(patchlight_context_release(context));

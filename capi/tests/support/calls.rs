@@ -116,6 +116,14 @@ pub fn lit_box(context: *mut patchlight_context, settings: &[(&str, &str)]) -> *
     solution
 }
 
+/// A mesh of a solution.
+pub fn mesh_of(solution: *mut patchlight_solution, error: f64) -> *mut patchlight_mesh {
+    let mut mesh = null_mut();
+    // SAFETY: A place for a handle.
+    done(unsafe { patchlight_solution_make_mesh(solution, error, &mut mesh) });
+    mesh
+}
+
 /// Text of a function that takes buffer, capacity and count.
 pub fn text(mut call: impl FnMut(*mut std::ffi::c_char, usize, *mut usize) -> patchlight_status) -> String {
     let mut count = 0;

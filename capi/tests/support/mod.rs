@@ -153,4 +153,4 @@ impl<'a> Build<'a> {
 }
 
 /// The examples in C.
-pub const EXAMPLES: [&str; 6] = ["room", "progress", "bands", "visibility", "many_lights", "form_factors"];
+pub const EXAMPLES: [&str; 7] = ["room", "progress", "bands", "visibility", "many_lights", "form_factors", "mesh"];
