@@ -11,8 +11,10 @@ mod lit_mesh;
 mod locate;
 mod plane;
 mod surface_mesh;
+mod triangles;
 mod triangulation;
 
 pub(crate) use build::MeshBuilder;
 pub use lit_mesh::LitMesh;
 pub(crate) use lit_mesh::MeshReader;
+pub use triangles::triangulated;
