@@ -1,5 +1,7 @@
 //! The only place that joins the stages.
 
+mod pictures;
+
 use glam::DVec3;
 use thiserror::Error;
 
@@ -8,7 +10,7 @@ use std::time::Instant;
 
 use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceBounds, PointBounds, RadiosityBounds};
 use crate::mesh::{LitMesh, MeshReader};
-use crate::picture::{self, Camera, CameraError, Image};
+use crate::picture::{self, Camera, CameraError, Image, Shown};
 use crate::progress::Observer;
 use crate::scene::{Scene, SurfacePoint};
 use crate::solve::{
@@ -347,7 +349,8 @@ impl Evaluator {
     pub fn render_mesh(&self, mesh: &LitMesh, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
         let (through, scene) = (camera.rays()?, self.solution.scene());
         let (rays, reader) = (Rays::new(&*self.visibility, scene), MeshReader::new(scene, mesh));
-        let render = || picture::render_mesh(scene, &reader, &rays, &through, [camera.width, camera.height], observer);
+        let size = [camera.width, camera.height];
+        let render = || picture::render_mesh(scene, &reader, &rays, (&through, size), Shown::Radiance, observer);
         Ok(self.pool.install(render))
     }
 
@@ -356,14 +359,7 @@ impl Evaluator {
     /// # Errors
     /// [`PipelineError::Camera`] if the camera sees nothing, see [`Camera::validate`].
     pub fn render(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
-        let through = camera.rays()?;
-        let rays = Rays::new(&*self.visibility, self.solution.scene());
-        let size = [camera.width, camera.height];
-        Ok(self.pool.install(|| {
-            let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
-            let gather = self.solution.gather_at_points(&rays, paths.as_ref());
-            picture::render(&gather, self.solution.error_bars, &rays, &through, size, observer)
-        }))
+        self.render_shown(Shown::Radiance, camera, observer)
     }
 
     /// A picture of the width of the bounds, `(upper - lower) / pi`, black where a back or nothing is met. `None` if there are no
