@@ -8,9 +8,13 @@
 //!
 //! **What of it matters.** Each segment has a bound of how much irradiance it can change (`effect`). Of each receiver the least are left out, as
 //! many as together stay below what the receiver tolerates. A source that cannot bring more than that to a receiver at all casts no curve there,
-//! so sources may be all surfaces that shine or reflect (section 6.2.2): those that dominate a receiver remain.
+//! so sources may be all surfaces that shine or reflect (section 6.2.2): those that dominate a receiver remain. The bounds are used before the work
+//! is done: edges and corners too far from a source for it to bring what any receiver does not tolerate are not looked at, and others are followed
+//! only as far behind them as what they hide matters. So a curve that changes no more than is tolerated is left out wherever it alone would be.
 //!
-//! **Cost.** With `l` source edges and `m` edges there are `O(l m)` wedges; each asks a tree of boxes for what its plane cuts.
+//! **Cost.** With `l` source edges and `m` edges there are `O(l m)` wedges; each asks a tree of boxes for what its plane cuts. In large scenes there
+//! are too many of them even so: of all sources together [`MOST_PAIRS`] are followed, of each by its share of the light, those that matter
+//! farthest; how many edges and corners are left is counted.
 
 mod contacts;
 mod corners;
@@ -44,8 +48,9 @@ use events::Tracer;
 use faces::Faces;
 use occluders::{Occluder, Occluders};
 
-/// Of all sources together about so many wedges are followed, of each by its share of all light: about a minute of one core in the largest scenes.
-const MOST_WEDGES: f64 = 524_288.0;
+/// Of all sources together about so many pairs of a side of a source and an edge or corner are followed, of each source by its share of all light: a
+/// minute or two of one core in scenes of some hundred thousand surfaces.
+const MOST_PAIRS: f64 = 524_288.0;
 
 /// The discontinuities of the light that emitters send, the sum of their channels: what changes irradiance by less than `tolerance` of the largest
 /// exitance is left out.
@@ -70,7 +75,8 @@ fn ids(scene: &Scene) -> impl Iterator<Item = SurfaceId> {
     (0..scene.surfaces().len() as u32).map(SurfaceId)
 }
 
-/// The discontinuities of the light of `sources`. Each receiver may be wrong by its `tolerance` in W/m^2 for what is left out on it.
+/// The discontinuities of the light of `sources`. Each receiver may be wrong by its `tolerance` in W/m^2 for each curve that is not followed, and for all
+/// together of those that were found and are left out on it.
 ///
 /// The same for any number of threads. Once `stop` says so, what was found by then is returned.
 pub(crate) fn find(
@@ -91,8 +97,8 @@ pub(crate) fn find(
         let whole: f64 = emitters.iter().map(power).sum();
         for (emitter, number) in emitters.iter().zip(0..) {
             let lit = Lit::by(&faces, emitter, tolerance, least);
-            let wedges = MOST_WEDGES * power(emitter) / whole;
-            found.append(follow(&faces, &occluders, &lit, (number, wedges), stop));
+            let pairs = MOST_PAIRS * power(emitter) / whole;
+            found.append(follow(&faces, &occluders, &lit, (number, pairs), stop));
         }
     }
     gather(&faces, found, &emitters, tolerance)
@@ -113,8 +119,8 @@ fn find_contacts(faces: &Faces<'_>, stop: Stop<'_>) -> Found {
     found
 }
 
-/// The events of an emitter, which has a number, with about this many wedges at most.
-fn follow(faces: &Faces<'_>, occluders: &Occluders, lit: &Lit<'_>, (number, wedges): (u32, f64), stop: Stop<'_>) -> Found {
+/// The events of an emitter, which has a number, with about this many pairs at most.
+fn follow(faces: &Faces<'_>, occluders: &Occluders, lit: &Lit<'_>, (number, pairs): (u32, f64), stop: Stop<'_>) -> Found {
     /// Edges and corners that a thread takes at a time.
     const AT_ONCE: usize = 32;
     let mut found = Found::default();
@@ -124,7 +130,7 @@ fn follow(faces: &Faces<'_>, occluders: &Occluders, lit: &Lit<'_>, (number, wedg
     if lit.count() == 0 {
         return found;
     }
-    let before = occluders.before(lit, (wedges / rims as f64).ceil() as usize, &mut found.counters);
+    let before = occluders.before(lit, (pairs / rims as f64).ceil() as usize, &mut found.counters);
     let follow = |body: &dyn Fn(&mut Tracer<'_>)| {
         let mut found = Found::default();
         if !stop() {
