@@ -13,7 +13,7 @@
 //! only as far behind them as what they hide matters. So a curve that changes no more than is tolerated is left out wherever it alone would be.
 //!
 //! **Cost.** With `l` source edges and `m` edges there are `O(l m)` wedges; each asks a tree of boxes for what its plane cuts. In large scenes there
-//! are too many of them even so: of all sources together [`MOST_PAIRS`] are followed, of each by its share of the light, those that matter
+//! are too many of them even so: of all sources together `MOST_PAIRS` are followed, of each by its share of the light, those that matter
 //! farthest; how many edges and corners are left is counted.
 
 mod contacts;
