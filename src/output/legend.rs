@@ -10,7 +10,7 @@ pub const LEAST_SIZE_WITH_LEGEND: [u32; 2] = [176, 120];
 const HEIGHT_OF_UNIT: usize = 360;
 
 /// At most so many steps from tick to tick.
-const MOST_STEPS: f64 = 6.0;
+const MOST_STEPS: f64 = 8.0;
 
 /// All in pixels of letters.
 const MARGIN: usize = 4;
@@ -93,12 +93,22 @@ mod tests {
 
     #[test]
     fn ticks_are_round_numbers_that_cover_the_scale() {
-        for text in
-            ["0..500", "0..1", "0..7", "-3..11", "0.001..0.0013", "99..101", "0..1e-7", "1e7..3e8", "2..2.00001", "-1e-29..1e-29"]
-        {
+        for text in [
+            "0..500",
+            "0..1",
+            "0..7",
+            "-3..11",
+            "0.001..0.0013",
+            "99..101",
+            "0..1e-7",
+            "1e7..3e8",
+            "2..2.00001",
+            "0.001..0.0135",
+            "-1e-29..1e-29",
+        ] {
             let scale: Scale = text.parse().unwrap();
             let ticks = ticks(&scale);
-            assert!((3..=8).contains(&ticks.len()), "{text}: {ticks:?}");
+            assert!((3..=9).contains(&ticks.len()), "{text}: {ticks:?}");
             let (range, step) = (scale.high() - scale.low(), ticks[1].0 - ticks[0].0);
             // Within the scale, less than a step from both ends, evenly spaced.
             let room = 1e-6 * range;
@@ -126,7 +136,7 @@ mod tests {
         let labels = |text: &str| ticks(&text.parse().unwrap()).into_iter().map(|(_, label)| label).collect::<Vec<_>>().join(" ");
         assert_eq!(labels("0..500"), "0 100 200 300 400 500");
         assert_eq!(labels("0..1"), "0 0.2 0.4 0.6 0.8 1.0");
-        assert_eq!(labels("-3..11"), "0 5 10");
+        assert_eq!(labels("-3..11"), "-2 0 2 4 6 8 10");
         assert_eq!(labels("0..3e-7"), "0 5e-8 1.0e-7 1.5e-7 2.0e-7 2.5e-7 3.0e-7");
     }
 
