@@ -10,6 +10,8 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
+use super::srgb::encode_srgb;
+
 /// Lightness in Oklab at the low and the high end of the scale.
 const LIGHTNESS: [f64; 2] = [0.25, 0.93];
 
@@ -67,7 +69,7 @@ impl Scale {
 
     /// The colour of a value in 8-bit sRGB.
     pub fn colour(&self, value: f64) -> [u8; 3] {
-        colour_at(self.position(value)).map(|linear| super::png::encode_srgb(linear as f32))
+        colour_at(self.position(value)).map(|linear| encode_srgb(linear as f32))
     }
 }
 

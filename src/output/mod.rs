@@ -29,6 +29,7 @@ pub mod points;
 mod provenance;
 pub mod report;
 pub mod solution_file;
+mod srgb;
 pub mod values;
 
 pub use atomic::{Destination, DestinationError};
