@@ -2,6 +2,7 @@
 
 mod commands;
 mod hostile;
+mod pictures;
 mod solve;
 #[path = "../support/mod.rs"]
 mod support;
@@ -256,26 +257,6 @@ fn wrong_usage_ends_with_2_and_says_what_is_wrong() {
     place
         .run_with(&["solve", "room.obj", "--image", "a.png", "--camera", "eye=1,1,1 target=1,1,1"], "")
         .failed(2, &["eye and target are the same point"]);
-    assert!(place.new_files().is_empty(), "{:?}", place.new_files());
-}
-
-#[test]
-fn false_colours_and_lines_are_asked_for_in_full() {
-    let place = Place::new();
-    for (arguments, words) in [
-        ("solve room.obj --image a.png --scale 5..1", &["scale is '5..1'", "as in 0..500"][..]),
-        ("solve room.obj --image a.png --scale 0-500", &["scale is '0-500'"]),
-        ("solve room.obj --image a.exr --scale 0..1", &["--scale is for .png"]),
-        ("solve room.obj --image a.png --scale 0..1 --exposure 1", &["--scale", "--exposure"]),
-        ("solve room.obj --image a.png --scale 0..1 --size 80x60", &["legend", "176x120"]),
-        ("solve room.obj --image a.png --quantity illuminance", &["false colours", "--scale 0..500"]),
-        ("solve room.obj --scale 0..1", &["need --image"]),
-        ("solve room.obj --image a.png --show dots", &["show is 'dots'", "mesh or curves"]),
-        ("solve room.obj --image a.exr --show curves", &["--show is for .png"]),
-        ("solve room.obj --image a.png --show mesh", &["--show mesh needs --mesh FILE.ply"]),
-    ] {
-        place.run(arguments).failed(2, words);
-    }
     assert!(place.new_files().is_empty(), "{:?}", place.new_files());
 }
 

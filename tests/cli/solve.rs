@@ -97,22 +97,6 @@ fn guaranteed_bounds_stand_beside_the_values_in_the_report_and_in_a_picture() {
 }
 
 #[test]
-fn pictures_tell_numbers_in_false_colours_and_show_lines() {
-    let place = Place::new();
-    let ran = place.run(
-        "solve room.obj --error 0.2 -o s.solution --mesh m.ply --image i.png --image i.exr --quantity illuminance --scale 0..500 --show mesh \
-         --size 180x120",
-    );
-    assert!(ran.succeeded().stderr.contains("i.png (illuminance from 0 to 500 lx)"), "{}", ran.stderr);
-    let text = |name: &str| String::from_utf8_lossy(&fs::read(place.path(name)).unwrap()).into_owned();
-    assert!(text("i.exr").contains("quantity: illuminance\nunit: lx\n") && text("i.png").contains("0..500 lx"));
-    place.run("render s.solution -o c.png --show curves --size 60x40").succeeded();
-    place.run("render s.solution -o h.exr --quantity irradiance --size 60x40").succeeded();
-    assert!(text("h.exr").contains("quantity: irradiance\nunit: W/m^2\n"));
-    place.run("render s.solution -o n.png --show mesh --size 60x40").failed(2, &["--show mesh", "no lit mesh"]);
-}
-
-#[test]
 fn values_and_reports_may_go_to_stdout() {
     let place = Place::new();
     let values = place.run("solve room.obj --error 0.1 --points P.csv --values -");
