@@ -76,7 +76,7 @@ fn polygon(bytes: &mut Bytes, unit: f64) -> Vec<Point> {
     let corners: Vec<Point> =
         if count == 4 { vec![[-1.0, -flat], [1.0, -flat], [1.0, flat], [-1.0, flat]] } else { (0..count).map(corner).collect() };
     let turned = |[x, y]: Point| {
-        let (sin, cos) = (if bytes.0.len() % 2 == 0 { 0.0 } else { turn }).sin_cos();
+        let (sin, cos) = (if bytes.0.len().is_multiple_of(2) { 0.0 } else { turn }).sin_cos();
         [unit * (cos * x - sin * y), unit * (sin * x + cos * y)]
     };
     let corners: Vec<Point> = corners.into_iter().map(turned).collect();
