@@ -3,27 +3,29 @@
 //! `cargo run --release --example curves -- SCENE...` prints time and counts, after table 4.4 of Lischinski's thesis.
 //! `--picture SURFACE` before a scene writes `curves.svg`, that surface with its curves; `--picture floor` takes the floor, or the
 //! piece of it that has most.
+//! `--contacts` looks for D0 alone.
 //! `--tolerance X` leaves out what changes irradiance by no more than this part of the largest exitance.
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
 use std::time::Instant;
 
-use patchlight::discontinuities::{Discontinuities, of_emitters, svg};
+use patchlight::discontinuities::{Discontinuities, of_contacts, of_emitters, svg};
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Scene, SurfaceId};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
-    let (mut picture, mut tolerance) = (None, 0.0);
-    println!("scene  surfaces  s  sources' edges  edges  wedges  hidden  D0  D1  D2  most  worst case  left out");
+    let (mut picture, mut tolerance, mut contacts) = (None, 0.0, false);
+    println!("scene  surfaces  s  sources' edges  edges  wedges  hidden  D0  D1  D2  most  worst case  left out  weak  unfollowed");
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--picture" => picture = arguments.next(),
+            "--contacts" => contacts = true,
             "--tolerance" => tolerance = arguments.next().ok_or("--tolerance needs a number")?.parse()?,
             file => {
                 let scene = read_scene(file.as_ref(), &ImportOptions::default())?.scene;
                 let start = Instant::now();
-                let found = of_emitters(&scene, tolerance);
+                let found = if contacts { of_contacts(&scene) } else { of_emitters(&scene, tolerance) };
                 print_row(file, &scene, &found, start.elapsed().as_secs_f64());
                 if let Some(name) = picture.take() {
                     let surface = if name == "floor" { floor(&scene, &found) } else { SurfaceId(name.parse()?) };
@@ -38,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn print_row(file: &str, scene: &Scene, found: &Discontinuities, seconds: f64) {
     let c = found.counters();
     println!(
-        "{file}  {}  {seconds:.3}  {}  {}  {}  {}  {}  {}  {}  {}  {}  {}",
+        "{file}  {}  {seconds:.3}  {}  {}  {}  {}  {}  {}  {}  {}  {}  {}  {}  {}",
         scene.surfaces().len(),
         c.source_edges,
         c.edges,
@@ -49,7 +51,9 @@ fn print_row(file: &str, scene: &Scene, found: &Discontinuities, seconds: f64) {
         c.d2,
         c.most_per_surface,
         c.worst_case_per_surface(),
-        c.left_out
+        c.left_out,
+        c.weak_edges,
+        c.unfollowed_edges
     );
 }
 

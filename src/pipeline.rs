@@ -1,6 +1,7 @@
 //! The only place that joins the stages.
 
 mod of_mesh;
+mod pictures;
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -9,7 +10,7 @@ use thiserror::Error;
 
 use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceBounds, PointBounds, RadiosityBounds};
 use crate::mesh::MeshIndex;
-use crate::picture::{self, Camera, CameraError, Image};
+use crate::picture::{self, Camera, CameraError, Image, Shown};
 use crate::progress::Observer;
 use crate::scene::{Scene, SurfacePoint};
 use crate::solve::{
@@ -332,14 +333,7 @@ impl Evaluator {
     /// # Errors
     /// [`PipelineError::Camera`] if the camera sees nothing, see [`Camera::validate`].
     pub fn render(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
-        let through = camera.rays()?;
-        let rays = Rays::new(&*self.visibility, self.solution.scene());
-        let size = [camera.width, camera.height];
-        Ok(self.pool.install(|| {
-            let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
-            let gather = self.solution.gather_at_points(&rays, paths.as_ref());
-            picture::render(&gather, self.solution.error_bars, &rays, &through, size, observer)
-        }))
+        self.render_shown(Shown::Radiance, camera, observer)
     }
 
     /// A picture of the width of the bounds, `(upper - lower) / pi`, black where a back or nothing is met. `None` if there are no

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! An input that fails is written to the system's folder for temporary files, and its path is printed; it then becomes a test below. With
-//! cargo-fuzz, which looks at the branches taken: `cargo +nightly fuzz run obj` (or `solution`, `solve`).
+//! cargo-fuzz, which looks at the branches taken: `cargo +nightly fuzz run obj` (or `solution`, `solve`, `triangulation`).
 #![allow(clippy::print_stderr, reason = "a test tells what it did")]
 
 #[path = "../fuzz/harness/mod.rs"]
@@ -42,6 +42,15 @@ const FAR_BOXES: &[u8] = &[
     138, 14, 100, 81, 225, 92, 112, 92,
 ];
 
+const IN_A_CIRCLE: &[u8] = &[
+    85, 41, 68, 169, 82, 75, 203, 191, 156, 100, 62, 133, 57, 201, 199, 195, 159, 87, 42, 158, 144, 105, 235, 35, 73, 123, 132, 33,
+    54, 80, 190, 98, 104, 199, 136, 207, 250, 75, 25, 87, 86, 244, 171, 249, 111, 102, 244, 125, 209, 144, 32, 74, 153, 157, 122,
+    49, 129, 73, 46, 171, 228, 108, 239, 118, 72, 42, 33, 184, 124, 146, 145, 94, 192, 198, 206, 164, 84, 145, 234, 57, 73, 253,
+    54, 37, 32, 227, 98, 123, 118, 134, 27, 140, 244, 248, 180, 249, 50, 8, 149, 144, 140, 129, 249, 232, 57, 78, 148, 69, 97, 23,
+    241, 178, 105, 68, 211, 191, 101, 54, 216, 89, 30, 117, 0, 60, 129, 24, 66, 14, 67, 211, 230, 67, 8, 243, 88, 191, 14, 243,
+    182, 41, 252, 123, 194, 14, 167, 178, 214, 221, 136, 79, 38, 20, 191, 94, 193,
+];
+
 /// What is fed with bytes, and what the bytes are made of.
 struct Target {
     name: &'static str,
@@ -51,13 +60,14 @@ struct Target {
     seeds: Vec<Vec<u8>>,
 }
 
-fn targets() -> [Target; 3] {
+fn targets() -> [Target; 4] {
     let kinds = [(Solver::Links, false), (Solver::Cells, false), (Solver::Links, true)];
     let solutions = kinds.map(|(solver, lit_mesh)| harness::small_solution(solver, lit_mesh).to_vec());
     [
         Target { name: "obj", few: 400, feed: harness::read_obj, seeds: vec![OBJ.to_vec(), Vec::new()] },
         Target { name: "solution", few: 200, feed: harness::read_solution, seeds: solutions.into() },
         Target { name: "solve", few: 40, feed: harness::solve_scene, seeds: vec![vec![0; 60], (0..=255).collect()] },
+        Target { name: "triangulation", few: 2000, feed: harness::triangulate, seeds: vec![vec![0; 40], (0..=255).collect()] },
     ]
 }
 
@@ -108,6 +118,8 @@ fn what_was_found_stays_mended() {
     harness::solve_scene(TO_AND_FRO);
     // Boxes of a tree of obvhs that stand out of their parents by a rounding: its own test of that panicked.
     harness::solve_scene(FAR_BOXES);
+    // Lines in a flat polygon, one vertex after the other: spade went in a circle looking for the place of the next one, and panicked.
+    harness::triangulate(IN_A_CIRCLE);
 }
 
 #[test]
@@ -117,7 +129,7 @@ fn many_inputs_do_no_harm() {
     let (seconds, seed) = (number("PATCHLIGHT_FUZZ_SECONDS", 60), number("PATCHLIGHT_FUZZ_SEED", 1));
     for target in targets() {
         let (mut random, mut inputs, start) = (Random(seed), 0, Instant::now());
-        while start.elapsed() < Duration::from_secs(seconds / 3) {
+        while start.elapsed() < Duration::from_secs(seconds / 4) {
             feed(&target, &input(&target, &mut random));
             inputs += 1;
         }
@@ -134,6 +146,6 @@ fn one_input() {
         eprintln!("no input is named: nothing to do");
         return;
     };
-    let target = targets().into_iter().find(|target| target.name == name).expect("obj, solution or solve");
+    let target = targets().into_iter().find(|target| target.name == name).expect("obj, solution, solve or triangulation");
     (target.feed)(&std::fs::read(file).unwrap());
 }

@@ -3,10 +3,13 @@
 //! The targets of cargo-fuzz call them (`fuzz/fuzz_targets`), and so does the seeded driver that needs no nightly compiler (`tests/fuzz.rs`).
 #![allow(dead_code, reason = "each target calls one of them")]
 
+mod bytes;
 mod obj;
 mod solution;
 mod solve;
+mod triangulation;
 
 pub use obj::read_obj;
 pub use solution::{read_solution, small_solution};
 pub use solve::solve_scene;
+pub use triangulation::triangulate;

@@ -10,30 +10,11 @@ use patchlight::scene::{Material, Scene, Sides};
 use patchlight::solve::{ChangShih98Options, Holzschuch94Options, LinkOptions, RunOptions, SolveOptions, Solver, Strategy, Sweep};
 use patchlight::visibility::Backend;
 
+use super::bytes::Bytes;
+
 /// So that one input takes milliseconds.
 const MOST_FACES: usize = 12;
 const MOST_LINKS: u64 = 300;
-
-/// Bytes, taken one by one; 0 when they are used up.
-struct Bytes<'a>(&'a [u8]);
-
-impl Bytes<'_> {
-    fn next(&mut self) -> u8 {
-        let Some((&first, rest)) = self.0.split_first() else { return 0 };
-        self.0 = rest;
-        first
-    }
-
-    fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
-        choices[self.next() as usize % choices.len()]
-    }
-
-    /// A coordinate: of a coarse grid, so that corners, edges and planes meet, or a hair's breadth beside it.
-    fn coordinate(&mut self) -> f64 {
-        let byte = self.next();
-        f64::from(byte & 7) + self.pick(&[0.0, 0.0, 0.0, 0.0, 0.5, 1e-3, 1e-6, -1e-9])
-    }
-}
 
 /// Cancels when it is time to: most of a time limit passes between two looks at it.
 struct Impatient(Instant);
@@ -116,10 +97,10 @@ fn scene(bytes: &mut Bytes) -> Option<Scene> {
         .collect();
 
     let mut faces = Vec::new();
-    while !bytes.0.is_empty() && faces.len() < MOST_FACES {
+    while !bytes.is_empty() && faces.len() < MOST_FACES {
         let shape = bytes.next();
         let material = u32::from(shape >> 4) % 3;
-        let point = |bytes: &mut Bytes| -> [f64; 3] { std::array::from_fn(|_| unit * (bytes.coordinate() + far)) };
+        let point = |bytes: &mut Bytes| -> [f64; 3] { std::array::from_fn(|_| unit * (coordinate(bytes) + far)) };
         let corners = if shape & 1 == 0 {
             // A rectangle across one axis.
             let (axis, [a, b]) = ((shape as usize >> 1) % 3, [point(bytes), point(bytes)]);
@@ -138,4 +119,10 @@ fn scene(bytes: &mut Bytes) -> Option<Scene> {
         }
     }
     Scene::new(channels, materials, faces, sides).ok()
+}
+
+/// A coordinate: of a coarse grid, so that corners, edges and planes meet, or a hair's breadth beside it.
+fn coordinate(bytes: &mut Bytes) -> f64 {
+    let byte = bytes.next();
+    f64::from(byte & 7) + bytes.pick(&[0.0, 0.0, 0.0, 0.0, 0.5, 1e-3, 1e-6, -1e-9])
 }

@@ -216,14 +216,21 @@ pub struct PictureArguments {
     /// PNG: auto, or the exposure value EV; radiances are multiplied by 2^EV [default: auto]
     #[arg(long, value_name = "EV", allow_hyphen_values = true)]
     pub exposure: Option<String>,
-    /// EXR: radiance (W/m^2/sr), radiosity (W/m^2) or, with --bounds guaranteed, width (W/m^2, upper less lower radiosity)
-    /// [default: radiance]
+    /// EXR, or PNG with --scale: radiance (W/m^2/sr), radiosity (W/m^2), irradiance (W/m^2), illuminance (lx, 179 lm to a watt of its Rec. 709
+    /// luminance) or, for EXR with --bounds guaranteed, width (W/m^2, upper less lower radiosity) [default: radiance]
     #[arg(long, value_name = "QUANTITY")]
     pub quantity: Option<String>,
     /// What is shown: the lit mesh, without grain; or values that are gathered by rays for the picture, with their standard errors in .exr
     /// [default: mesh where there is one]
     #[arg(long, value_name = "WHENCE", value_enum)]
     pub from: Option<Whence>,
+    /// PNG: false colours from LOW to HIGH in the unit of the quantity, as in 0..500, with a legend
+    #[arg(long, value_name = "LOW..HIGH", allow_hyphen_values = true)]
+    pub scale: Option<String>,
+    /// PNG: lines over the picture: mesh (the edges of the elements of the lit mesh) or curves (where light has a step, red, or a kink, green; or where its
+    /// curvature jumps, blue)
+    #[arg(long, value_name = "LINES")]
+    pub show: Option<String>,
 }
 
 /// Where values come from.

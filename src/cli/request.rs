@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use patchlight::output::{Destination, ExportFormat, ImageFormat, PngExposure, Quantity};
+use patchlight::output::{Destination, ExportFormat, ImageFormat, LEAST_SIZE_WITH_LEGEND, Look, PngExposure, Quantity, Scale};
 use patchlight::picture::{Camera, CameraRequest};
 use patchlight::scene::import::ImportOptions;
 use patchlight::solve::{Bounds, Interest, RunOptions, SolveOptions};
@@ -22,32 +22,32 @@ pub struct PictureRequest {
     pub files: Vec<(Destination, ImageFormat)>,
     pub camera: CameraRequest,
     pub size: (u32, u32),
-    pub exposure: PngExposure,
+    pub look: Look,
     pub quantity: Quantity,
     /// What is shown, if that was said.
     pub from: Option<Whence>,
+    pub show: Option<Show>,
+}
+
+/// Lines over a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Show {
+    Mesh,
+    Curves,
 }
 
 impl PictureRequest {
     fn new(paths: &[PathBuf], typed: &PictureArguments, outputs: &mut Outputs) -> Result<Self, Failure> {
         let camera = typed.camera.as_deref().unwrap_or("").parse().map_err(Failure::usage)?;
         let size = typed.size.as_deref().map_or(Ok(DEFAULT_SIZE), parse_size)?;
-        let exposure = typed.exposure.as_deref().map_or(Ok(PngExposure::Auto), parse_exposure)?;
         let quantity = typed.quantity.as_deref().map_or(Ok(Quantity::Radiance), parse_quantity)?;
         let formats: Vec<ImageFormat> =
             paths.iter().map(|path| ImageFormat::of_path(path)).collect::<Result<_, _>>().map_err(Failure::usage)?;
-        if typed.exposure.is_some() && !formats.contains(&ImageFormat::Png) {
-            return Err(Failure::usage("--exposure is for .png; .exr keeps the radiances as they are"));
-        }
-        if typed.quantity.is_some() && !formats.contains(&ImageFormat::Exr) {
-            return Err(Failure::usage("--quantity is for .exr; .png is a picture to look at"));
-        }
-        if quantity == Quantity::Width && formats.contains(&ImageFormat::Png) {
-            return Err(Failure::usage("--quantity width is for .exr alone; take the .png in a run of its own"));
-        }
         if quantity == Quantity::Width && typed.from.is_some() {
             return Err(Failure::usage("--quantity width shows bounds: leave --from out"));
         }
+        let look = look(typed, quantity, &formats, size)?;
+        let show = typed.show.as_deref().map(parse_show).transpose()?;
         // A view that is given in full can be judged before the scene is known.
         if let CameraRequest { eye: Some(eye), target: Some(target), up, field_of_view_degrees } = camera {
             let up = up.unwrap_or(if eye[0] == target[0] && eye[2] == target[2] { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] });
@@ -57,7 +57,7 @@ impl PictureRequest {
         }
         let destinations: Vec<Destination> = paths.iter().map(|path| outputs.file(path)).collect::<Result<_, _>>()?;
         let files = destinations.into_iter().zip(formats).collect();
-        Ok(Self { files, camera, size, exposure, quantity, from: typed.from })
+        Ok(Self { files, camera, size, look, quantity, from: typed.from, show })
     }
 }
 
@@ -123,9 +123,12 @@ impl SolveRequest {
         let flags = &typed.picture;
         if typed.image.is_empty() {
             let camera = flags.camera.as_ref().filter(|_| !matches!(options.importance, Interest::View(_)));
-            let typed = [camera, flags.size.as_ref(), flags.exposure.as_ref(), flags.quantity.as_ref()];
-            if flags.from.is_some() || typed.iter().any(|flag| flag.is_some()) {
-                return Err(Failure::usage("--camera, --size, --exposure, --quantity and --from need --image FILE"));
+            let of_pngs = [flags.exposure.as_ref(), flags.scale.as_ref(), flags.show.as_ref()];
+            let typed = [camera, flags.size.as_ref(), flags.quantity.as_ref()];
+            if flags.from.is_some() || typed.iter().chain(&of_pngs).any(|flag| flag.is_some()) {
+                return Err(Failure::usage(
+                    "--camera, --size, --exposure, --quantity, --scale, --from and --show need --image FILE",
+                ));
             }
             return Ok(None);
         }
@@ -135,6 +138,9 @@ impl SolveRequest {
         }
         if picture.from == Some(Whence::Mesh) && !options.lit_mesh {
             return Err(Failure::usage("--from mesh needs --lit-mesh"));
+        }
+        if picture.show == Some(Show::Mesh) && !options.lit_mesh {
+            return Err(Failure::usage("--show mesh needs --lit-mesh"));
         }
         Ok(Some(picture))
     }
@@ -147,6 +153,50 @@ fn parse_size(text: &str) -> Result<(u32, u32), Failure> {
     let camera = Camera { eye: [0.0; 3], target: [0.0, 0.0, 1.0], up: [0.0, 1.0, 0.0], field_of_view_degrees: 45.0, width, height };
     camera.validate().map_err(Failure::usage)?;
     Ok((width, height))
+}
+
+/// How a PNG shows its numbers; flags that no file has room for are refused.
+fn look(typed: &PictureArguments, quantity: Quantity, formats: &[ImageFormat], size: (u32, u32)) -> Result<Look, Failure> {
+    let (has_png, has_exr) = (formats.contains(&ImageFormat::Png), formats.contains(&ImageFormat::Exr));
+    for (flag, is_typed) in [("--exposure", &typed.exposure), ("--scale", &typed.scale), ("--show", &typed.show)] {
+        if is_typed.is_some() && !has_png {
+            return Err(Failure::usage(format_args!("{flag} is for .png; .exr keeps the numbers as they are")));
+        }
+    }
+    if quantity == Quantity::Width && has_png {
+        return Err(Failure::usage("--quantity width is for .exr alone; take the .png in a run of its own"));
+    }
+    if let Some(scale) = &typed.scale {
+        let scale: Scale = scale.parse().map_err(Failure::usage)?;
+        let [width, height] = LEAST_SIZE_WITH_LEGEND;
+        if typed.exposure.is_some() {
+            return Err(Failure::usage("--scale gives numbers their colours and --exposure light: take one of them away"));
+        }
+        if size.0 < width || size.1 < height {
+            return Err(Failure::usage(format_args!(
+                "--scale draws a legend, for which the picture must be {width}x{height} or larger"
+            )));
+        }
+        return Ok(Look::Scale(scale));
+    }
+    if matches!(quantity, Quantity::Irradiance | Quantity::Illuminance) && has_png {
+        let name = quantity.name();
+        return Err(Failure::usage(format_args!(
+            "--quantity {name} is shown by .png in false colours: say from where to where, as in --scale 0..500"
+        )));
+    }
+    if typed.quantity.is_some() && !has_exr {
+        return Err(Failure::usage("--quantity is for .exr, or .png with --scale; without, a .png is a picture to look at"));
+    }
+    Ok(Look::Light(typed.exposure.as_deref().map_or(Ok(PngExposure::Auto), parse_exposure)?))
+}
+
+fn parse_show(text: &str) -> Result<Show, Failure> {
+    match text {
+        "mesh" => Ok(Show::Mesh),
+        "curves" => Ok(Show::Curves),
+        _ => Err(Failure::usage(format_args!("show is '{text}', it must be mesh or curves"))),
+    }
 }
 
 fn parse_exposure(text: &str) -> Result<PngExposure, Failure> {
@@ -164,6 +214,8 @@ fn parse_quantity(text: &str) -> Result<Quantity, Failure> {
         "radiance" => Ok(Quantity::Radiance),
         "radiosity" => Ok(Quantity::Radiosity),
         "width" => Ok(Quantity::Width),
+        "irradiance" => Ok(Quantity::Irradiance),
+        "illuminance" => Ok(Quantity::Illuminance),
         _ => Err(Failure::usage(format_args!("quantity is '{text}', it must be one of {}", Quantity::NAMES.join(", ")))),
     }
 }

@@ -3,10 +3,10 @@
 use patchlight::bounds::PointBounds;
 use patchlight::mesh::LitMesh;
 use patchlight::output::{
-    Destination, ExportFormat, ImageFormat, Points, Provenance, Quantity, write_bounded_values, write_mesh_ply, write_ply,
-    write_png, write_quadratic_mesh_ply, write_solution, write_values,
+    Destination, Display, ExportFormat, ImageFormat, Look, Points, Provenance, Quantity, write_bounded_values, write_display,
+    write_mesh_ply, write_ply, write_quadratic_mesh_ply, write_solution, write_values,
 };
-use patchlight::picture::Image;
+use patchlight::picture::{Image, Marks};
 use patchlight::pipeline::Evaluator;
 use patchlight::values::Values;
 
@@ -15,7 +15,7 @@ use super::exit::{Exit, Failure};
 use super::files::{self, Sink};
 use super::interrupt;
 use super::progress::{Voice, Watcher};
-use super::request::{ExportRequest, Exported, PictureRequest, RenderRequest, SampleRequest};
+use super::request::{ExportRequest, Exported, PictureRequest, RenderRequest, SampleRequest, Show};
 
 /// `patchlight sample`.
 pub fn sample(request: SampleRequest) -> Result<Exit, Failure> {
@@ -73,13 +73,19 @@ pub fn render(request: RenderRequest) -> Result<Exit, Failure> {
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
     interrupt::listen();
     request.voice.figure("backend", format_args!("{}", evaluator.backend()));
-    let Some(image) = take_picture(&evaluator, &request.picture, request.voice)? else { return Ok(Exit::Cancelled) };
-    write_picture(&image, &request.picture, &Provenance::new(evaluator.solution().options()), request.voice)?;
+    let Some(picture) = take_picture(&evaluator, &request.picture, request.voice)? else { return Ok(Exit::Cancelled) };
+    write_picture(&picture, &request.picture, &Provenance::new(evaluator.solution().options()), request.voice)?;
     Ok(Exit::Done)
 }
 
+/// A picture, and the lines over it.
+pub type Picture = (Image, Option<Marks>);
+
+/// Curves that change irradiance by less than this part of the largest exitance are not shown.
+const CURVES_FROM: f64 = 1e-3;
+
 /// Takes a picture, of the lit mesh where there is one and nothing else was asked for; `None` if interrupted.
-pub fn take_picture(evaluator: &Evaluator, request: &PictureRequest, voice: Voice) -> Result<Option<Image>, Failure> {
+pub fn take_picture(evaluator: &Evaluator, request: &PictureRequest, voice: Voice) -> Result<Option<Picture>, Failure> {
     let mesh = match (request.from, evaluator.mesh()) {
         (Some(Whence::Gather), _) => None,
         (Some(Whence::Mesh), None) => return Err(no_mesh("--from mesh")),
@@ -88,13 +94,22 @@ pub fn take_picture(evaluator: &Evaluator, request: &PictureRequest, voice: Voic
     let (width, height) = request.size;
     let camera = request.camera.apply_to(evaluator.default_camera(width, height)).map_err(Failure::usage)?;
     voice.figure("camera", format_args!("{camera}, {width}x{height}"));
-    match request.quantity {
+    let watcher = Watcher::new(voice);
+    let image = match request.quantity {
         Quantity::Width if evaluator.bounds().is_none() => {
-            Err(Failure::usage("--quantity width: this solution has no bounds; solve the scene with --bounds guaranteed"))
+            return Err(Failure::usage("--quantity width: this solution has no bounds; solve the scene with --bounds guaranteed"));
         }
-        Quantity::Width => Ok(evaluator.render_width(&camera, &Watcher::new(voice))?),
+        Quantity::Width => evaluator.render_width(&camera, &watcher)?,
+        Quantity::Irradiance => evaluator.render_irradiance(mesh, &camera, &watcher)?,
+        Quantity::Illuminance => match evaluator.render_irradiance(mesh, &camera, &watcher)?.map(|image| image.to_luminance()) {
+            Some(Err(channels)) => {
+                return Err(Failure::usage(format_args!(
+                    "--quantity illuminance: not known for {channels} channels, only for one or three"
+                )));
+            }
+            image => image.and_then(Result::ok),
+        },
         Quantity::Radiance | Quantity::Radiosity => {
-            let watcher = Watcher::new(voice);
             let image = match mesh {
                 Some(mesh) => evaluator.render_mesh(mesh, &camera, &watcher)?,
                 None => evaluator.render(&camera, &watcher)?,
@@ -105,13 +120,26 @@ pub fn take_picture(evaluator: &Evaluator, request: &PictureRequest, voice: Voic
                      backs. Leave --camera out to be shown the scene, or solve it with --sides both"
                 ));
             }
-            Ok(image)
+            image
         }
-    }
+    };
+    let marks = match (request.show, evaluator.mesh()) {
+        (None, _) => return Ok(image.map(|image| (image, None))),
+        (Some(Show::Curves), _) => evaluator.mark_curves(CURVES_FROM, &camera, &watcher)?,
+        (Some(Show::Mesh), Some(mesh)) => evaluator.mark_mesh(mesh, &camera, &watcher)?,
+        (Some(Show::Mesh), None) => return Err(no_mesh("--show mesh")),
+    };
+    Ok(image.zip(marks).map(|(image, marks)| (image, Some(marks))))
 }
 
 /// Writes a picture to all files that are asked for.
-pub fn write_picture(image: &Image, request: &PictureRequest, provenance: &Provenance, voice: Voice) -> Result<(), Failure> {
+pub fn write_picture(
+    (image, marks): &Picture,
+    request: &PictureRequest,
+    provenance: &Provenance,
+    voice: Voice,
+) -> Result<(), Failure> {
+    let (look, unit) = (request.look, request.quantity.unit());
     for (destination, format) in &request.files {
         let path = destination.path().display();
         match format {
@@ -121,15 +149,23 @@ pub fn write_picture(image: &Image, request: &PictureRequest, provenance: &Prove
                 #[cfg(feature = "openexr")]
                 use patchlight::output::write_openexr as write_exr;
                 destination.write(|file| write_exr(file, image, request.quantity, provenance))?;
-                voice.figure("wrote", format_args!("{path} ({} in {})", request.quantity.name(), request.quantity.unit()));
+                voice.figure("wrote", format_args!("{path} ({} in {})", request.quantity.name(), unit));
             }
             ImageFormat::Png => {
-                let mut exposure = 0.0;
+                let quantity = if let Look::Scale(_) = look { request.quantity } else { Quantity::Radiance };
+                let display = Display { image, quantity, look, marks: marks.as_ref() };
+                let mut exposure = None;
                 destination.write(|file| {
-                    exposure = write_png(file, image, request.exposure, provenance)?;
+                    exposure = write_display(file, &display, provenance)?;
                     Ok(())
                 })?;
-                voice.figure("wrote", format_args!("{path} (exposure EV {exposure:.2})"));
+                match (look, exposure) {
+                    (Look::Scale(scale), _) => {
+                        let (name, low, high) = (quantity.name(), scale.low(), scale.high());
+                        voice.figure("wrote", format_args!("{path} ({name} from {low} to {high} {unit})"));
+                    }
+                    (_, ev) => voice.figure("wrote", format_args!("{path} (exposure EV {:.2})", ev.unwrap_or(0.0))),
+                }
             }
         }
     }

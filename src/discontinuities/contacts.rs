@@ -14,7 +14,7 @@ use crate::scene::SurfaceId;
 pub(super) fn find(faces: &Faces<'_>, receiver: SurfaceId, found: &mut Found) {
     let facet = faces.facet(receiver);
     let plane = Plane { origin: facet.centroid, normal: facet.normal };
-    for id in faces.near(&faces.scene.surface(receiver).polygon.bounds()) {
+    for id in faces.along(&plane, &faces.scene.surface(receiver).polygon.bounds()) {
         if faces.scene.surface(id).plane() == faces.scene.surface(receiver).plane() {
             continue;
         }

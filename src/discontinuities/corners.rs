@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::faces::{Faces, Plane};
 use super::points::Welder;
@@ -33,16 +34,9 @@ const SAME_ANGLE: f64 = 1e-6;
 /// All corners that can be corners of an outline.
 pub(super) fn welded(faces: &Faces<'_>) -> Vec<Corner> {
     let mut welder = Welder::new(faces.tolerance);
-    let mut corners = Vec::new();
-    for id in faces.ids() {
-        for &vertex in faces.facet(id).vertices {
-            let (place, is_new) = welder.weld(vertex);
-            if is_new {
-                corners.extend(corner_at(faces, place));
-            }
-        }
-    }
-    corners
+    let vertices = faces.ids().flat_map(|id| faces.facet(id).vertices.iter().copied());
+    let places: Vec<DVec3> = vertices.filter(|&vertex| welder.weld(vertex).1).collect();
+    places.into_par_iter().filter_map(|place| corner_at(faces, place)).collect()
 }
 
 /// The corner at a place; `None` where a face goes on around it, or all lie in one plane and their border is straight.

@@ -13,10 +13,16 @@ pub struct Counters {
     pub corners: u64,
     /// Pairs of source and receiver of which the source brings no more than the receiver's tolerance.
     pub weak_pairs: u64,
+    /// Pairs of source and edge or corner beyond which the source brings nothing, or no more than every receiver tolerates.
+    pub weak_edges: u64,
+    /// Pairs of source and edge or corner that were left because there are too many of more effect.
+    pub unfollowed_edges: u64,
     /// Wedges that were followed into the scene.
     pub wedges: u64,
     /// Of these: so many are hidden before they reach the edge or the corner that casts the shadow.
     pub hidden_wedges: u64,
+    /// Of these: followed only as far as what is hidden by the edge or the corner matters.
+    pub short_wedges: u64,
     /// Segments that wedges and contacts left on receivers, before they were welded.
     pub found: u64,
     /// Of these: shorter than what counts as touching.
@@ -53,7 +59,10 @@ impl AddAssign for Counters {
         self.edges += other.edges;
         self.corners += other.corners;
         self.weak_pairs += other.weak_pairs;
+        self.weak_edges += other.weak_edges;
+        self.unfollowed_edges += other.unfollowed_edges;
         self.wedges += other.wedges;
+        self.short_wedges += other.short_wedges;
         self.hidden_wedges += other.hidden_wedges;
         self.found += other.found;
         self.too_short += other.too_short;

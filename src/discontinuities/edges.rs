@@ -4,6 +4,7 @@
 //! between two faces is known as such, whatever its parts belong to, and casts a shadow only where it is a silhouette.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::faces::{Faces, Plane};
 use crate::geometry::{Aabb, edges as sides_of};
@@ -92,7 +93,7 @@ pub(super) fn welded(faces: &Faces<'_>) -> Vec<Edge> {
 
     // Each takes all that continues or overlaps it along its line.
     let mut is_taken = vec![false; sides.len()];
-    let mut welded = Vec::new();
+    let mut chains: Vec<(Line, Vec<Side>, [f64; 2])> = Vec::new();
     for first in order {
         if is_taken[first] {
             continue;
@@ -116,10 +117,9 @@ pub(super) fn welded(faces: &Faces<'_>) -> Vec<Edge> {
                 break;
             }
         }
-        let chain: Vec<Side> = chain.into_iter().map(|k| sides[k]).collect();
-        welded.extend(line.edges(faces, &chain, [low, high]));
+        chains.push((line, chain.into_iter().map(|k| sides[k]).collect(), [low, high]));
     }
-    welded
+    chains.into_par_iter().flat_map_iter(|(line, chain, range)| line.edges(faces, &chain, range)).collect()
 }
 
 /// A line with a unit direction.

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! from it. What an edge of length `l`, at distance `c` or more from the point, can pass over lies within a strip as wide as it looks: seen from
-//! the point it is at most `min(pi, l / c)` wide and `min(pi, D / d)` long, so that it brings at most `B / pi cos_r` times the product.
+//! the point it is at most `min(pi, l / c)` wide and `min(pi, D / d)` long, so that it brings at most `B / pi cos_r` times the product. Turned around,
+//! that tells how far behind an edge its shadow has to be followed.
 
 use std::f64::consts::PI;
 
@@ -58,38 +59,76 @@ pub(super) fn bound_change(faces: &Faces<'_>, emitter: &Emitter, receiver: Surfa
 }
 
 /// The receivers that get more from an emitter than they tolerate.
-pub(super) struct Lit {
-    is_lit: Vec<bool>,
-    /// How many.
-    pub count: usize,
+pub(super) struct Lit<'a> {
+    pub emitter: &'a Emitter,
+    /// Ascending.
+    receivers: Vec<SurfaceId>,
+    /// What the most demanding of them tolerates, in W/m^2.
+    least: f64,
     /// Around them and the emitter: shadows are cast from within.
     bounds: Aabb,
 }
 
-impl Lit {
-    pub fn by(faces: &Faces<'_>, emitter: &Emitter, tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync)) -> Self {
-        let ids = 0..faces.scene.surfaces().len() as u32;
-        let is_lit: Vec<bool> = ids
-            .clone()
-            .into_par_iter()
-            .map(|id| bound_irradiance(faces, emitter, SurfaceId(id)) > tolerance(SurfaceId(id)))
-            .collect();
-        let lit = ids.map(SurfaceId).filter(|id| is_lit[id.index()]);
-        let all = lit.clone().chain(emitter.pieces.iter().copied());
-        let bounds = all.map(|id| faces.scene.surface(id).polygon.bounds()).fold(Aabb::EMPTY, Aabb::union);
-        let count = lit.count();
-        Self { is_lit, count, bounds }
+impl<'a> Lit<'a> {
+    /// `least` is the least tolerance of all surfaces.
+    pub fn by(faces: &Faces<'_>, emitter: &'a Emitter, tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync), least: f64) -> Self {
+        let mut receivers = Vec::new();
+        let may_meet = |centre, half| bound_beyond(emitter, &Aabb { min: centre - half, max: centre + half }) > least;
+        faces.boxes.until_enough_where(may_meet, |id| {
+            receivers.push(id);
+            false
+        });
+        receivers.par_sort_unstable();
+        let receivers: Vec<SurfaceId> =
+            receivers.into_par_iter().filter(|&id| bound_irradiance(faces, emitter, id) > tolerance(id)).collect();
+        let least = receivers.iter().map(|&id| tolerance(id)).fold(f64::INFINITY, f64::min);
+        let all = receivers.iter().chain(&emitter.pieces);
+        let bounds = all.map(|&id| faces.scene.surface(id).polygon.bounds()).fold(Aabb::EMPTY, Aabb::union);
+        Self { emitter, receivers, least, bounds }
+    }
+
+    /// How many they are.
+    pub fn count(&self) -> usize {
+        self.receivers.len()
     }
 
     pub fn has(&self, receiver: SurfaceId) -> bool {
-        self.is_lit[receiver.index()]
+        self.receivers.binary_search(&receiver).is_ok()
     }
 
-    /// Whether what lies between some points may cast a shadow of the emitter on any of them.
-    pub fn may_be_shadowed_by(&self, points: &[DVec3]) -> bool {
-        let own = Aabb::around(points.iter().copied());
-        own.min.cmple(self.bounds.max).all() && own.max.cmpge(self.bounds.min).all()
+    /// Whether what lies within some bounds may cast a shadow of the emitter on any of them that is more than tolerated.
+    pub fn may_be_shadowed_by(&self, bounds: &Aabb) -> bool {
+        let is_between = bounds.min.cmple(self.bounds.max).all() && bounds.max.cmpge(self.bounds.min).all();
+        is_between && bound_beyond(self.emitter, bounds) > self.least
     }
+
+    /// Within this distance lie all points from which edges within `bounds`, of this length together, can hide more than is tolerated.
+    pub fn reach(&self, bounds: &Aabb, length: f64) -> f64 {
+        let (_, distance) = nearest_beyond(self.emitter, bounds);
+        let looks = (self.emitter.diameter / distance).min(PI);
+        self.emitter.radiosity / PI * length * looks / self.least
+    }
+
+    /// Within this distance of the emitter lie all points near its horizon that get more from it than is tolerated.
+    pub fn reach_of_horizon(&self) -> f64 {
+        (self.emitter.radiosity * self.emitter.area * self.emitter.diameter / (PI * self.least)).cbrt()
+    }
+}
+
+/// At most what a point within some bounds gets from an emitter, or one beyond, of which light through the bounds would reach it; in W/m^2.
+///
+/// Along a line that leaves a convex set, such as a box around the emitter, or what is below its plane, the distance from the set never becomes less.
+fn bound_beyond(emitter: &Emitter, bounds: &Aabb) -> f64 {
+    let (is_in_front, distance) = nearest_beyond(emitter, bounds);
+    let factor = emitter.area / (PI * distance * distance);
+    if is_in_front { emitter.radiosity * factor.min(1.0) } else { 0.0 }
+}
+
+/// Whether some bounds reach in front of an emitter, and at least how far from it they and what is beyond lie.
+fn nearest_beyond(emitter: &Emitter, bounds: &Aabb) -> (bool, f64) {
+    let plane = &emitter.plane;
+    let (middle, reach) = (plane.height(bounds.centre()), plane.normal.abs().dot(0.5 * bounds.extent()));
+    (middle + reach > 0.0, (middle - reach).max(emitter.bounds.distance_to(bounds)))
 }
 
 /// At most what a receiver gets from an emitter anywhere, in W/m^2.

@@ -47,6 +47,7 @@ pub(super) struct Emitter {
     pub area: f64,
     /// No two of its points are farther apart, in metres.
     pub diameter: f64,
+    pub bounds: Aabb,
 }
 
 impl Apex {
@@ -195,7 +196,7 @@ fn emitter(faces: &Faces<'_>, pieces: &[SurfaceId], kin: &[SurfaceId], radiosity
     let corner = |end| (Apex::new(faces, &plane, end, inward(end)), sectors_of(facets(faces, kin), end, faces.on_plane()));
     let corners = ends.map(corner).collect();
     let points = || pieces.iter().flat_map(|&id| faces.facet(id).vertices.iter().copied());
-    let diameter = Aabb::around(points()).diagonal();
+    let bounds = Aabb::around(points());
     let area = pieces.iter().map(|&id| faces.facet(id).area).sum();
-    Emitter { pieces: pieces.to_vec(), radiosity, plane, rims, corners, area, diameter }
+    Emitter { pieces: pieces.to_vec(), radiosity, plane, rims, corners, area, diameter: bounds.diagonal(), bounds }
 }

@@ -14,15 +14,15 @@ struct Piece {
     cut: usize,
 }
 
-/// Calls `visit` with each cut and rays of `windows` on which it is the first that is farther than `w`. Surfaces of one plane hide nothing of each
-/// other: where they lie over each other, both are hit.
-pub(super) fn first_hits(cuts: &[Cut], windows: &[[f64; 2]], w: f64, mut visit: impl FnMut(&Cut, [f64; 2])) {
-    let beyond = |cut: &Cut| {
-        let [low, high] = cut.farther_than(w)?;
+/// Calls `visit` with each cut and rays of `windows` on which it is the first that is farther than `nearness[0]`, and nearer than `nearness[1]`. Surfaces
+/// of one plane hide nothing of each other: where they lie over each other, both are hit.
+pub(super) fn first_hits(cuts: &[Cut], windows: &[[f64; 2]], nearness: [f64; 2], mut visit: impl FnMut(&Cut, [f64; 2])) {
+    let between = |cut: &Cut| {
+        let [low, high] = cut.between(nearness)?;
         let at_both = [low, high].map(|u| (cut.nearness(u), cut.point(u)));
         Some(Cut { u: [low, high], w: at_both.map(|(w, _)| w), ends: at_both.map(|(_, point)| point), ..*cut })
     };
-    let targets: Vec<Cut> = cuts.iter().filter_map(beyond).collect();
+    let targets: Vec<Cut> = cuts.iter().filter_map(between).collect();
     let mut by_plane: Vec<(u32, usize)> = targets.iter().zip(0..).map(|(target, k)| (target.plane, k)).collect();
     by_plane.sort_unstable();
 
@@ -107,7 +107,7 @@ fn overtakes(cut: &Cut, other: &Cut, range: [f64; 2]) -> Option<[f64; 2]> {
 mod tests {
     use glam::DVec3;
 
-    use super::super::fan::{Fan, hide};
+    use super::super::fan::{Fan, take_out};
     use super::*;
     use crate::geometry::sampling;
     use crate::scene::SurfaceId;
@@ -137,9 +137,9 @@ mod tests {
             let segments = segments(seed);
             let cuts: Vec<Cut> = (0..).zip(&segments).filter_map(|(k, s)| fan.project(s[0], s[1], SurfaceId(k), k)).collect();
             let mut found = Vec::new();
-            first_hits(&cuts, &[[0.0, 1.0]], 1.0, |cut, rays| found.push((*cut, rays)));
+            first_hits(&cuts, &[[0.0, 1.0]], [1.0, 0.0], |cut, rays| found.push((*cut, rays)));
             let mut open = vec![[0.0, 1.0]];
-            hide(&mut open, &cuts, 1.0);
+            cuts.iter().filter_map(|cut| cut.nearer_than(1.0)).for_each(|hidden| take_out(&mut open, hidden));
             for k in 0..50 {
                 let u = (f64::from(k) + 0.5) / 50.0;
                 let at = |k: usize| distance(apex, fan.direction(u), segments[k]);

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::fan::{Cut, Fan};
+use super::fan::{Cut, Fan, Windows, take_out};
 use crate::geometry::{Aabb, Facet};
 use crate::scene::{Scene, SurfaceId};
 use crate::visibility::SurfaceBoxes;
@@ -75,27 +75,69 @@ impl<'a> Faces<'a> {
         near
     }
 
-    /// Where the faces cut the plane of a fan, as seen from its apex.
+    /// The faces whose boxes come within the tolerance of `bounds` and of a plane, in the order of their numbers.
+    pub fn along(&self, plane: &Plane, bounds: &Aabb) -> Vec<SurfaceId> {
+        let (middle, reach) = (bounds.centre(), 0.5 * bounds.extent() + self.on_plane());
+        let mut along = Vec::new();
+        let may_meet =
+            |centre: DVec3, half: DVec3| (centre - middle).abs().cmple(half + reach).all() && self.may_cut(plane, centre, half);
+        self.boxes.until_enough_where(may_meet, |id| {
+            if !self.is_second_side(id) {
+                along.push(id);
+            }
+            false
+        });
+        along.sort_unstable();
+        along
+    }
+
+    /// Whether a box, by its centre and half its extent, comes within the tolerance of a plane.
+    fn may_cut(&self, plane: &Plane, centre: DVec3, half: DVec3) -> bool {
+        plane.height(centre).abs() <= plane.normal.abs().dot(half) + self.on_plane()
+    }
+
+    /// Where the faces cut the plane of a fan, as seen from its apex: those farther than `range[0]` times the fan's segment, and no farther than
+    /// `range[1]` times. Answers whether anything touches the plane there. Faces of `but` do not count.
     ///
     /// The plane is thought of as moved a little along its normal, so that what only touches it from behind does not cut it, and what touches it
-    /// from the front does: where surfaces meet in the plane, no ray slips through between them. Answers whether anything touches it.
-    /// Faces of `but` do not count, nor those all farther than `farthest` times the fan's segment.
-    pub fn cut(&self, plane: &Plane, (fan, farthest): (&Fan, f64), but: &[SurfaceId], cuts: &mut Vec<Cut>) -> bool {
+    /// from the front does: where surfaces meet in the plane, no ray slips through between them.
+    pub fn cut(&self, plane: &Plane, (fan, range): (&Fan, [f64; 2]), but: &[SurfaceId], cuts: &mut Vec<Cut>) -> bool {
         cuts.clear();
+        self.until_enough_cut(plane, (fan, range), but, |cut| {
+            cuts.push(cut);
+            false
+        })
+    }
+
+    /// Takes the rays out of `windows` on which a face is nearer than `w`, until none is left. Answers whether anything touches the plane, of what was
+    /// looked at.
+    pub fn hide(&self, plane: &Plane, (fan, w): (&Fan, f64), but: &[SurfaceId], windows: &mut Windows) -> bool {
+        self.until_enough_cut(plane, (fan, [0.0, 1.0]), but, |cut| {
+            if let Some(hidden) = cut.nearer_than(w) {
+                take_out(windows, hidden);
+            }
+            windows.is_empty()
+        })
+    }
+
+    fn until_enough_cut(
+        &self,
+        plane: &Plane,
+        (fan, range): (&Fan, [f64; 2]),
+        but: &[SurfaceId],
+        mut visit: impl FnMut(Cut) -> bool,
+    ) -> bool {
         let mut is_touched = false;
-        let spread = plane.normal.abs();
-        let may_meet = |centre: DVec3, half: DVec3| {
-            plane.height(centre).abs() <= spread.dot(half) + self.on_plane() && fan.may_reach(centre, half, farthest)
-        };
-        self.boxes.for_each_where(may_meet, |id| {
+        let may_meet = |centre: DVec3, half: DVec3| self.may_cut(plane, centre, half) && fan.may_reach(centre, half, range);
+        self.boxes.until_enough_where(may_meet, |id| {
             if self.is_second_side(id) || but.contains(&id) {
-                return;
+                return false;
             }
             let vertices = self.facet(id).vertices;
             is_touched |= vertices.iter().any(|&vertex| plane.height(vertex).abs() <= self.on_plane());
-            if let Some([from, to]) = section(vertices, plane, self.on_plane()) {
-                cuts.extend(fan.project(from, to, id, self.scene.surface(id).plane()));
-            }
+            let section = section(vertices, plane, self.on_plane());
+            let cut = section.and_then(|[from, to]| fan.project(from, to, id, self.scene.surface(id).plane()));
+            cut.is_some_and(&mut visit)
         });
         is_touched
     }

@@ -61,12 +61,12 @@ impl Fan {
         self.a + u * self.span
     }
 
-    /// Whether a box, by its centre and half its extent, may hold points of the fan, no farther than `farthest` times the segment.
+    /// Whether a box, by its centre and half its extent, may hold points of the fan between `nearest` and `farthest` times the segment.
     #[inline]
-    pub fn may_reach(&self, centre: DVec3, half: DVec3, farthest: f64) -> bool {
+    pub fn may_reach(&self, centre: DVec3, half: DVec3, [nearest, farthest]: [f64; 2]) -> bool {
         let from = centre - self.apex;
         let largest = |along: DVec3| along.dot(from) + along.abs().dot(half);
-        largest(self.to_t) >= 0.0
+        largest(self.to_t) >= nearest
             && -largest(-self.to_t) <= farthest
             && largest(self.to_tu) >= 0.0
             && largest(self.to_t - self.to_tu) >= 0.0
@@ -141,9 +141,10 @@ impl Cut {
         Self::where_positive(self.u, |u| self.nearness(u) - w)
     }
 
-    /// The rays on which it is farther than `w`.
-    pub fn farther_than(&self, w: f64) -> Option<[f64; 2]> {
-        Self::where_positive(self.u, |u| w - self.nearness(u))
+    /// The rays on which it is farther than the one nearness and nearer than the other.
+    pub fn between(&self, [farther_than, nearer_than]: [f64; 2]) -> Option<[f64; 2]> {
+        let beyond = Self::where_positive(self.u, |u| farther_than - self.nearness(u))?;
+        Self::where_positive(beyond, |u| self.nearness(u) - nearer_than)
     }
 }
 
@@ -160,18 +161,6 @@ pub(super) fn take_out(windows: &mut Windows, [from, to]: [f64; 2]) {
 pub(super) fn common(some: &[[f64; 2]], others: &[[f64; 2]]) -> Windows {
     let shared = some.iter().flat_map(|a| others.iter().map(|b| [a[0].max(b[0]), a[1].min(b[1])]));
     shared.filter(|[low, high]| high - low > SAME_RAY).collect()
-}
-
-/// Takes out what is hidden by anything that is nearer than `w`.
-pub(super) fn hide(windows: &mut Windows, cuts: &[Cut], w: f64) {
-    for cut in cuts {
-        if windows.is_empty() {
-            return;
-        }
-        if let Some(hidden) = cut.nearer_than(w) {
-            take_out(windows, hidden);
-        }
-    }
 }
 
 #[cfg(test)]

@@ -8,9 +8,13 @@
 //!
 //! **What of it matters.** Each segment has a bound of how much irradiance it can change (`effect`). Of each receiver the least are left out, as
 //! many as together stay below what the receiver tolerates. A source that cannot bring more than that to a receiver at all casts no curve there,
-//! so sources may be all surfaces that shine or reflect (section 6.2.2): those that dominate a receiver remain.
+//! so sources may be all surfaces that shine or reflect (section 6.2.2): those that dominate a receiver remain. The bounds are used before the work
+//! is done: edges and corners too far from a source for it to bring what any receiver does not tolerate are not looked at, and others are followed
+//! only as far behind them as what they hide matters. So a curve that changes no more than is tolerated is left out wherever it alone would be.
 //!
-//! **Cost.** With `l` source edges and `m` edges there are `O(l m)` wedges; each asks a tree of boxes for what its plane cuts.
+//! **Cost.** With `l` source edges and `m` edges there are `O(l m)` wedges; each asks a tree of boxes for what its plane cuts. In large scenes there
+//! are too many of them even so: of all sources together `MOST_PAIRS` are followed, of each by its share of the light, those that matter
+//! farthest; how many edges and corners are left is counted.
 
 mod contacts;
 mod corners;
@@ -23,6 +27,7 @@ mod envelope;
 mod events;
 mod faces;
 mod fan;
+mod occluders;
 mod points;
 mod segments;
 mod svg;
@@ -41,18 +46,37 @@ use effect::Lit;
 use emitters::Emitter;
 use events::Tracer;
 use faces::Faces;
+use occluders::{Occluder, Occluders};
+
+/// Of all sources together about so many pairs of a side of a source and an edge or corner are followed, of each source by its share of all light: a
+/// minute or two of one core in scenes of some hundred thousand surfaces.
+const MOST_PAIRS: f64 = 524_288.0;
 
 /// The discontinuities of the light that emitters send, the sum of their channels: what changes irradiance by less than `tolerance` of the largest
 /// exitance is left out.
 pub fn of_emitters(scene: &Scene, tolerance: f64) -> Discontinuities {
-    let exitance = |id: SurfaceId| scene.material_of(id).exitance.iter().sum::<f64>();
-    let ids = (0..scene.surfaces().len() as u32).map(SurfaceId);
-    let sources: Vec<Source> = ids.map(|surface| Source { surface, radiosity: exitance(surface) }).collect();
-    let most = sources.iter().map(|source| source.radiosity).fold(0.0, f64::max);
-    find(scene, &sources, &|_| tolerance * most, &|| false)
+    of_emitters_until(scene, tolerance, &|| false)
 }
 
-/// The discontinuities of the light of `sources`. Each receiver may be wrong by its `tolerance` in W/m^2 for what is left out on it.
+/// As [`of_emitters`]; once `stop` says so, what was found by then.
+pub(crate) fn of_emitters_until(scene: &Scene, tolerance: f64, stop: Stop<'_>) -> Discontinuities {
+    let exitance = |id: SurfaceId| scene.material_of(id).exitance.iter().sum::<f64>();
+    let sources: Vec<Source> = ids(scene).map(|surface| Source { surface, radiosity: exitance(surface) }).collect();
+    let most = sources.iter().map(|source| source.radiosity).fold(0.0, f64::max);
+    find(scene, &sources, &|_| tolerance * most, stop)
+}
+
+/// The lines where surfaces touch or cross, alone.
+pub fn of_contacts(scene: &Scene) -> Discontinuities {
+    find(scene, &[], &|_| 0.0, &|| false)
+}
+
+fn ids(scene: &Scene) -> impl Iterator<Item = SurfaceId> {
+    (0..scene.surfaces().len() as u32).map(SurfaceId)
+}
+
+/// The discontinuities of the light of `sources`. Each receiver may be wrong by its `tolerance` in W/m^2 for each curve that is not followed, and for all
+/// together of those that were found and are left out on it.
 ///
 /// The same for any number of threads. Once `stop` says so, what was found by then is returned.
 pub(crate) fn find(
@@ -62,51 +86,63 @@ pub(crate) fn find(
     stop: Stop<'_>,
 ) -> Discontinuities {
     let faces = Faces::of(scene);
-    let count = scene.surfaces().len();
-    let mut found = Found::default();
-
-    // Contacts.
-    let contacts: Vec<Found> = (0..count as u32)
-        .into_par_iter()
-        .map(|id| {
-            let mut found = Found::default();
-            if !stop() {
-                contacts::find(&faces, SurfaceId(id), &mut found);
-            }
-            found
-        })
-        .collect();
-    contacts.into_iter().for_each(|part| found.append(part));
+    let mut found = find_contacts(&faces, stop);
 
     // Events of each emitter.
     let emitters = emitters::emitters(&faces, sources);
-    let (edges, corners) = rayon::join(|| edges::welded(&faces), || corners::welded(&faces));
-    found.counters.edges = edges.len() as u64;
-    found.counters.corners = corners.len() as u64;
-    for (number, emitter) in emitters.iter().enumerate() {
-        found.counters.source_edges += emitter.rims.len() as u64;
-        let lit = Lit::by(&faces, emitter, tolerance);
-        found.counters.weak_pairs += (count - lit.count) as u64;
-        if lit.count == 0 {
-            continue;
+    if !emitters.is_empty() {
+        let occluders = Occluders::of(&faces, &mut found.counters);
+        let least = ids(scene).map(tolerance).fold(f64::INFINITY, f64::min);
+        let power = |emitter: &Emitter| emitter.radiosity * emitter.area;
+        let whole: f64 = emitters.iter().map(power).sum();
+        for (emitter, number) in emitters.iter().zip(0..) {
+            let lit = Lit::by(&faces, emitter, tolerance, least);
+            let pairs = MOST_PAIRS * power(emitter) / whole;
+            found.append(follow(&faces, &occluders, &lit, (number, pairs), stop));
         }
-        let follow = |body: &dyn Fn(&mut Tracer<'_>)| {
-            let mut found = Found::default();
-            if !stop() {
-                body(&mut Tracer::new(&faces, emitter, number as u32, &lit, &mut found));
-            }
-            found
-        };
-        /// Edges or corners that a thread takes at a time.
-        const AT_ONCE: usize = 32;
-        let of_edges = edges.par_chunks(AT_ONCE).map(|some| follow(&|tracer| some.iter().for_each(|edge| tracer.edge(edge))));
-        let of_corners =
-            corners.par_chunks(AT_ONCE).map(|some| follow(&|tracer| some.iter().for_each(|corner| tracer.corner(corner))));
-        let parts: Vec<Found> = of_edges.chain(of_corners).collect();
-        parts.into_iter().for_each(|part| found.append(part));
-        found.append(follow(&|tracer| tracer.horizon()));
     }
     gather(&faces, found, &emitters, tolerance)
+}
+
+/// Where surfaces touch.
+fn find_contacts(faces: &Faces<'_>, stop: Stop<'_>) -> Found {
+    let of = |id: u32| {
+        let mut found = Found::default();
+        if !stop() {
+            contacts::find(faces, SurfaceId(id), &mut found);
+        }
+        found
+    };
+    let contacts: Vec<Found> = (0..faces.scene.surfaces().len() as u32).into_par_iter().map(of).collect();
+    let mut found = Found::default();
+    contacts.into_iter().for_each(|part| found.append(part));
+    found
+}
+
+/// The events of an emitter, which has a number, with about this many pairs at most.
+fn follow(faces: &Faces<'_>, occluders: &Occluders, lit: &Lit<'_>, (number, pairs): (u32, f64), stop: Stop<'_>) -> Found {
+    /// Edges and corners that a thread takes at a time.
+    const AT_ONCE: usize = 32;
+    let mut found = Found::default();
+    let rims = lit.emitter.rims.len();
+    found.counters.source_edges = rims as u64;
+    found.counters.weak_pairs = (faces.scene.surfaces().len() - lit.count()) as u64;
+    if lit.count() == 0 {
+        return found;
+    }
+    let before = occluders.before(lit, (pairs / rims as f64).ceil() as usize, &mut found.counters);
+    let follow = |body: &dyn Fn(&mut Tracer<'_>)| {
+        let mut found = Found::default();
+        if !stop() {
+            body(&mut Tracer::new(faces, number, lit, &mut found));
+        }
+        found
+    };
+    let of_some = |some: &[&Occluder]| follow(&|tracer| some.iter().for_each(|occluder| tracer.occluder(occluder)));
+    let parts: Vec<Found> = before.par_chunks(AT_ONCE).map(of_some).collect();
+    parts.into_iter().for_each(|part| found.append(part));
+    found.append(follow(&|tracer| tracer.horizon()));
+    found
 }
 
 /// Welds the curves of each receiver.

@@ -16,6 +16,17 @@ pub enum Degree {
     D2,
 }
 
+impl Degree {
+    /// What pictures show it in, in 8-bit sRGB: red, green, blue.
+    pub const fn colour(self) -> [u8; 3] {
+        match self {
+            Self::D0 => [230, 30, 30],
+            Self::D1 => [20, 140, 40],
+            Self::D2 => [30, 80, 230],
+        }
+    }
+}
+
 /// A straight piece of a curve on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {

@@ -4,14 +4,16 @@ use std::fmt::Write;
 
 use glam::DVec3;
 
-use super::segments::{Degree, Discontinuities};
+#[cfg(doc)]
+use super::segments::Degree;
+use super::segments::Discontinuities;
 use crate::geometry::Frame;
 use crate::scene::{Scene, SurfaceId};
 
 /// The longer side of a picture, in pixels.
 const SIZE: f64 = 1000.0;
 
-/// A surface seen from its front as an SVG: contacts are red, D1 black, D2 blue, and the fainter the less they can change.
+/// A surface seen from its front as an SVG: in the colours of [`Degree::colour`], and the fainter the less they can change.
 pub fn svg(scene: &Scene, discontinuities: &Discontinuities, surface: SurfaceId) -> String {
     let facet = scene.surface(surface).polygon.facet();
     let frame = Frame::around(facet.normal);
@@ -34,17 +36,13 @@ pub fn svg(scene: &Scene, discontinuities: &Discontinuities, surface: SurfaceId)
     let segments = discontinuities.of(surface);
     let most = segments.iter().map(|segment| segment.change).filter(|change| change.is_finite()).fold(0.0, f64::max);
     for segment in segments.iter().rev() {
-        let colour = match segment.degree {
-            Degree::D0 => "red",
-            Degree::D1 => "black",
-            Degree::D2 => "blue",
-        };
+        let [r, g, b] = segment.degree.colour();
         let strength = if segment.change < most { (segment.change / most).powf(0.25).max(0.1) } else { 1.0 };
         let [[x1, y1], [x2, y2]] = segment.ends.map(|end| place(flat(end)));
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
-            "<line x1=\"{x1:.2}\" y1=\"{y1:.2}\" x2=\"{x2:.2}\" y2=\"{y2:.2}\" stroke=\"{colour}\" stroke-opacity=\"{strength:.2}\"/>"
+            "<line x1=\"{x1:.2}\" y1=\"{y1:.2}\" x2=\"{x2:.2}\" y2=\"{y2:.2}\" stroke=\"rgb({r},{g},{b})\" stroke-opacity=\"{strength:.2}\"/>"
         );
     }
     text.push_str("</svg>\n");

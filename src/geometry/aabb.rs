@@ -39,6 +39,11 @@ impl Aabb {
         self.min.cmpgt(self.max).any()
     }
 
+    /// The distance between the nearest points of both, in metres.
+    pub(crate) fn distance_to(&self, other: &Self) -> f64 {
+        (other.min - self.max).max(self.min - other.max).max(DVec3::ZERO).length()
+    }
+
     pub(crate) fn centre(&self) -> DVec3 {
         0.5 * (self.min + self.max)
     }

@@ -12,6 +12,7 @@ mod lit_mesh;
 mod locate;
 mod plane;
 mod surface_mesh;
+mod triangles;
 mod triangulation;
 mod validate;
 
@@ -19,3 +20,4 @@ pub(crate) use build::MeshBuilder;
 pub(crate) use limits::{MeshLimit, MeshLimits};
 pub use lit_mesh::{LitMesh, MeshPart};
 pub(crate) use lit_mesh::{MeshIndex, MeshReader};
+pub use triangles::triangulated;

@@ -1,6 +1,8 @@
 //! The first triangles of a surface: a constrained Delaunay triangulation of its polygon, along lines across which its light has a kink or a step
 //! (the triangulation is spade's), bisected until none is large.
 
+use std::collections::HashMap;
+
 use glam::DVec2;
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
@@ -22,25 +24,21 @@ pub(crate) struct Line {
 }
 
 /// Triangulates a convex polygon, counter-clockwise, along some lines within it; no triangle is larger than `largest` m^2, or much longer than that. Lines that cross others
-/// before them are left out.
+/// before them are left out. A polygon too small for spade, below 1e-33 m, has no triangles.
 pub(super) fn triangulate(polygon: &[DVec2], lines: &[Line], largest: f64) -> Triangles {
     let size = polygon.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
-    let mut cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
-    let insert = |cdt: &mut ConstrainedDelaunayTriangulation<Point2<f64>>, at: DVec2| -> Option<FixedVertexHandle> {
-        let rounded = (at / (WELDED * size)).round() * (WELDED * size);
-        cdt.insert(Point2::new(rounded.x, rounded.y)).ok()
-    };
-
-    // The corners, then the lines, the more important ones first.
+    let mut vertices = Vertices { cell: WELDED * size, numbers: HashMap::new(), places: Vec::new() };
     for &corner in polygon {
-        insert(&mut cdt, corner);
+        vertices.number(corner);
     }
-    for line in lines {
-        let [from, to] = line.ends.map(|end| insert(&mut cdt, end));
-        if let (Some(from), Some(to)) = (from, to)
-            && from != to
-            && cdt.can_add_constraint(from, to)
-        {
+    let ends: Vec<[usize; 2]> = lines.iter().map(|line| line.ends.map(|end| vertices.number(end))).collect();
+
+    // All vertices at once: spade may not find where to put one that comes after lines. Then the lines, the more important ones first.
+    let Ok(mut cdt) = ConstrainedDelaunayTriangulation::<Point2<f64>>::bulk_load_cdt(vertices.places, Vec::new()) else {
+        return Triangles::default();
+    };
+    for [from, to] in ends.into_iter().map(|ends| ends.map(FixedVertexHandle::from_index)) {
+        if from != to && cdt.can_add_constraint(from, to) {
             cdt.add_constraint(from, to);
         }
     }
@@ -56,6 +54,26 @@ pub(super) fn triangulate(polygon: &[DVec2], lines: &[Line], largest: f64) -> Tr
         }
     }
     triangles
+}
+
+/// Places that are told apart.
+struct Vertices {
+    /// Places are rounded to multiples of it, in metres.
+    cell: f64,
+    numbers: HashMap<[i64; 2], usize>,
+    places: Vec<Point2<f64>>,
+}
+
+impl Vertices {
+    /// The number of the vertex at a place, a new one if none is there.
+    fn number(&mut self, at: DVec2) -> usize {
+        let rounded = (at / self.cell).round();
+        *self.numbers.entry(rounded.as_i64vec2().to_array()).or_insert_with(|| {
+            let place = rounded * self.cell;
+            self.places.push(Point2::new(place.x, place.y));
+            self.places.len() - 1
+        })
+    }
 }
 
 /// Turns spade's triangulation into ours.

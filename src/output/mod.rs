@@ -8,7 +8,7 @@
 //! | file | written by | holds |
 //! |---|---|---|
 //! | `.exr` | [`write_exr`] | linear radiance or radiosity, 32-bit float |
-//! | `.png` | [`write_png`] | an exposed, tone-mapped picture for display |
+//! | `.png` | [`write_png`], [`write_display`] | an exposed, tone-mapped picture for display, or false colours with a legend |
 //! | `.ply` | [`write_mesh_ply`] | the lit mesh with float radiosities at its nodes |
 //! | `.ply` | [`write_ply`] | the leaves of the hierarchy with float radiosities |
 //! | solution | [`write_solution`] | everything, to be read back by [`read_solution`] |
@@ -17,7 +17,10 @@
 
 mod atomic;
 pub mod exr;
+pub mod false_colours;
 mod format;
+mod glyphs;
+mod legend;
 pub mod mesh_ply;
 #[cfg(feature = "openexr")]
 pub mod openexr;
@@ -27,18 +30,21 @@ pub mod points;
 mod provenance;
 pub mod report;
 pub mod solution_file;
+mod srgb;
 pub mod values;
 
 pub use atomic::{Destination, DestinationError};
 pub use exr::write_exr;
+pub use false_colours::{Scale, ScaleError};
 pub use format::{ExportFormat, ImageFormat, UnknownExtension};
+pub use legend::LEAST_SIZE_WITH_LEGEND;
 pub use mesh_ply::{write_mesh_ply, write_quadratic_mesh_ply};
 #[cfg(feature = "openexr")]
 pub use openexr::write_openexr;
 pub use ply::write_ply;
-pub use png::{PngExposure, auto_exposure, write_png};
+pub use png::{Display, Look, PngExposure, auto_exposure, write_display, write_png};
 pub use points::{Points, PointsError, read_points};
-pub use provenance::{Provenance, Quantity};
+pub use provenance::{LUMENS_PER_WATT, Provenance, Quantity};
 pub use report::{CpuReport, ErrorFigures, MemoryReport, REPORT_SCHEMA, RunReport, SceneReport, Timing, write_report};
 pub use solution_file::{
     SOLUTION_FORMAT_VERSION, SolutionFileError, is_solution_file, read_solution, read_solution_from, write_solution,

@@ -13,11 +13,16 @@
 //!
 //! It is applied to the largest channel of a pixel, and the others keep their ratio to it, so that colours keep their hue; very
 //! bright pixels then fade towards white, as on film, instead of becoming flat patches of saturated colour.
+//!
+//! Or pixels show a quantity in false colours (`false_colours`), with a legend (`legend`).
 
 use std::io::{self, Write};
 
+use super::false_colours::Scale;
+use super::legend::{self, LEAST_SIZE_WITH_LEGEND};
+use super::srgb::encode_srgb;
 use super::{Provenance, Quantity};
-use crate::picture::Image;
+use crate::picture::{Image, Marks, luminance};
 
 /// Where the tone curve leaves the straight line, in linear light.
 pub const SHOULDER: f32 = 0.5;
@@ -52,60 +57,117 @@ pub fn auto_exposure(image: &Image) -> f64 {
     if count == 0 { 0.0 } else { KEY.log2() - sum / count as f64 }
 }
 
-/// Writes `image` as PNG: grey for one channel, sRGB for three, else grey from the mean of the channels. Text chunks state
-/// software, quantity, unit, options and exposure. Returns the exposure value that was used.
+/// How the numbers of a picture become colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Look {
+    /// As light: exposed and tone-mapped.
+    Light(PngExposure),
+    /// As false colours on a scale of the quantity: of its luminance by Rec. 709 if there are three channels, else of their mean. With a legend.
+    Scale(Scale),
+}
+
+/// A picture to look at.
+#[derive(Clone, Debug)]
+pub struct Display<'a> {
+    /// What its numbers are.
+    pub image: &'a Image,
+    /// What they stand for; as light it is [`Quantity::Radiance`].
+    pub quantity: Quantity,
+    /// How they are shown.
+    pub look: Look,
+    /// Lines over the picture.
+    pub marks: Option<&'a Marks>,
+}
+
+/// Writes `image` as PNG, as light: see [`write_display`].
 ///
 /// # Errors
-/// What the writer says, and [`io::ErrorKind::InvalidInput`] for an image that is not [well formed](Image::is_well_formed).
+/// As [`write_display`].
 pub fn write_png(writer: impl Write, image: &Image, exposure: PngExposure, provenance: &Provenance) -> io::Result<f64> {
-    if !image.is_well_formed() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the image has more or fewer values than pixels and channels"));
-    }
-    let ev = match exposure {
-        PngExposure::Auto => auto_exposure(image),
-        PngExposure::Ev(ev) => ev,
-    };
-    let scale = ev.exp2() as f32;
+    let display = Display { image, quantity: Quantity::Radiance, look: Look::Light(exposure), marks: None };
+    Ok(write_display(writer, &display, provenance)?.unwrap_or(0.0))
+}
 
-    // Expose, bend, encode.
-    let coloured = image.channels == 3;
-    let mut bytes = Vec::with_capacity(image.width as usize * image.height as usize * if coloured { 3 } else { 1 });
-    for pixel in image.pixels() {
-        if let &[r, g, b] = pixel {
-            bytes.extend(tone_map([r * scale, g * scale, b * scale]).map(encode_srgb));
-        } else {
-            let [grey, ..] = tone_map([luminance(pixel) * scale; 3]);
-            bytes.push(encode_srgb(grey));
-        }
+/// Writes a picture as PNG: as light grey for one channel, sRGB for three, else grey from the mean of the channels; in colour where there are marks or
+/// false colours. Text chunks state software, quantity, unit, options and exposure or scale. Returns the exposure value that was used.
+///
+/// # Errors
+/// What the writer says, and [`io::ErrorKind::InvalidInput`] for an image that is not [well formed](Image::is_well_formed), or too small for a
+/// legend ([`LEAST_SIZE_WITH_LEGEND`]).
+pub fn write_display(writer: impl Write, display: &Display<'_>, provenance: &Provenance) -> io::Result<Option<f64>> {
+    let Display { image, quantity, .. } = *display;
+    let invalid = |text| io::Error::new(io::ErrorKind::InvalidInput, text);
+    if !image.is_well_formed() {
+        return Err(invalid("the image has more or fewer values than pixels and channels"));
     }
+    if matches!(display.look, Look::Scale(_))
+        && (image.width < LEAST_SIZE_WITH_LEGEND[0] || image.height < LEAST_SIZE_WITH_LEGEND[1])
+    {
+        return Err(invalid("the image is too small for a legend"));
+    }
+    let (bytes, ev) = display.colours();
+    let coloured = bytes.len() > image.width as usize * image.height as usize;
 
     let mut encoder = ::png::Encoder::new(writer, image.width, image.height);
     encoder.set_color(if coloured { ::png::ColorType::Rgb } else { ::png::ColorType::Grayscale });
     encoder.set_depth(::png::BitDepth::Eight);
     encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
     let title = |key: &str| key[..1].to_uppercase() + &key[1..];
-    for (key, text) in provenance.statements(Quantity::Radiance) {
+    for (key, text) in provenance.statements(quantity) {
         encoder.add_text_chunk(title(key), text).map_err(into_io)?;
     }
-    let exposure = format!("EV {ev:.4}: radiance times 2^EV, shoulder above {SHOULDER}, sRGB");
-    encoder.add_text_chunk("Exposure".to_owned(), exposure).map_err(into_io)?;
+    let (key, text) = match (display.look, ev) {
+        (Look::Scale(scale), _) => ("Scale", format!("{}..{} {}, a helix in Oklab", scale.low(), scale.high(), quantity.unit())),
+        (_, ev) => ("Exposure", format!("EV {:.4}: radiance times 2^EV, shoulder above {SHOULDER}, sRGB", ev.unwrap_or(0.0))),
+    };
+    encoder.add_text_chunk(key.to_owned(), text).map_err(into_io)?;
     let mut writer = encoder.write_header().map_err(into_io)?;
     writer.write_image_data(&bytes).and_then(|()| writer.finish()).map_err(into_io)?;
     Ok(ev)
+}
+
+impl Display<'_> {
+    /// The bytes of all pixels, grey or RGB, and the exposure value of light.
+    fn colours(&self) -> (Vec<u8>, Option<f64>) {
+        let Self { image, quantity, look, marks } = *self;
+        let unmarked = marks.is_none();
+        let (mut bytes, ev): (Vec<u8>, _) = match look {
+            Look::Scale(scale) => {
+                let value = |pixel: &[f32]| f64::from(luminance(pixel) * quantity.per_radiance());
+                (image.pixels().flat_map(|pixel| scale.colour(value(pixel))).collect(), None)
+            }
+            Look::Light(exposure) => {
+                let ev = match exposure {
+                    PngExposure::Auto => auto_exposure(image),
+                    PngExposure::Ev(ev) => ev,
+                };
+                let factor = ev.exp2() as f32;
+                let grey = |pixel: &[f32]| encode_srgb(tone_map([luminance(pixel) * factor; 3])[0]);
+                let bytes = match image.channels {
+                    3 => image
+                        .pixels()
+                        .flat_map(|p| tone_map([p[0] * factor, p[1] * factor, p[2] * factor]).map(encode_srgb))
+                        .collect(),
+                    _ if unmarked => image.pixels().map(grey).collect(),
+                    _ => image.pixels().flat_map(|pixel| [grey(pixel); 3]).collect(),
+                };
+                (bytes, Some(ev))
+            }
+        };
+        for (pixel, colour) in marks.into_iter().flat_map(Marks::pixels) {
+            bytes[3 * pixel..][..3].copy_from_slice(&colour);
+        }
+        if let Look::Scale(scale) = look {
+            legend::draw(&mut bytes, [image.width as usize, image.height as usize], &scale, quantity.unit());
+        }
+        (bytes, ev)
+    }
 }
 
 fn into_io(error: ::png::EncodingError) -> io::Error {
     match error {
         ::png::EncodingError::IoError(error) => error,
         other => io::Error::other(other),
-    }
-}
-
-/// Rec. 709 luminance for three channels, else the mean.
-fn luminance(pixel: &[f32]) -> f32 {
-    match pixel {
-        &[r, g, b] => 0.2126 * r + 0.7152 * g + 0.0722 * b,
-        _ => pixel.iter().sum::<f32>() / pixel.len() as f32,
     }
 }
 
@@ -119,12 +181,6 @@ fn tone_map(colour: [f32; 3]) -> [f32; 3] {
     let bent = 1.0 - (1.0 - SHOULDER).powi(2) / (peak + 1.0 - 2.0 * SHOULDER);
     let kept = 1.0 / (1.0 + FADE * (peak - bent));
     colour.map(|c| bent + (c / peak * bent - bent) * kept)
-}
-
-/// Linear light in [0, 1] to 8 bits, rounded.
-fn encode_srgb(linear: f32) -> u8 {
-    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    (255.0 * encoded.clamp(0.0, 1.0)).round() as u8
 }
 
 #[cfg(test)]
@@ -152,11 +208,6 @@ mod tests {
         assert!(r > g && g > b && r < 1.0);
         let [r, _, b] = tone_map([4000.0, 2000.0, 1000.0]);
         assert!(r - b < 0.01, "{r} {b}");
-    }
-
-    #[test]
-    fn srgb_agrees_with_the_standard_at_its_landmarks() {
-        assert_eq!([0.0, 1.0, 0.5, 0.18, 0.002].map(encode_srgb), [0, 255, 188, 118, 7]);
     }
 
     #[test]

@@ -2,6 +2,11 @@
 
 use crate::solve::SolveOptions;
 
+/// The luminous efficacy of white light of equal energy over the visible wavelengths, in lm/W: by it lighting programs turn radiometric colours into
+/// photometric units (Radiance's `WHTEFFICACY`, `src/common/color.h`; Ward Larson and Shakespeare 1998). Inputs that are in other units, such as
+/// lamps whose `Ke` is not in W/m^2/sr of visible light, make other numbers than lux of it.
+pub const LUMENS_PER_WATT: f64 = 179.0;
+
 /// A quantity that a file holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quantity {
@@ -12,11 +17,15 @@ pub enum Quantity {
     Radiosity,
     /// The upper bound of B less the lower one.
     Width,
+    /// H, what arrives at a surface per area.
+    Irradiance,
+    /// What of the irradiance an eye sees: its luminance by Rec. 709, 0.2126 R + 0.7152 G + 0.0722 B, times [`LUMENS_PER_WATT`].
+    Illuminance,
 }
 
 impl Quantity {
     /// All names, as typed on the command line.
-    pub const NAMES: [&'static str; 3] = ["radiance", "radiosity", "width"];
+    pub const NAMES: [&'static str; 5] = ["radiance", "radiosity", "width", "irradiance", "illuminance"];
 
     /// Its name.
     pub const fn name(self) -> &'static str {
@@ -24,6 +33,8 @@ impl Quantity {
             Self::Radiance => "radiance",
             Self::Radiosity => "radiosity",
             Self::Width => "width",
+            Self::Irradiance => "irradiance",
+            Self::Illuminance => "illuminance",
         }
     }
 
@@ -31,15 +42,18 @@ impl Quantity {
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Radiance => "W/m^2/sr",
-            Self::Radiosity | Self::Width => "W/m^2",
+            Self::Radiosity | Self::Width | Self::Irradiance => "W/m^2",
+            Self::Illuminance => "lx",
         }
     }
 
-    /// What a radiance is multiplied by to get this quantity.
+    /// What the number of a picture is multiplied by to get this quantity: it holds a radiosity, a width or an irradiance over pi, of illuminance its
+    /// luminance.
     pub(super) const fn per_radiance(self) -> f32 {
         match self {
             Self::Radiance => 1.0,
-            Self::Radiosity | Self::Width => std::f32::consts::PI,
+            Self::Radiosity | Self::Width | Self::Irradiance => std::f32::consts::PI,
+            Self::Illuminance => std::f32::consts::PI * LUMENS_PER_WATT as f32,
         }
     }
 }

@@ -158,6 +158,22 @@ pub struct CameraRays {
 }
 
 impl CameraRays {
+    pub(super) fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// How far a point lies in front of the plane through the eye, in metres.
+    pub(super) fn depth(&self, point: DVec3) -> f64 {
+        self.forward.dot(point - self.eye)
+    }
+
+    /// The position in the picture of a point in front of the eye.
+    pub(super) fn position(&self, point: DVec3) -> (f64, f64) {
+        let arm = (point - self.eye) / self.depth(point);
+        let along = |step: DVec3| step.dot(arm) / step.length_squared();
+        (self.centre.0 + along(self.right), self.centre.1 + along(self.down))
+    }
+
     /// The ray through a position in the picture; `(0.5, 0.5)` is the centre of the top left pixel. Its direction has length 1.
     pub fn through(&self, column: f64, row: f64) -> Ray {
         let direction = self.forward + (column - self.centre.0) * self.right + (row - self.centre.1) * self.down;

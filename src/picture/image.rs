@@ -9,7 +9,7 @@ pub struct Image {
     pub height: u32,
     /// Channels per pixel: as many as the solution has.
     pub channels: usize,
-    /// Radiance L = B / pi in W/m^2/sr, row after row from the top left; 0 where nothing is hit.
+    /// Radiance L = B / pi in W/m^2/sr, row after row from the top left; 0 where nothing is hit. Of a picture of irradiance, that over pi.
     pub radiance: Vec<f32>,
     /// The standard error of each, where it is known: noise, and what is known of bias, but not that a pixel shows a few points.
     pub standard_error: Option<Vec<f32>>,
@@ -27,6 +27,19 @@ impl Image {
         Self { width, height, channels, radiance: vec![0.0; width as usize * height as usize * channels], standard_error: None }
     }
 
+    /// The same with the luminance of each pixel as its one channel. Standard errors are added as if they were one: channels share rays.
+    ///
+    /// # Errors
+    /// The number of channels, if that is neither 1 nor 3: what is then seen of them is not known.
+    pub fn to_luminance(&self) -> Result<Self, usize> {
+        if self.channels != 1 && self.channels != 3 {
+            return Err(self.channels);
+        }
+        let of = |numbers: &[f32]| numbers.chunks_exact(self.channels).map(luminance).collect::<Vec<f32>>();
+        let (radiance, standard_error) = (of(&self.radiance), self.standard_error.as_deref().map(of));
+        Ok(Self { channels: 1, radiance, standard_error, ..*self })
+    }
+
     /// The pixels, row after row from the top left: `channels` radiances each.
     pub fn pixels(&self) -> impl ExactSizeIterator<Item = &[f32]> {
         self.radiance.chunks_exact(self.channels.max(1))
@@ -38,5 +51,13 @@ impl Image {
         let count = pixels.checked_mul(self.channels);
         let fits = |numbers: &Vec<f32>| count == Some(numbers.len());
         self.channels > 0 && pixels > 0 && fits(&self.radiance) && self.standard_error.iter().all(fits)
+    }
+}
+
+/// The luminance of a pixel: by Rec. 709 for three channels, else the mean.
+pub(crate) fn luminance(pixel: &[f32]) -> f32 {
+    match pixel {
+        &[r, g, b] => 0.2126 * r + 0.7152 * g + 0.0722 * b,
+        _ => pixel.iter().sum::<f32>() / pixel.len() as f32,
     }
 }

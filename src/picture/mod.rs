@@ -3,12 +3,18 @@
 mod camera;
 mod default_view;
 mod image;
+mod lines;
 mod of_mesh;
 mod render;
+mod shown;
 mod width;
 
 pub use camera::{Camera, CameraError, CameraRays, CameraRequest};
 pub use image::Image;
+pub(crate) use image::luminance;
+pub use lines::Marks;
+pub(crate) use lines::{Line, draw_lines};
 pub(crate) use of_mesh::render_mesh;
 pub(crate) use render::render;
+pub(crate) use shown::Shown;
 pub(crate) use width::render_width;

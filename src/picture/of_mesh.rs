@@ -1,6 +1,5 @@
 //! A picture of a lit mesh: first hits from the backend, and the function at each of them.
 
-use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
@@ -8,6 +7,7 @@ use rayon::prelude::*;
 
 use super::camera::CameraRays;
 use super::image::Image;
+use super::shown::Shown;
 use crate::mesh::MeshReader;
 use crate::progress::{Observer, Progress, Stage};
 use crate::scene::{Scene, SurfaceId};
@@ -18,20 +18,20 @@ use crate::visibility::{Hit, Ray};
 const SUBSAMPLES: u32 = 4;
 const SUBSAMPLES_AT_EDGES: u32 = 16;
 
-/// The radiance `L = B / pi` through the pixels of a camera, black where a back or nothing is met. `None` if the observer cancels.
+/// What is shown through the pixels of a camera, black where a back or nothing is met. `None` if the observer cancels.
 pub(crate) fn render_mesh(
     scene: &Scene,
     mesh: &MeshReader<'_>,
     visibility: &Rays<'_>,
-    camera: &CameraRays,
-    [width, height]: [u32; 2],
+    (camera, [width, height]): (&CameraRays, [u32; 2]),
+    shown: Shown,
     observer: &dyn Observer,
 ) -> Option<Image> {
     let channels = scene.channels();
     let mut radiance = vec![0.0; channels * width as usize * height as usize];
     let done = AtomicUsize::new(0);
     radiance.par_chunks_mut(channels * width as usize).enumerate().for_each_init(
-        || Row { scene, mesh, visibility, hits: Vec::new(), radiosity: vec![0.0; channels] },
+        || Row { scene, mesh, visibility, shown, hits: Vec::new(), radiosity: vec![0.0; channels] },
         |row, (number, pixels)| {
             if observer.cancelled() {
                 return;
@@ -56,6 +56,7 @@ struct Row<'a> {
     scene: &'a Scene,
     mesh: &'a MeshReader<'a>,
     visibility: &'a Rays<'a>,
+    shown: Shown,
     hits: Vec<Option<Hit>>,
     radiosity: Vec<f64>,
 }
@@ -81,7 +82,10 @@ impl Row<'_> {
                 let direction = DVec3::from(ray.direction);
                 let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { continue };
                 self.mesh.radiosity_at(DVec3::from(ray.origin) + hit.distance * direction, surface, &mut self.radiosity);
-                pixel.iter_mut().zip(&self.radiosity).for_each(|(l, b)| *l += (b / (PI * f64::from(count))) as f32);
+                let material = self.scene.material_of(surface);
+                for (channel, (sum, &radiosity)) in pixel.iter_mut().zip(&self.radiosity).enumerate() {
+                    *sum += (self.shown.of(material, channel, radiosity) / f64::from(count)) as f32;
+                }
             }
             let surface = |hit: &Option<Hit>| hit.as_ref().map(|hit| hit.surface);
             if hits.iter().any(|hit| surface(hit) != surface(&hits[0])) {

@@ -1,6 +1,5 @@
 //! A picture of the solution: first hits from the backend, and the gather at each of them.
 
-use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
@@ -8,6 +7,7 @@ use rayon::prelude::*;
 
 use super::camera::CameraRays;
 use super::image::Image;
+use super::shown::Shown;
 use crate::paths::Place;
 use crate::progress::{Observer, Progress, Stage};
 use crate::scene::SurfaceId;
@@ -28,20 +28,20 @@ const LEAST_CHANCE: f64 = 0.125;
 struct Shader<'a> {
     gather: &'a Gather<'a>,
     error_bars: Option<ErrorBars>,
+    shown: Shown,
 }
 
-/// The radiance `L = B / pi` through the pixels of a camera, with standard errors where `error_bars` are known; black where a back or nothing
+/// What is shown through the pixels of a camera, with standard errors where `error_bars` are known; black where a back or nothing
 /// is met. `None` if the observer cancels.
 pub(crate) fn render(
-    gather: &Gather<'_>,
-    error_bars: Option<ErrorBars>,
+    (gather, error_bars): (&Gather<'_>, Option<ErrorBars>),
     visibility: &Rays<'_>,
-    camera: &CameraRays,
-    size: [u32; 2],
+    (camera, size): (&CameraRays, [u32; 2]),
+    shown: Shown,
     observer: &dyn Observer,
 ) -> Option<Image> {
     let ([width, height], channels) = (size, gather.scene.channels());
-    let shader = Shader { gather, error_bars };
+    let shader = Shader { gather, error_bars, shown };
     let mut pixels = vec![[0.0; 2]; channels * width as usize * height as usize];
     let done = AtomicUsize::new(0);
     pixels.par_chunks_mut(channels * width as usize).enumerate().for_each_init(
@@ -82,7 +82,7 @@ impl Shader<'_> {
     fn shade_row(&self, places: &[Option<Place>], scratch: &mut Scratch, pixels: &mut [[f32; 2]]) {
         // If all rays of a pixel meet one surface, one of the points with all visibility rays is as good as all points with a share
         // each.
-        let Self { gather, error_bars } = *self;
+        let Self { gather, error_bars, shown } = *self;
         let channels = gather.scene.channels();
         let is_one = |places: &[Option<Place>]| {
             let is_first = |other: Option<Place>| other.map(|place| place.surface) == places[0].map(|place| place.surface);
@@ -100,11 +100,14 @@ impl Shader<'_> {
             gather.values_at(&points, budget, scratch, &mut gathered);
 
             // Of a pixel that several points make up, their errors are taken to be as large as if they were alike.
-            let share = 1.0 / (PI * f64::from(shaded));
-            for (value, radiosity) in gathered.radiosity.iter().enumerate() {
-                let [radiance, error] = &mut pixels[columns[value / channels] * channels + value % channels];
-                *radiance += (share * radiosity) as f32;
-                *error += (share * error_bars.map_or(0.0, |error_bars| error_bars.standard_error(&gathered, value))) as f32;
+            let share = 1.0 / f64::from(shaded);
+            for (value, &radiosity) in gathered.radiosity.iter().enumerate() {
+                let (point, channel) = (value / channels, value % channels);
+                let material = gather.scene.material_of(points[point].surface);
+                let [number, error] = &mut pixels[columns[point] * channels + channel];
+                let of_value = error_bars.map_or(0.0, |error_bars| error_bars.standard_error(&gathered, value));
+                *number += (share * shown.of(material, channel, radiosity)) as f32;
+                *error += (share * shown.of_difference(material, channel, of_value)) as f32;
             }
         }
     }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{Evaluator, PipelineError};
 use crate::mesh::{LitMesh, MeshIndex, MeshReader};
-use crate::picture::{self, Camera, Image};
+use crate::picture::{self, Camera, Image, Shown};
 use crate::progress::{Observer, Stop};
 use crate::scene::SurfacePoint;
 use crate::solve::Solution;
@@ -77,10 +77,21 @@ impl Evaluator {
     /// # Errors
     /// As [`Evaluator::render`].
     pub fn render_mesh(&self, mesh: &LitMesh, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
+        self.render_mesh_shown(mesh, Shown::Radiance, camera, observer)
+    }
+
+    /// A picture of something that a mesh tells.
+    pub(super) fn render_mesh_shown(
+        &self,
+        mesh: &LitMesh,
+        shown: Shown,
+        camera: &Camera,
+        observer: &dyn Observer,
+    ) -> Result<Option<Image>, PipelineError> {
         let (through, scene) = (camera.rays()?, self.solution.scene());
         let (rays, reader) = (Rays::new(&*self.visibility, scene), self.reader(mesh));
-        let render = || picture::render_mesh(scene, &reader, &rays, &through, [camera.width, camera.height], observer);
-        Ok(self.pool.install(render))
+        let size = [camera.width, camera.height];
+        Ok(self.pool.install(|| picture::render_mesh(scene, &reader, &rays, (&through, size), shown, observer)))
     }
 
     /// Reads a mesh; of the solution's own the index is made once.

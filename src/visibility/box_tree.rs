@@ -57,11 +57,12 @@ impl BoxTree {
         });
     }
 
-    /// Calls `visit` for each box of which `may_meet` says so, and of all boxes around it, each given by its centre and half its extent; in an order
-    /// as above.
-    pub fn for_each_where(&self, may_meet: impl Fn(DVec3, DVec3) -> bool, mut visit: impl FnMut(u32)) {
+    /// Calls `visit` for each box of which `may_meet` says so, and of all boxes around it, each given by its centre and half its extent, until it
+    /// says that this is enough; in an order as above.
+    pub fn until_enough_where(&self, may_meet: impl Fn(DVec3, DVec3) -> bool, mut visit: impl FnMut(u32) -> bool) {
         let Some(tree) = &self.tree else { return };
-        let mut waiting = vec![0];
+        let mut waiting = Vec::with_capacity(STACK);
+        waiting.push(0);
         while let Some(index) = waiting.pop() {
             let node = &tree.nodes[index as usize];
             let [low, high] = [node.aabb().min, node.aabb().max].map(|corner| corner.as_dvec3());
@@ -69,7 +70,9 @@ impl BoxTree {
                 continue;
             }
             if node.is_leaf() {
-                numbers_of(tree, node).iter().for_each(|&number| visit(number));
+                if numbers_of(tree, node).iter().any(|&number| visit(number)) {
+                    return;
+                }
             } else {
                 waiting.extend([node.first_index, node.first_index + 1]);
             }

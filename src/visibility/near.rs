@@ -20,8 +20,8 @@ impl SurfaceBoxes {
     }
 
     /// Calls `visit` for each surface of which `may_meet` says so of its box and of all boxes around it, each given by its centre and half its
-    /// extent. In no order that means anything, but always the same.
-    pub fn for_each_where(&self, may_meet: impl Fn(DVec3, DVec3) -> bool, mut visit: impl FnMut(SurfaceId)) {
-        self.0.for_each_where(may_meet, |surface| visit(SurfaceId(surface)));
+    /// extent, until it says that this is enough. In no order that means anything, but always the same.
+    pub fn until_enough_where(&self, may_meet: impl Fn(DVec3, DVec3) -> bool, mut visit: impl FnMut(SurfaceId) -> bool) {
+        self.0.until_enough_where(may_meet, |surface| visit(SurfaceId(surface)));
     }
 }

@@ -3,6 +3,7 @@
 mod commands;
 mod hostile;
 mod lit_mesh;
+mod pictures;
 mod solve;
 #[path = "../support/mod.rs"]
 mod support;

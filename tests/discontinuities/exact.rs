@@ -3,7 +3,7 @@
 use patchlight::discontinuities::{Degree, Segment, of_emitters, svg};
 use patchlight::scene::{Scene, SurfaceId};
 
-use super::{box_faces, cover, lit_by_first, rectangle};
+use super::{box_faces, cover, distance, lit_by_first, rectangle};
 
 const LAMP: SurfaceId = SurfaceId(0);
 const FLOOR: SurfaceId = SurfaceId(1);
@@ -187,9 +187,43 @@ fn what_cannot_matter_is_left_out_and_counted() {
     // The occluder hides at most its solid angle, 4e-4 over pi; a strip of the lamp as wide as it looks is more.
     assert!(all.of(FLOOR).iter().all(|segment| segment.change > 4e-4 / std::f64::consts::PI && segment.change < 0.02));
     let some = of_emitters(&scene, 0.05);
-    assert!(some.counters().left_out > 0 && some.of(FLOOR).len() < all.of(FLOOR).len());
+    let counters = some.counters();
+    assert!(counters.weak_edges + counters.left_out + counters.short_wedges > 0 && some.of(FLOOR).len() < all.of(FLOOR).len());
     let none = of_emitters(&scene, 1.0);
     assert!(none.of(FLOOR).is_empty() && none.counters().weak_pairs > 0);
+}
+
+/// Wedges are followed only as far as they matter: what is found then was found without a tolerance as well, and of all that changes more than is
+/// tolerated some part remains, where it does.
+#[test]
+fn what_matters_is_found_by_short_wedges_too() {
+    let mut polygons = lamp_and_floor(0.3);
+    polygons.extend(box_faces([0.1, -0.2, 0.4], [[0.3, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.1]]));
+    polygons.extend(box_faces([-0.5, 0.3, 0.0], [[0.02, 0.0, 0.0], [0.0, 0.03, 0.0], [0.0, 0.0, 0.3]]));
+    polygons.extend(box_faces([-0.4, -0.4, 1.2], [[0.05, 0.0, 0.0], [0.0, 0.6, 0.0], [0.0, 0.0, 0.02]]));
+    let scene = lit_by_first(&polygons);
+    let all = of_emitters(&scene, 0.0);
+    for tolerance in [1e-4, 1e-3, 1e-2] {
+        let some = of_emitters(&scene, tolerance);
+        assert!(some.counters().short_wedges > 0 && some.counters().unfollowed_edges == 0);
+        let mut matter = 0;
+        for surface in (0..polygons.len() as u32).map(SurfaceId) {
+            for segment in some.of(surface) {
+                let [from, to] = segment.ends();
+                assert!(cover(all.of(surface), from, to), "{tolerance} {surface:?}: {segment:?}");
+            }
+            for segment in all.of(surface).iter().filter(|segment| segment.change > tolerance) {
+                let [a, b] = segment.ends();
+                let remains = |k: u32| {
+                    let point = std::array::from_fn(|axis| a[axis] + (f64::from(k) + 0.5) / 64.0 * (b[axis] - a[axis]));
+                    some.of(surface).iter().any(|other| distance(point, other.ends()) < 1e-5)
+                };
+                assert!((0..64).any(remains), "{tolerance} {surface:?}: {segment:?}");
+                matter += 1;
+            }
+        }
+        assert!(matter > 20, "{tolerance}: {matter}");
+    }
 }
 
 /// An edge so long that it alone hides the whole lamp changes all of the lamp's irradiance; the bound says so, and not much more.

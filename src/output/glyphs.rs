@@ -1,0 +1,63 @@
+//! The few characters that legends need, five pixels wide and seven high.
+
+/// Pixels of a character.
+pub(super) const WIDTH: usize = 5;
+pub(super) const HEIGHT: usize = 7;
+
+/// Pixels from one character to the next.
+pub(super) const ADVANCE: usize = WIDTH + 1;
+
+/// The rows of a character from the top, their pixels from the left as bits from the highest of five; blank for what is not known.
+fn rows(character: char) -> [u8; HEIGHT] {
+    match character {
+        '0' => [0b01110, 0b10001, 0b10011, 0b10101, 0b11001, 0b10001, 0b01110],
+        '1' => [0b00100, 0b01100, 0b00100, 0b00100, 0b00100, 0b00100, 0b01110],
+        '2' => [0b01110, 0b10001, 0b00001, 0b00010, 0b00100, 0b01000, 0b11111],
+        '3' => [0b11111, 0b00010, 0b00100, 0b00010, 0b00001, 0b10001, 0b01110],
+        '4' => [0b00010, 0b00110, 0b01010, 0b10010, 0b11111, 0b00010, 0b00010],
+        '5' => [0b11111, 0b10000, 0b11110, 0b00001, 0b00001, 0b10001, 0b01110],
+        '6' => [0b00110, 0b01000, 0b10000, 0b11110, 0b10001, 0b10001, 0b01110],
+        '7' => [0b11111, 0b00001, 0b00010, 0b00100, 0b01000, 0b01000, 0b01000],
+        '8' => [0b01110, 0b10001, 0b10001, 0b01110, 0b10001, 0b10001, 0b01110],
+        '9' => [0b01110, 0b10001, 0b10001, 0b01111, 0b00001, 0b00010, 0b01100],
+        '.' => [0, 0, 0, 0, 0, 0b01100, 0b01100],
+        '-' => [0, 0, 0, 0b01110, 0, 0, 0],
+        '/' => [0b00001, 0b00001, 0b00010, 0b00100, 0b01000, 0b10000, 0b10000],
+        '²' => [0b01100, 0b10010, 0b00100, 0b01000, 0b11110, 0, 0],
+        'W' => [0b10001, 0b10001, 0b10001, 0b10101, 0b10101, 0b10101, 0b01010],
+        'e' => [0, 0, 0b01110, 0b10001, 0b11111, 0b10000, 0b01110],
+        'l' => [0b01100, 0b00100, 0b00100, 0b00100, 0b00100, 0b00100, 0b01110],
+        'm' => [0, 0, 0b11010, 0b10101, 0b10101, 0b10001, 0b10001],
+        'r' => [0, 0, 0b10110, 0b11001, 0b10000, 0b10000, 0b10000],
+        's' => [0, 0, 0b01111, 0b10000, 0b01110, 0b00001, 0b11110],
+        'x' => [0, 0, 0b10001, 0b01010, 0b00100, 0b01010, 0b10001],
+        _ => [0; HEIGHT],
+    }
+}
+
+/// Calls `mark` with column and row of each pixel of a text on one line, from its top left corner.
+pub(super) fn for_each_pixel(text: &str, mut mark: impl FnMut(usize, usize)) {
+    for (number, character) in text.chars().enumerate() {
+        for (row, bits) in rows(character).into_iter().enumerate() {
+            for column in (0..WIDTH).filter(|column| bits >> (WIDTH - 1 - column) & 1 == 1) {
+                mark(number * ADVANCE + column, row);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_characters_of_numbers_and_units_are_there_and_differ() {
+        let known: Vec<[u8; HEIGHT]> = "0123456789.-/²Welmrsx".chars().map(rows).collect();
+        for (number, rows) in known.iter().enumerate() {
+            assert!(*rows != [0; HEIGHT] && known[..number].iter().all(|other| other != rows));
+        }
+        let mut pixels = Vec::new();
+        for_each_pixel("-1", |column, row| pixels.push((column, row)));
+        assert!(pixels.contains(&(2, 3)) && pixels.contains(&(ADVANCE + 2, 0)) && !pixels.contains(&(0, 0)));
+    }
+}

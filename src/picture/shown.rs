@@ -1,0 +1,35 @@
+//! What a pixel shows of the light at a place.
+
+use std::f64::consts::PI;
+
+use crate::scene::Material;
+
+/// What a pixel shows of the light at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shown {
+    /// The radiance L = B / pi.
+    Radiance,
+    /// The irradiance H = (B - E) / rho, over pi; 0 where nothing is reflected, since B says nothing of it there.
+    Irradiance,
+}
+
+impl Shown {
+    /// The number of a pixel for a radiosity.
+    pub fn of(self, material: &Material, channel: usize, radiosity: f64) -> f64 {
+        match self {
+            Self::Radiance => radiosity / PI,
+            Self::Irradiance => self.of_difference(material, channel, radiosity - material.exitance[channel]).max(0.0),
+        }
+    }
+
+    /// What a difference of radiosities makes of it.
+    pub fn of_difference(self, material: &Material, channel: usize, difference: f64) -> f64 {
+        match self {
+            Self::Radiance => difference / PI,
+            Self::Irradiance => match material.reflectance[channel] {
+                rho if rho > 0.0 => difference / (rho * PI),
+                _ => 0.0,
+            },
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! Pictures of irradiance, and lines over pictures.
+
+use glam::DVec3;
+
+use super::{Evaluator, PipelineError};
+use crate::discontinuities::{self, Degree};
+use crate::mesh::LitMesh;
+use crate::picture::{self, Camera, Image, Line, Marks, Shown};
+use crate::progress::Observer;
+use crate::scene::SurfaceId;
+use crate::transmittance::Rays;
+
+impl Evaluator {
+    /// A picture of irradiance over pi, 0 where nothing is reflected: from the values, or of a lit mesh, which has no standard errors. Cancelled by the
+    /// observer, it returns `None`.
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`].
+    pub fn render_irradiance(
+        &self,
+        mesh: Option<&LitMesh>,
+        camera: &Camera,
+        observer: &dyn Observer,
+    ) -> Result<Option<Image>, PipelineError> {
+        match mesh {
+            Some(mesh) => self.render_mesh_shown(mesh, Shown::Irradiance, camera, observer),
+            None => self.render_shown(Shown::Irradiance, camera, observer),
+        }
+    }
+
+    /// A picture from the values at what its pixels see.
+    pub(super) fn render_shown(
+        &self,
+        shown: Shown,
+        camera: &Camera,
+        observer: &dyn Observer,
+    ) -> Result<Option<Image>, PipelineError> {
+        let through = camera.rays()?;
+        let rays = Rays::new(&*self.visibility, self.solution.scene());
+        let size = [camera.width, camera.height];
+        Ok(self.pool.install(|| {
+            let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
+            let gather = self.solution.gather_at_points(&rays, paths.as_ref());
+            picture::render((&gather, self.solution.error_bars), &rays, (&through, size), shown, observer)
+        }))
+    }
+
+    /// The edges of the elements of a lit mesh, where a camera sees them. Cancelled by the observer, it returns `None`.
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`].
+    pub fn mark_mesh(&self, mesh: &LitMesh, camera: &Camera, observer: &dyn Observer) -> Result<Option<Marks>, PipelineError> {
+        /// Orange is seen on bright and on dark surfaces.
+        const COLOUR: [u8; 3] = [255, 120, 0];
+        let mut lines = Vec::new();
+        mesh.for_each_element(self.solution.scene(), |surface, [a, b, c, ..], _| {
+            let edges = [[a, b], [b, c], [c, a]].map(|ends| ends.map(DVec3::from));
+            lines.extend(edges.map(|ends| Line { ends, surface: SurfaceId(surface), colour: COLOUR }));
+        });
+        self.draw(&lines, camera, observer)
+    }
+
+    /// The discontinuities of the light of emitters, where a camera sees them, the sharpest over others, each degree in [its colour](Degree::colour);
+    /// what changes irradiance by less than `tolerance` of the largest exitance is left out. Cancelled by the observer, it returns `None`.
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`].
+    pub fn mark_curves(&self, tolerance: f64, camera: &Camera, observer: &dyn Observer) -> Result<Option<Marks>, PipelineError> {
+        camera.validate()?;
+        let scene = self.solution.scene();
+        let find = || discontinuities::of_emitters_until(scene, tolerance, &|| observer.cancelled());
+        let found = self.pool.install(find);
+        let mut lines = Vec::new();
+        for surface in (0..scene.surfaces().len() as u32).map(SurfaceId) {
+            lines.extend(found.of(surface).iter().map(|segment| (segment.degree, segment.ends, surface)));
+        }
+        lines.sort_by_key(|&(degree, ..)| std::cmp::Reverse(degree));
+        let line = |(degree, ends, surface): (Degree, _, _)| Line { ends, surface, colour: degree.colour() };
+        self.draw(&lines.into_iter().map(line).collect::<Vec<Line>>(), camera, observer)
+    }
+
+    fn draw(&self, lines: &[Line], camera: &Camera, observer: &dyn Observer) -> Result<Option<Marks>, PipelineError> {
+        let (through, scene) = (camera.rays()?, self.solution.scene());
+        let rays = Rays::new(&*self.visibility, scene);
+        let (seen, stop) = ((&through, [camera.width, camera.height]), || observer.cancelled());
+        Ok(self.pool.install(|| picture::draw_lines(scene, lines, &rays, seen, &stop)))
+    }
+}
