@@ -11,6 +11,7 @@ mod hall;
 mod interior;
 mod model;
 mod paper_rooms;
+mod pyramid;
 mod room;
 mod scenes;
 mod two_rooms;

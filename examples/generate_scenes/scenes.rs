@@ -1,6 +1,6 @@
 //! The list of the scenes.
 
-use super::{chang_shih, cornell, furnace, paper_rooms, room, two_rooms};
+use super::{chang_shih, cornell, furnace, paper_rooms, pyramid, room, two_rooms};
 
 /// Name and content of every file.
 pub fn all() -> Vec<(String, String)> {
@@ -16,6 +16,7 @@ pub fn all() -> Vec<(String, String)> {
         ("hevea", paper_rooms::hevea()),
         ("four_polygons", chang_shih::four_polygons()),
         ("living_room", chang_shih::living_room()),
+        ("pyramid", pyramid::pyramid()),
     ]
     .into_iter()
     .flat_map(|(name, model)| {
