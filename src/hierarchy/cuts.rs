@@ -59,6 +59,9 @@ impl Cut {
 /// An element is long if it is so many times as long as wide: the same as in regular subdivision.
 const LONG: f64 = 2.0;
 
+/// The corners of the two parts of an element.
+type Parts = [Vec<DVec3>; 2];
+
 /// What is known of a leaf.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Lines {
@@ -81,7 +84,7 @@ pub(super) struct Cuts {
 /// A leaf cut in two.
 pub(super) struct Bisection {
     /// Their corners.
-    pub parts: [Vec<DVec3>; 2],
+    pub parts: Parts,
     lines: [Lines; 2],
 }
 
@@ -115,9 +118,9 @@ impl Cuts {
 
     /// Of the segments that cut an element, that of the least rank, then with the most even parts, then the first, with these parts. Segments that do
     /// not cut it are counted to its border.
-    fn most_even(&self, lines: &Lines, polygon: &Facet<'_>) -> (Lines, Option<(Cut, [Vec<DVec3>; 2])>) {
+    fn most_even(&self, lines: &Lines, polygon: &Facet<'_>) -> (Lines, Option<(Cut, Parts)>) {
         let mut settled = Lines { through: Vec::new(), ..lines.clone() };
-        let mut best: Option<(&Cut, [Vec<DVec3>; 2], f64)> = None;
+        let mut best: Option<(&Cut, Parts, f64)> = None;
         for cut in &lines.through {
             let Some((parts, least)) = self.cut(cut, polygon) else {
                 settled.add_to_border(cut);
@@ -133,7 +136,7 @@ impl Cuts {
     }
 
     /// The parts of an element on either side of a line, and the lesser area; `None` if one has none, or is so thin that its sides count as one.
-    fn cut(&self, cut: &Cut, polygon: &Facet<'_>) -> Option<([Vec<DVec3>; 2], f64)> {
+    fn cut(&self, cut: &Cut, polygon: &Facet<'_>) -> Option<(Parts, f64)> {
         let parts = cut_along(polygon.vertices, |vertex| cut.height(vertex), self.tolerance)?;
         let facets = parts.each_ref().map(|part| Facet::of_part(part, polygon.normal));
         let is_thick = |facet: &Facet<'_>| facet.area > self.tolerance * facet.radius;
