@@ -41,7 +41,7 @@ fn errors(comparison: &Comparison) -> String {
         ]
     };
     let [regular, driven] = [of("regular", &comparison.regular), of("discontinuities", &comparison.discontinuities)];
-    let curves: Vec<(String, Vec<(f64, f64)>, bool)> = regular.into_iter().chain(driven).collect();
+    let curves: Vec<_> = regular.into_iter().chain(driven).collect();
     let points: Vec<(f64, f64)> = curves.iter().flat_map(|(_, points, _)| points.clone()).collect();
     let mut plot = Plot::new("Error of the floor, brightest 1", [Scale::Logarithmic; 2], ["", ""], "elements", &points);
     curves.iter().for_each(|(name, points, dashed)| plot.curve(name, points, *dashed, true));

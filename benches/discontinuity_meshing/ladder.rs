@@ -18,6 +18,9 @@ const FIRST_TOLERANCE: f64 = 256.0;
 /// Orders are told from so many elements on: below that neither has found the shadows.
 const FROM: usize = 64;
 
+/// An error of a rung.
+type Error = fn(&Measured) -> f64;
+
 /// What decides which elements are split.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
@@ -88,8 +91,7 @@ impl Comparison {
         for (name, rungs) in [("regular", &self.regular), ("discontinuities", &self.discontinuities)] {
             println!("| {name} | {:.2} | {:.2} |", order(rungs, |rung| rung.all.rms), order(rungs, |rung| rung.all.largest));
         }
-        let rms: [(&str, fn(&Measured) -> f64); 2] =
-            [("RMS", |rung| rung.all.rms), ("RMS of best constants", |rung| rung.best.rms)];
+        let rms: [(&str, Error); 2] = [("RMS", |rung| rung.all.rms), ("RMS of best constants", |rung| rung.best.rms)];
         for (name, error) in rms {
             let ratio = |rung: &Measured| {
                 let driven = at(&self.discontinuities, rung.elements, error)?;
@@ -102,7 +104,7 @@ impl Comparison {
 }
 
 /// The error with so many elements, between rungs by a power law.
-fn at(rungs: &[Measured], elements: usize, error: fn(&Measured) -> f64) -> Option<f64> {
+fn at(rungs: &[Measured], elements: usize, error: Error) -> Option<f64> {
     let after = rungs.iter().position(|rung| rung.elements >= elements)?;
     let [before, after] = [after.checked_sub(1)?, after].map(|k| &rungs[k]);
     let logs = |rung: &Measured| ((rung.elements as f64).ln(), error(rung).ln());
