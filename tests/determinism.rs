@@ -14,7 +14,7 @@ use patchlight::scene::SurfacePoint;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Scene, SurfaceId};
 use patchlight::solve::{
-    ChangShih98Options, LinkOptions, RunOptions, SolveOptions, SolveReport, Solver, Strategy, Sweep, UniformOptions,
+    ChangShih98Options, LinkOptions, RunOptions, SolveOptions, SolveReport, Solver, Strategy, Subdivision, Sweep, UniformOptions,
 };
 use rooms::{crowded, points_of};
 use triangles::Random;
@@ -71,6 +71,18 @@ fn one_two_three_and_seven_threads_give_the_same_bytes() {
         },
         SolveOptions { max_links: Some(3000), ..SolveOptions::default() },
         SolveOptions { error: 0.05, solver: Solver::Cells, ..SolveOptions::default() },
+        SolveOptions {
+            error: 0.1,
+            solver: Solver::Links,
+            links: LinkOptions { subdivision: Subdivision::Discontinuities, ..LinkOptions::default() },
+            ..SolveOptions::default()
+        },
+        SolveOptions {
+            error: 0.2,
+            strategy: Strategy::Lazy94Reduction,
+            links: LinkOptions { subdivision: Subdivision::Discontinuities, ..LinkOptions::default() },
+            ..SolveOptions::default()
+        },
     ];
     for options in options {
         check(&cornell(), &options, &[2, 3, 7]);

@@ -25,6 +25,8 @@ mod lischinski;
 mod model;
 #[path = "../examples/generate_scenes/paper_rooms.rs"]
 mod paper_rooms;
+#[path = "../examples/generate_scenes/pyramid.rs"]
+mod pyramid;
 #[path = "../examples/generate_scenes/room.rs"]
 mod room;
 #[path = "../examples/generate_scenes/scenes.rs"]
@@ -173,6 +175,20 @@ fn the_scenes_for_bottom_up_refinement_have_the_papers_numbers_of_polygons() {
     assert_eq!(areas.len(), 4);
     let (_, summary, inspection) = read("living_room.obj");
     assert_eq!((summary.faces, summary.surfaces, inspection.escaped), (246, 246, 0));
+}
+
+/// The floor alone reflects, so that its light is direct light.
+#[test]
+fn the_pyramid_is_black_under_two_small_lights() {
+    let (imported, summary, _) = read("pyramid.obj");
+    assert_eq!((summary.faces, summary.emitters), (7, 2));
+    let scene = &imported.scene;
+    let reflecting: Vec<f64> = (0..scene.surfaces().len() as u32)
+        .map(SurfaceId)
+        .filter(|&id| scene.material_of(id).reflectance.iter().any(|&rho| rho > 0.0))
+        .map(|id| scene.surface(id).polygon.area())
+        .collect();
+    assert_eq!(reflecting, [16.0]);
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod interior;
 mod lischinski;
 mod model;
 mod paper_rooms;
+mod pyramid;
 mod room;
 mod scenes;
 mod two_rooms;

@@ -1,6 +1,6 @@
 //! The list of the scenes.
 
-use super::{chang_shih, cornell, furnace, lischinski, paper_rooms, room, two_rooms};
+use super::{chang_shih, cornell, furnace, lischinski, paper_rooms, pyramid, room, two_rooms};
 
 /// Name and content of every file.
 pub fn all() -> Vec<(String, String)> {
@@ -20,6 +20,7 @@ pub fn all() -> Vec<(String, String)> {
         ("sunlit_room", lischinski::sunlit_room()),
         ("gallery", lischinski::gallery()),
         ("panelled_room", lischinski::panelled_room()),
+        ("pyramid", pyramid::pyramid()),
     ]
     .into_iter()
     .flat_map(|(name, model)| {

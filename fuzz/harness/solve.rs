@@ -7,7 +7,9 @@ use patchlight::pipeline;
 use patchlight::progress::{Observer, Silent};
 use patchlight::scene::SurfacePoint;
 use patchlight::scene::{Material, Scene, Sides};
-use patchlight::solve::{ChangShih98Options, Holzschuch94Options, LinkOptions, RunOptions, SolveOptions, Solver, Strategy, Sweep};
+use patchlight::solve::{
+    ChangShih98Options, Holzschuch94Options, LinkOptions, RunOptions, SolveOptions, Solver, Strategy, Subdivision, Sweep,
+};
 use patchlight::visibility::Backend;
 
 use super::bytes::Bytes;
@@ -53,7 +55,7 @@ pub fn solve_scene(bytes: &[u8]) {
 }
 
 fn options(bytes: &mut Bytes) -> SolveOptions {
-    SolveOptions {
+    let mut options = SolveOptions {
         error: bytes.pick(&[0.5, 0.2, 0.9]),
         strategy: bytes.pick(&[
             Strategy::Default,
@@ -71,17 +73,21 @@ fn options(bytes: &mut Bytes) -> SolveOptions {
         links: LinkOptions {
             sweep: bytes.pick(&[Sweep::Jacobi, Sweep::InPlace]),
             form_factor_accuracy: bytes.pick(&[0.02, 0.0, 1.0]),
-            leaf_rays: bytes.pick(&[None, Some(0)]),
             ..LinkOptions::default()
         },
-        point_rays: bytes.pick(&[Some(8), Some(1)]),
-        lit_mesh: bytes.pick(&[false, false, false, true]),
-        seed: u64::from(bytes.next()),
         max_links: Some(MOST_LINKS),
         holzschuch94: Holzschuch94Options { iterations: 3, ..Holzschuch94Options::default() },
         chang_shih98: ChangShih98Options { bottom_area: 1.0 / 16.0, bottom_samples: 2, ..ChangShih98Options::default() },
         ..SolveOptions::default()
-    }
+    };
+    let along = if options.strategy.links_once() { Subdivision::Regular } else { Subdivision::Discontinuities };
+    let regular = Subdivision::Regular;
+    (options.links.leaf_rays, options.links.subdivision) =
+        bytes.pick(&[(None, regular), (Some(0), regular), (None, along), (Some(0), along)]);
+    options.point_rays = bytes.pick(&[Some(8), Some(1)]);
+    options.lit_mesh = bytes.pick(&[false, false, false, true]);
+    options.seed = u64::from(bytes.next());
+    options
 }
 
 fn scene(bytes: &mut Bytes) -> Option<Scene> {

@@ -3,6 +3,7 @@
 //! Points and directions cross the public API as `[f64; 3]`; inside the crate they are `glam::DVec3`.
 
 mod aabb;
+mod bisect;
 mod clip;
 mod cone;
 mod facet;
@@ -18,6 +19,7 @@ mod separation;
 pub(crate) mod streams;
 
 pub use aabb::Aabb;
+pub(crate) use bisect::{cut_along, halve};
 pub(crate) use clip::{Clip, ClippedFacet, clip_to_front, halves, in_front, plane_noise};
 pub(crate) use cone::Cone;
 pub(crate) use facet::Facet;

@@ -60,6 +60,7 @@ fn build(scene: &Scene) -> Hierarchy {
         surface_nodes: vec![NodeId::ROOT; surfaces.len()],
         cluster_bounds: vec![Aabb::EMPTY; clusters.len()],
         cluster_faces: vec![Lobes::default(); clusters.len()],
+        cuts: None,
     };
     let (mut first_cluster, mut first_surface) = (1, clusters.len());
     for &(tree, parent) in &clusters {

@@ -4,7 +4,9 @@
 //! consecutive ids; so a loop over the array visits parents before their children, and the reverse loop after them.
 
 mod clusters;
+mod cuts;
 mod locate;
+mod node_id;
 mod subdivide;
 mod validate;
 
@@ -15,20 +17,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Aabb, Facet, Lobes};
 use crate::scene::SurfaceId;
-
-/// The number of a node in its hierarchy.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct NodeId(pub u32);
-
-impl NodeId {
-    /// The cluster of everything.
-    pub const ROOT: Self = Self(0);
-
-    /// The id as an index.
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
+pub(crate) use cuts::Cut;
+use cuts::Cuts;
+pub use node_id::NodeId;
 
 /// What all nodes have; which fields mean something depends on the kind of node.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,6 +67,9 @@ pub struct Hierarchy {
     cluster_bounds: Vec<Aabb>,
     /// The area that each cluster shows to a direction, as if nothing in it hid anything else.
     cluster_faces: Vec<Lobes>,
+    /// Along what elements are still to be cut, if not into regular pieces: for a solve at work, no part of a solution.
+    #[serde(skip)]
+    cuts: Option<Cuts>,
 }
 
 impl Hierarchy {
@@ -218,6 +212,8 @@ impl Hierarchy {
     /// Bytes that the nodes take.
     pub fn memory_bytes(&self) -> u64 {
         let clusters = size_of_val(&self.cluster_bounds[..]) + size_of_val(&self.cluster_faces[..]);
-        (clusters + size_of_val(&self.nodes[..]) + size_of_val(&self.vertices[..]) + size_of_val(&self.normals[..])) as u64
+        let cuts = self.cuts.as_ref().map_or(0, Cuts::memory_bytes);
+        let elements = size_of_val(&self.nodes[..]) + size_of_val(&self.vertices[..]) + size_of_val(&self.normals[..]);
+        (clusters + elements + cuts) as u64
     }
 }

@@ -43,7 +43,7 @@ pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dy
     let plan = |over_cells| Plan::new(job.scene, &areas, job.options, illumination.clone(), over_cells);
     let search = ErrorSearch::new(importance);
     let (mut links, mut cells) = (plan(false), plan(true));
-    let linked = || Linked::new(*job, illumination.landings.clone(), links.links_clusters(pairs(job), cells.work()));
+    let linked = || Linked::new(*job, &illumination, links.links_clusters(pairs(job), cells.work()));
     let options = job.options;
     match options.solver {
         Solver::Cells => return Box::new(CellsWay::new(linked(), cells, search)),

@@ -58,7 +58,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     let solution = Solution {
         scene,
         options: linked.job.options.clone(),
-        hierarchy: linked.hierarchy,
+        hierarchy: linked.hierarchy.without_cuts(),
         links: linked.links,
         exposure: linked.exposure,
         radiosity: linked.radiosity,

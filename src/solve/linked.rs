@@ -7,16 +7,17 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::Sweep;
+use super::cuts::cut_along_discontinuities;
 use super::job::Job;
 use super::memory::{CellDemand, Holdings, LINK_AT_WORK, MemoryLedger};
+use super::options::{Subdivision, Sweep};
 use super::plan::{COARSE_TOLERANCE, Plan};
 use super::report::{SkippedWork, SolveReport};
 use crate::direct::SharedBlockers;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
 use crate::links::{Dropped, LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
-use crate::paths::{Brightness, Landing, cell_count};
+use crate::paths::{Brightness, Illumination, Landing, cell_count};
 use crate::progress::{Progress, Stage, Stop};
 use crate::scene::SurfaceId;
 use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, Reflections, sampled_exposed_point, sweep_in_place};
@@ -53,12 +54,15 @@ pub(super) struct Linked<'a> {
 }
 
 impl<'a> Linked<'a> {
-    pub fn new(job: Job<'a>, landings: Arc<[Landing]>, clusters: bool) -> Self {
+    pub fn new(job: Job<'a>, illumination: &Illumination, clusters: bool) -> Self {
         let start = Instant::now();
         let Job { scene, rays, options, .. } = job;
         let (links, elements) = (0, scene.surfaces().len() as u64);
         job.observer.progress(&Progress { stage: Stage::Build, round: 0, fraction: None, links, elements, error: None });
-        let hierarchy = Hierarchy::new(scene);
+        let mut hierarchy = Hierarchy::new(scene);
+        if options.links.subdivision == Subdivision::Discontinuities {
+            cut_along_discontinuities(&job, illumination, &mut hierarchy);
+        }
         let mut exposure = Exposure::default();
         exposure.grow(scene, &hierarchy, rays, options.seed, &job.stop());
         let radiosity = Radiosity::emitted(scene, &hierarchy, &exposure);
@@ -68,7 +72,7 @@ impl<'a> Linked<'a> {
         Self {
             links: LinkSet::unrefined(hierarchy.len()),
             job,
-            landings,
+            landings: illumination.landings.clone(),
             hierarchy,
             dropped: Dropped::default(),
             exposure,

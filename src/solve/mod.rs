@@ -5,6 +5,7 @@
 
 mod cells_way;
 mod choice;
+mod cuts;
 mod effort;
 mod finish;
 mod interest;
@@ -32,7 +33,7 @@ pub(crate) use interest::InitialImportance;
 pub use interest::InterestError;
 pub use options::{
     Bounds, CellOptions, ChangShih98Options, Holzschuch94Options, Interest, LinkOptions, Norm, OptionEntry, OptionGroup,
-    OptionType, OptionsError, RunOptions, SolveOptions, Solver, Strategy, Sweep, UniformOptions,
+    OptionType, OptionsError, RunOptions, SolveOptions, Solver, Strategy, Subdivision, Sweep, UniformOptions,
 };
 pub use report::{
     Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LinkErrorReport, LitMeshReport, SkippedWork,

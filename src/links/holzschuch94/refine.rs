@@ -12,7 +12,6 @@ use super::context::MutualContext;
 use super::mutual_links::{MutualLink, MutualLinks};
 use super::reduction::{Child, is_worth_refining};
 use crate::geometry::Facet;
-use crate::geometry::for_each_piece;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::exchange::behind;
 use crate::links::limits::{RefineEnd, RefineLimits};
@@ -113,14 +112,14 @@ impl MutualContext<'_> {
     fn decide(&self, hierarchy: &Hierarchy, link: &MutualLink) -> Outcome {
         let start = Instant::now();
         let (split, other) = larger_first(hierarchy, link);
-        let (whole, other) = (hierarchy.facet(split), hierarchy.facet(other));
+        let (normal, other) = (hierarchy.normal(split), hierarchy.facet(other));
         let mut children = Vec::with_capacity(4);
         let mut add = |child: &Facet<'_>| {
             let is_facing = !behind(child, &other) && !behind(&other, child);
             children.push(Child { area: child.area, exchange: is_facing.then(|| self.estimate_exchange(child, &other)) });
         };
         if hierarchy.is_leaf(split) {
-            for_each_piece(&whole, |corners| add(&Facet::of_part(corners, whole.normal)));
+            hierarchy.pieces(split).iter().for_each(|corners| add(&Facet::of_part(corners, normal)));
         } else {
             hierarchy.children(split).for_each(|child| add(&hierarchy.facet(child)));
         }

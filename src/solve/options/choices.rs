@@ -158,3 +158,14 @@ choice! {
         Guaranteed = "guaranteed",
     }
 }
+
+choice! {
+    /// How elements are split, where refinement wants them to be.
+    Subdivision for "subdivision" {
+        /// Into similar pieces, four for triangles and quads.
+        #[default]
+        Regular = "regular",
+        /// In two, along lines where irradiance by emitters jumps or is not smooth, while there are any; then into halves (Lischinski 1994, section 4.2).
+        Discontinuities = "discontinuities",
+    }
+}

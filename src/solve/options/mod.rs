@@ -12,7 +12,7 @@ mod kinds;
 mod run;
 mod table;
 
-pub use choices::{Bounds, Norm, Solver, Strategy, Sweep};
+pub use choices::{Bounds, Norm, Solver, Strategy, Subdivision, Sweep};
 pub use error::OptionsError;
 pub use interest::Interest;
 pub use kinds::OptionType;
@@ -61,6 +61,13 @@ impl SolveOptions {
         }
         if self.importance != Interest::Total && self.strategy != Strategy::ErrorDriven {
             return reject("importance", &self.importance, "total, unless strategy is error-driven");
+        }
+        if self.links.subdivision != Subdivision::Regular && self.strategy.links_once() {
+            return reject(
+                "subdivision",
+                &self.links.subdivision,
+                "regular for the strategies of 1998, which subdivide surfaces evenly",
+            );
         }
         Ok(())
     }

@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::choices::{Bounds, Norm, Solver, Strategy, Sweep};
+use super::choices::{Bounds, Norm, Solver, Strategy, Subdivision, Sweep};
 use super::declare::options;
 use super::error::OptionsError;
 use super::interest::Interest;
@@ -84,6 +84,12 @@ options! {
 
         /// Elements of this area are not split.
         min_element: f64 = 1e-8, between(0.0, 1.0), "area of all surfaces";
+
+        /// How elements are split: regular, or along discontinuities of direct light as far as they matter at the error asked for.
+        subdivision: Subdivision = Subdivision::Regular, OneName;
+
+        /// Discontinuities that together change what a surface reflects by less than this are left out of subdivision. If not given, the error asked for.
+        discontinuity_tolerance: Option<f64> = None, between(0.0, 1.0), "what lit surfaces reflect, about";
 
         /// How radiosities are iterated over the links: all nodes at once, or each from what was just reflected.
         sweep: Sweep = Sweep::Jacobi, OneName;

@@ -58,6 +58,7 @@ fn what_is_shown_is_what_is_read() {
         "expected_values",
         "tolerance",
         "leaf_rays",
+        "discontinuity_tolerance",
         "positions",
         "position_rays",
         "element_area",
@@ -78,6 +79,7 @@ fn each_option_is_stored_in_its_own_field() {
                 "bounds" => "guaranteed",
                 "importance" => "material floor",
                 "sweep" => "in-place",
+                "subdivision" => "discontinuities",
                 "skips" => "none",
                 "ambient" => "false",
                 "lit_mesh" => "true",
@@ -123,6 +125,7 @@ fn values_out_of_range_are_refused_at_once() {
         ("norm", "rms", "local or energy"),
         ("bounds", "none", "estimate or guaranteed"),
         ("sweep", "up", "jacobi or in-place"),
+        ("subdivision", "fine", "regular or discontinuities"),
         ("ambient", "yes", "true or false"),
         ("lit_mesh", "1", "true or false"),
         ("skips", "light", "all, none, or behind, black, dark, within, rays, clear, clusters, channels, joined by +"),
@@ -181,6 +184,10 @@ fn options_that_contradict_each_other_are_refused_in_either_order() {
         (
             [("importance", "view"), ("strategy", "uniform")],
             "importance is view, it must be total, unless strategy is error-driven",
+        ),
+        (
+            [("subdivision", "discontinuities"), ("strategy", "bottom-up98")],
+            "subdivision is discontinuities, it must be regular for the strategies of 1998",
         ),
     ] {
         for [first, second] in [pair, [pair[1], pair[0]]] {
