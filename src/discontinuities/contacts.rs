@@ -52,7 +52,7 @@ fn meeting(vertices: &[DVec3], plane: &Plane, tolerance: f64) -> Option<[DVec3; 
 }
 
 /// The part of a segment of the plane that is on a polygon, sides included.
-fn inside(facet: &Facet<'_>, [from, to]: [DVec3; 2], tolerance: f64) -> Option<[DVec3; 2]> {
+pub(super) fn inside(facet: &Facet<'_>, [from, to]: [DVec3; 2], tolerance: f64) -> Option<[DVec3; 2]> {
     let (mut low, mut high) = (0.0_f64, 1.0_f64);
     for (start, edge) in sides_of(facet.vertices) {
         let Some(inward) = facet.normal.cross(edge).try_normalize() else { continue };

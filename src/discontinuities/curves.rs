@@ -54,6 +54,11 @@ impl Found {
         self.counters += other.counters;
     }
 
+    /// Adds the foot of an edge that stands close: from farther off, as good as a step.
+    pub fn add_foot(&mut self, receiver: SurfaceId, ends: [DVec3; 2]) {
+        self.curves.push(Curve { receiver, ends, degree: Degree::D1, emitter: NO_EMITTER, change: f64::INFINITY });
+    }
+
     /// Adds a line of contact.
     pub fn add_contact(&mut self, receiver: SurfaceId, ends: [DVec3; 2]) {
         self.curves.push(Curve { receiver, ends, degree: Degree::D0, emitter: NO_EMITTER, change: f64::INFINITY });

@@ -28,6 +28,7 @@ mod events;
 mod faces;
 mod fan;
 mod occluders;
+mod outlines;
 mod points;
 mod segments;
 mod svg;
@@ -71,6 +72,21 @@ pub fn of_contacts(scene: &Scene) -> Discontinuities {
     find(scene, &[], &|_| 0.0, &|| false)
 }
 
+/// What the shape of a scene tells, whatever lights it: contacts, and the feet of edges that stand close over a surface, as D1 without a source.
+///
+/// The same for any number of threads. Once `stop` says so, what was found by then is returned.
+pub(crate) fn of_shape(scene: &Scene, stop: Stop<'_>) -> Discontinuities {
+    let faces = Faces::of(scene);
+    let mut found = find_on_each(&faces, contacts::find, stop);
+    let find_outlines = |faces: &Faces<'_>, id: SurfaceId, found: &mut Found| {
+        if !faces.is_second_side(id) {
+            outlines::find(faces, id, found);
+        }
+    };
+    found.append(find_on_each(&faces, find_outlines, stop));
+    gather(&faces, found, &[], &|_| 0.0)
+}
+
 fn ids(scene: &Scene) -> impl Iterator<Item = SurfaceId> {
     (0..scene.surfaces().len() as u32).map(SurfaceId)
 }
@@ -86,7 +102,7 @@ pub(crate) fn find(
     stop: Stop<'_>,
 ) -> Discontinuities {
     let faces = Faces::of(scene);
-    let mut found = find_contacts(&faces, stop);
+    let mut found = find_on_each(&faces, contacts::find, stop);
 
     // Events of each emitter.
     let emitters = emitters::emitters(&faces, sources);
@@ -104,18 +120,18 @@ pub(crate) fn find(
     gather(&faces, found, &emitters, tolerance)
 }
 
-/// Where surfaces touch.
-fn find_contacts(faces: &Faces<'_>, stop: Stop<'_>) -> Found {
+/// What is found surface by surface, in parallel.
+fn find_on_each(faces: &Faces<'_>, find: impl Fn(&Faces<'_>, SurfaceId, &mut Found) + Sync, stop: Stop<'_>) -> Found {
     let of = |id: u32| {
         let mut found = Found::default();
         if !stop() {
-            contacts::find(faces, SurfaceId(id), &mut found);
+            find(faces, SurfaceId(id), &mut found);
         }
         found
     };
-    let contacts: Vec<Found> = (0..faces.scene.surfaces().len() as u32).into_par_iter().map(of).collect();
+    let parts: Vec<Found> = (0..faces.scene.surfaces().len() as u32).into_par_iter().map(of).collect();
     let mut found = Found::default();
-    contacts.into_iter().for_each(|part| found.append(part));
+    parts.into_iter().for_each(|part| found.append(part));
     found
 }
 

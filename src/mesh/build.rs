@@ -1,4 +1,4 @@
-//! The local pass: first meshes of indirect light, then of all light, along what its discontinuities are (Lischinski 1994, chapter 4).
+//! The local pass: first meshes of indirect light, then of all light, along lines where light jumps or nearly so (Lischinski 1994, chapter 4).
 
 use rayon::prelude::*;
 
@@ -54,15 +54,15 @@ impl MeshBuilder<'_> {
         let area: f64 = surfaces.iter().map(|&surface| self.scene.surface(surface).polygon.area()).sum();
         let direct = Direct { scene: self.scene, light: self.direct };
 
-        // Indirect light, which has steps only where surfaces touch.
-        let mut growing = self.begin(surfaces, area, &|degree| degree == Degree::D0)?;
+        // Indirect light.
+        let mut growing = self.begin(surfaces, area)?;
         let roots: f64 = growing.iter().map(|of| of.triangles.nodes.len() as f64 * of.size().sqrt()).sum();
         let light = Indirect { direct: &direct, gather: self.indirect, budget: self.budget, size: (area / roots).powi(2) };
         let of_indirect = self.grower(&light, INDIRECT_PART, area).grow(&mut growing)?;
         let indirect = self.finish(growing);
 
         // All light.
-        let mut growing = self.begin(surfaces, area, &|_| true)?;
+        let mut growing = self.begin(surfaces, area)?;
         let light = All { direct: &direct, indirect: MeshReader::of(self.scene, &indirect) };
         let part = 1.0 - INDIRECT_PART;
         let test_area = area * part * self.error.powi(2) / TESTS;
@@ -79,18 +79,17 @@ impl MeshBuilder<'_> {
         Grower { light, channels, seed, error, norm, test_area, judged_at: JUDGED, limits, tell, stop }
     }
 
-    /// The first elements, along discontinuities of some degrees; `None` if the limits do not allow so many.
-    fn begin(&self, surfaces: &[SurfaceId], area: f64, takes: &(dyn Fn(Degree) -> bool + Sync)) -> Option<Vec<Growing>> {
+    /// The first elements; `None` if the limits do not allow so many.
+    fn begin(&self, surfaces: &[SurfaceId], area: f64) -> Option<Vec<Growing>> {
         let begin = |&surface: &SurfaceId| {
             let plane = Plane::of(self.scene, surface);
             let facet = self.scene.surface(surface).polygon.facet();
             let corners: Vec<_> = facet.vertices.iter().map(|&corner| plane.to_plane(corner)).collect();
-            let segments = self.lines.of(surface).iter().filter(|segment| takes(segment.degree));
             let line = |segment: &Segment| Line {
                 ends: segment.ends.map(|end| plane.to_plane(end)),
                 is_step: segment.degree == Degree::D0,
             };
-            let lines: Vec<Line> = segments.map(line).collect();
+            let lines: Vec<Line> = self.lines.of(surface).iter().map(line).collect();
             Growing::new(surface, plane, triangulate(&corners, &lines, FIRST_PART * area))
         };
         let growing: Vec<Growing> = surfaces.par_iter().map(begin).collect();

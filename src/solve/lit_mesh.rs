@@ -71,7 +71,7 @@ impl Solution {
     /// Radiosity as a function on all surfaces that reflect, off the values at points by `error` in the norm of the options; `None` if the observer
     /// cancels.
     ///
-    /// Elements follow the lines where surfaces touch. Other discontinuities are met by refinement.
+    /// Elements follow the lines where surfaces touch, and the outlines of what stands close over them. Other discontinuities are met by refinement.
     pub(crate) fn lit_mesh(&self, rays: &Rays<'_>, error: f64, observer: &dyn Observer) -> Option<LitMesh> {
         self.lit_mesh_within(rays, error, &MeshLimits::none(), &|| observer.cancelled(), observer)
     }
@@ -108,7 +108,7 @@ impl Solution {
         let blockers = Blockers::of(scene);
         let direct = &DirectLight { scene, rays, blockers: &blockers, emitters: &emitters };
 
-        let lines = &discontinuities::find(scene, &[], &|_| 0.0, stop);
+        let lines = &discontinuities::of_shape(scene, stop);
         let surfaces: Vec<SurfaceId> = all.filter(|&surface| scene.material_of(surface).reflects()).collect();
         let (budget, norm) = (RayBudget::of_values(self.point_rays, self.options.seed), self.options.norm.into());
         let builder = MeshBuilder { scene, indirect: &indirect, direct, budget, lines, error, norm, limits, tell: &tell, stop };
