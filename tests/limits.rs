@@ -64,10 +64,10 @@ fn every_stage_of_a_solve_can_be_cancelled() {
             // Where links are made first, they are few if stages behind them are to be seen.
             let error = if matches!(stage, Stage::Cells | Stage::Error) { 0.02 } else { 0.0005 };
             let options = SolveOptions { error, ..hard(solver) };
-            let (_, report) = pipeline::solve(scene("full_office"), &options, &RunOptions::default(), &observer).unwrap();
+            let (evaluator, report) = pipeline::solve(scene("full_office"), &options, &RunOptions::default(), &observer).unwrap();
             let took = observer.since().expect("the stage was told of");
             println!("{solver:?}, {stage:?}: ended after {took:?}");
-            assert_eq!(report.stopped_by, StoppedBy::Cancelled);
+            assert_eq!((report.stopped_by, evaluator.solution().validate()), (StoppedBy::Cancelled, Ok(())));
             assert!(took < Duration::from_millis(500) + SLACK, "{solver:?}, {stage:?}: {took:?}");
         }
     }

@@ -4,9 +4,13 @@
 #![allow(dead_code, reason = "each target calls one of them")]
 
 mod obj;
+mod options;
+mod points;
 mod solution;
 mod solve;
 
 pub use obj::read_obj;
+pub use options::set_options;
+pub use points::read_csv;
 pub use solution::{read_solution, small_solution};
 pub use solve::solve_scene;

@@ -55,7 +55,7 @@ impl<'a> Linked<'a> {
         let Job { scene, rays, options, .. } = job;
         let (links, elements) = (0, scene.surfaces().len() as u64);
         job.observer.progress(&Progress { stage: Stage::Build, round: 0, fraction: None, links, elements, error: None });
-        let hierarchy = Hierarchy::new(scene);
+        let hierarchy = Hierarchy::new_unless(scene, &job.stop());
         let mut exposure = Exposure::default();
         exposure.grow(scene, &hierarchy, rays, options.seed, &job.stop());
         let radiosity = Radiosity::emitted(scene, &hierarchy, &exposure);

@@ -281,7 +281,9 @@ impl<'a> LinkGather<'a> {
         facet: &Facet<'_>,
         expected: Expected,
     ) -> Option<SourcePiece> {
-        let form_factor = point_to_polygon(receiver.point, receiver.normal, facet);
+        // None comes from the receiver's own plane, though by rounding the point may lie in front of the back of the same sheet.
+        let is_coplanar = self.scene.surface(SurfaceId(self.hierarchy.node(node).surface)).plane == receiver.plane;
+        let form_factor = if is_coplanar { 0.0 } else { point_to_polygon(receiver.point, receiver.normal, facet) };
 
         // The noise of a ray: by visibility, and by radiosity that varies over the polygon.
         let doubt = expected.doubt();

@@ -25,6 +25,9 @@ const WORK_OF_POLYGONS: usize = 1024;
 /// The most that all surfaces together radiate less because `pairs` have no link, in W, all channels added. Proved, if sweeps over the
 /// links would no longer change `light`.
 pub(crate) fn bound_held_back(light: Light<'_>, pairs: &[Pair]) -> f64 {
+    if pairs.is_empty() {
+        return 0.0;
+    }
     let mut waiting = WorstFirst::new(light, pairs.par_iter().with_min_len(256).copied());
     let (mut settled, mut work) = (0.0, 0);
     while work < MOST_WORK {

@@ -130,6 +130,35 @@ fn no_ray_weighs_much_however_near_an_emitter_is() {
     }
 }
 
+/// Points of a sheet lie a rounding before or behind it: of its own back they see nothing.
+#[test]
+fn a_sheet_does_not_light_itself_from_behind() {
+    let (u, v) = (DVec3::new(0.36, 0.48, -0.8), DVec3::new(-0.8, 0.6, 0.0));
+    let corner = DVec3::new(0.1, 0.2, 0.3);
+    let sheet = Polygon::from_vertices(vec![corner, corner + u, corner + u + v, corner + v]).unwrap();
+    let glowing = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![1.0] };
+    let scene = Scene::new(1, vec![glowing], vec![(sheet, 0, 0)], Sides::Both).unwrap();
+    let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+    let rays = Rays::new(&*visibility, &scene);
+    let (emitters, memory) = (Emitters::new(&scene, &rays), &mut EmitterRays::default());
+
+    let random = |k: u64, draw| sampling::unit(sampling::hash(k, draw));
+    let mut places: Vec<Place> = (0..2000)
+        .map(|k| Place { point: corner + random(k, 1) * u + random(k, 2) * v, surface: SurfaceId(k as u32 % 2), seed: k })
+        .collect();
+    places.sort_by_key(|place| place.surface);
+    for place in &places {
+        let height = scene.surface(place.surface).polygon.facet().height(place.point);
+        assert!(height.abs() < 1e-12, "the point lies on the sheet but for rounding");
+    }
+    // By so many rays all emitters get some, or each ray draws one.
+    for count in [1, 8] {
+        let mut irradiance = vec![0.0; places.len()];
+        emitters.add_sampled_irradiance(&places, 1, count, memory, &mut BatchSums::whole(1, &mut irradiance));
+        assert!(irradiance.iter().all(|&h| h == 0.0), "{count} rays: {irradiance:?}");
+    }
+}
+
 #[test]
 fn rays_do_not_grow_with_the_number_of_emitters() {
     for count in [1, 16, 17, 1000] {
