@@ -23,14 +23,14 @@ const MOST_WORK: usize = 1 << 15;
 const WORK_OF_POLYGONS: usize = 1024;
 
 /// The most that all surfaces together radiate less because `pairs` have no link, in W, all channels added. Proved, if sweeps over the
-/// links would no longer change `light`.
-pub(crate) fn bound_held_back(light: Light<'_>, pairs: &[Pair]) -> f64 {
+/// links would no longer change `light`. Once stopped, the bound stays as wide as it is.
+pub(crate) fn bound_held_back(light: Light<'_>, pairs: &[Pair], stop: &(dyn Fn() -> bool + Sync)) -> f64 {
     if pairs.is_empty() {
         return 0.0;
     }
     let mut waiting = WorstFirst::new(light, pairs.par_iter().with_min_len(256).copied());
     let (mut settled, mut work) = (0.0, 0);
-    while work < MOST_WORK {
+    while work < MOST_WORK && !stop() {
         match waiting.split_worst() {
             Some(Worst::Split) => work += 1,
             Some(Worst::Polygons(Waiting { pair, .. })) => {
