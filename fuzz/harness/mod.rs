@@ -1,7 +1,7 @@
 //! What fuzzers feed with bytes: each function takes any bytes whatever and panics only where patchlight is at fault.
 //!
 //! The targets of cargo-fuzz call them (`fuzz/fuzz_targets`), and so does the seeded driver that needs no nightly compiler (`tests/fuzz.rs`).
-#![allow(dead_code, reason = "each target calls one of them")]
+#![allow(dead_code, unused_imports, reason = "each target calls one of them")]
 
 mod obj;
 mod options;
