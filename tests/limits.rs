@@ -184,6 +184,30 @@ fn light_on_a_small_part_of_the_area_is_found_and_judged() {
     }
 }
 
+/// A room that glows faintly, and a lamp outside of it that shines into the void: no particle tells of the light in the room, and links are not made
+/// without end for it.
+#[test]
+fn a_lamp_that_lights_nothing_does_not_make_links_of_a_dim_room() {
+    let corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+    let mut text = "mtllib a.mtl\n".to_owned();
+    corners.iter().for_each(|[x, y, z]| writeln!(text, "v {x} {y} {z}").unwrap());
+    [[3, 3], [7, 3], [7, 7], [3, 7]].iter().for_each(|[x, y]| writeln!(text, "v 0.{x} 0.{y} 1.01").unwrap());
+    text += "usemtl dim\nf 1 2 3 4\nf 5 8 7 6\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\nusemtl lamp\nf 9 10 11 12\n";
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("void.obj");
+    std::fs::write(&file, text).unwrap();
+    std::fs::write(folder.path().join("a.mtl"), "newmtl dim\nKd 0.5 0.5 0.5\nKe 1e-7 1e-7 1e-7\nnewmtl lamp\nKd 0 0 0\nKe 9 9 9\n")
+        .unwrap();
+
+    let scene = read_scene(&file, &ImportOptions::default()).unwrap().scene;
+    for error in [0.5, 0.05] {
+        let options = SolveOptions { error, max_links: Some(100_000), ..SolveOptions::default() };
+        let (_, report) = pipeline::solve(scene.clone(), &options, &RunOptions::default(), &Silent).unwrap();
+        println!("asked for {error}: {:?}, {} links", report.error, report.counts.links);
+        assert_ne!(report.stopped_by, StoppedBy::MaxLinks);
+    }
+}
+
 /// A lone emitting square reflects nothing: the answer is exact.
 #[test]
 fn what_reflects_no_light_is_exact() {

@@ -1,4 +1,6 @@
 //! Scenes that are spoilt at random, solved by the program as a user would: it ends in time, says so, and writes what can be read.
+//!
+//! `PATCHLIGHT_SPOILT_SCENE=162` takes that scene alone and leaves it in the system's folder for temporary files.
 #![allow(clippy::print_stdout, reason = "a test tells what it measured")]
 
 #[path = "support/spoilt.rs"]
@@ -58,12 +60,23 @@ fn solve(folder: &Path, number: usize, time_s: f64) -> (i32, Duration, String) {
 fn solve_spoilt(count: usize, time_s: f64, allowed: Duration) -> Duration {
     let scenes = scenes();
     let folder = tempfile::tempdir().unwrap();
+    let only: Option<usize> = std::env::var("PATCHLIGHT_SPOILT_SCENE").ok().map(|number| number.parse().expect("a number"));
     let (mut random, mut slowest, mut refused) = (Random(5), Duration::ZERO, 0);
     for number in 0..count {
         let (name, scene) = &scenes[random.below(scenes.len())];
         let materials = spoilt_materials(scene.materials(), &mut random);
         std::fs::write(folder.path().join("scene.mtl"), mtl(&materials)).unwrap();
         std::fs::write(folder.path().join("scene.obj"), obj(&spoilt(&faces_of(scene), &mut random), &materials)).unwrap();
+        if only.is_some_and(|only| only != number) {
+            continue;
+        }
+        if only.is_some() {
+            let kept = std::env::temp_dir().join(format!("spoilt-{number}"));
+            std::fs::create_dir_all(&kept).unwrap();
+            for file in ["scene.obj", "scene.mtl"] {
+                std::fs::copy(folder.path().join(file), kept.join(file)).unwrap();
+            }
+        }
         let what = format!("scene {number}, from {name}");
         let mut took = Duration::MAX;
         for _ in 0..TRIES {
