@@ -204,7 +204,7 @@ fn a_lamp_that_lights_nothing_does_not_make_links_of_a_dim_room() {
         let options = SolveOptions { error, max_links: Some(100_000), ..SolveOptions::default() };
         let (_, report) = pipeline::solve(scene.clone(), &options, &RunOptions::default(), &Silent).unwrap();
         println!("asked for {error}: {:?}, {} links", report.error, report.counts.links);
-        assert_ne!(report.stopped_by, StoppedBy::MaxLinks);
+        assert!(report.counts.links < 1000, "{} links", report.counts.links);
     }
 }
 
