@@ -133,7 +133,8 @@ fn no_ray_weighs_much_however_near_an_emitter_is() {
 /// Corners with the digits of a file are a little off one plane, so points of a sheet lie before or behind it: of its own back they see nothing.
 #[test]
 fn a_sheet_does_not_light_itself_from_behind() {
-    let (u, v) = (DVec3::new(0.36, 0.48, -0.8), DVec3::new(-0.8, 0.6, 0.0));
+    let u = DVec3::new(1.0, 2.0, -3.0).normalize();
+    let v = DVec3::new(3.0, 1.0, 2.0).cross(u).normalize();
     let corner = DVec3::new(0.1, 0.2, 0.3);
     let written = |corner: DVec3| (1e8 * corner).round() * 1e-8;
     let corners = [corner, corner + u, corner + u + v, corner + v].map(written);
