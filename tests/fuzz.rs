@@ -7,7 +7,7 @@
 //! ```
 //!
 //! An input that fails is written to the system's folder for temporary files, and its path is printed; it then becomes a test below. With
-//! cargo-fuzz, which looks at the branches taken: `cargo +nightly fuzz run obj` (or `solution`, `solve`, `triangulation`).
+//! cargo-fuzz, which looks at the branches taken: `scripts/fuzz.sh SECONDS` runs all targets of `fuzz/`.
 #![allow(clippy::print_stderr, reason = "a test tells what it did")]
 
 #[path = "../fuzz/harness/mod.rs"]
@@ -23,6 +23,12 @@ use triangles::Random;
 
 const OBJ: &[u8] = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0.25\nv 0 1 0\nv 0.5 0.5 2\nusemtl a\nf 1 2 3 4\nf -1 -2 -3\nusemtl b\n\
                      f 1/1 2/2 5/3\nf 4 3 2 1\ng x\nf 1 2 5 3 4\n\0newmtl a\nKd 0.5 0.5 0.5\nKe 1 2 3\n\nnewmtl b # c\nKd .9\nKs 0 0 0\n";
+
+const CSV: &[u8] =
+    b"\xef\xbb\xbfid,\"NZ\",ny,NX,z,Y,x,note,B_r\r\n7,1,0,0,3,2,1,a wall,0.5\r\n8,0.5774,-.5774,0.5774,1e-3,-2.5,4,,\n";
+
+const OPTIONS: &[u8] = b"error=0.05\nnorm=energy\nimportance=view eye=0,1,5 target=0,1,0 up=0,1,0 fov=40\nskips=rays+clear\n\
+                         strategy=lazy94+reduction\nbounds=guaranteed\nbounds_work=64\nseed=7\nmin_element=1e-8\nambient=false\n";
 
 const TO_AND_FRO: &[u8] = &[
     175, 88, 68, 10, 5, 172, 201, 66, 153, 163, 17, 23, 75, 9, 167, 161, 181, 242, 192, 37, 4, 110, 119, 234, 26, 87, 130, 237,
@@ -60,12 +66,14 @@ struct Target {
     seeds: Vec<Vec<u8>>,
 }
 
-fn targets() -> [Target; 4] {
+fn targets() -> [Target; 6] {
     let kinds = [(Solver::Links, false), (Solver::Cells, false), (Solver::Links, true)];
     let solutions = kinds.map(|(solver, lit_mesh)| harness::small_solution(solver, lit_mesh).to_vec());
     [
         Target { name: "obj", few: 400, feed: harness::read_obj, seeds: vec![OBJ.to_vec(), Vec::new()] },
         Target { name: "solution", few: 200, feed: harness::read_solution, seeds: solutions.into() },
+        Target { name: "points", few: 400, feed: harness::read_csv, seeds: vec![CSV.to_vec()] },
+        Target { name: "options", few: 400, feed: harness::set_options, seeds: vec![OPTIONS.to_vec()] },
         Target { name: "solve", few: 40, feed: harness::solve_scene, seeds: vec![vec![0; 60], (0..=255).collect()] },
         Target { name: "triangulation", few: 2000, feed: harness::triangulate, seeds: vec![vec![0; 40], (0..=255).collect()] },
     ]
@@ -127,9 +135,11 @@ fn what_was_found_stays_mended() {
 fn many_inputs_do_no_harm() {
     let number = |name: &str, default: u64| std::env::var(name).map_or(default, |text| text.parse().expect("a number"));
     let (seconds, seed) = (number("PATCHLIGHT_FUZZ_SECONDS", 60), number("PATCHLIGHT_FUZZ_SEED", 1));
-    for target in targets() {
+    let targets = targets();
+    let share = Duration::from_secs(seconds) / targets.len() as u32;
+    for target in targets {
         let (mut random, mut inputs, start) = (Random(seed), 0, Instant::now());
-        while start.elapsed() < Duration::from_secs(seconds / 4) {
+        while start.elapsed() < share {
             feed(&target, &input(&target, &mut random));
             inputs += 1;
         }
@@ -146,6 +156,6 @@ fn one_input() {
         eprintln!("no input is named: nothing to do");
         return;
     };
-    let target = targets().into_iter().find(|target| target.name == name).expect("obj, solution, solve or triangulation");
+    let target = targets().into_iter().find(|target| target.name == name).expect("the name of a target");
     (target.feed)(&std::fs::read(file).unwrap());
 }

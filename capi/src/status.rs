@@ -103,7 +103,11 @@ impl From<PipelineError> for Ending {
 
 impl From<VisibilityError> for Ending {
     fn from(error: VisibilityError) -> Self {
-        Self::new(PATCHLIGHT_BACKEND_ERROR, error)
+        let status = match error {
+            VisibilityError::OutOfMemory { .. } => PATCHLIGHT_OUT_OF_RESOURCES,
+            _ => PATCHLIGHT_BACKEND_ERROR,
+        };
+        Self::new(status, error)
     }
 }
 

@@ -7,6 +7,7 @@ use patchlight::picture::CameraError;
 use patchlight::pipeline::PipelineError;
 use patchlight::scene::import::{DraftError, ImportError};
 use patchlight::solve::OptionsError;
+use patchlight::visibility::VisibilityError;
 use pyo3::prelude::*;
 
 use crate::diagnostic::Diagnostic;
@@ -83,6 +84,7 @@ impl From<PipelineError> for Failure {
     fn from(error: PipelineError) -> Self {
         let class = match error {
             PipelineError::Options(_) | PipelineError::Interest(_) | PipelineError::Memory { .. } => "OptionError",
+            PipelineError::Visibility(VisibilityError::OutOfMemory { .. }) => "ResourceError",
             PipelineError::Visibility(_) => "BackendError",
             PipelineError::Camera(_) => "ArgumentError",
             PipelineError::Threads { .. } => "ResourceError",

@@ -49,16 +49,19 @@ pub(super) fn for_each_overlap(scene: &Scene, mut visit: impl FnMut(SurfaceId, S
     for (index, surface) in scene.surfaces().iter().enumerate() {
         groups.entry(surface.plane()).or_default().push(SurfaceId(index as u32));
     }
-    for mut group in groups.into_values().filter(|group| group.len() > 1) {
-        // Sort along an edge: a surface can overlap those alone that begin before it ends.
+    for group in groups.into_values().filter(|group| group.len() > 1) {
+        // Sort along an edge: a surface can overlap those alone that begin before it ends, and neither beside it.
         let facet = |id: SurfaceId| scene.surface(id).polygon.facet();
         let first = facet(group[0]);
         let along = (first.vertices[1] - first.vertices[0]).normalize_or(DVec3::X);
-        group.sort_by(|&a, &b| range(&facet(a), along)[0].total_cmp(&range(&facet(b), along)[0]));
-        for (k, &id) in group.iter().enumerate() {
+        let across = first.normal.cross(along);
+        let ranges = |&id: &SurfaceId| (id, [along, across].map(|axis| range(&facet(id), axis)));
+        let mut group: Vec<(SurfaceId, [[f64; 2]; 2])> = group.iter().map(ranges).collect();
+        group.sort_by(|(_, [a, _]), (_, [b, _])| a[0].total_cmp(&b[0]));
+        for (k, &(id, [[_, end], [low, high]])) in group.iter().enumerate() {
             let own = facet(id);
-            let end = range(&own, along)[1];
-            for &other in group[k + 1..].iter().take_while(|&&other| range(&facet(other), along)[0] < end) {
+            let begun = group[k + 1..].iter().take_while(|(_, [along, _])| along[0] < end);
+            for &(other, _) in begun.filter(|(_, [_, across])| across[0] < high && across[1] > low) {
                 let is_twin = scene.surface(id).twin() == Some(other);
                 if !is_twin && overlap(&own, &facet(other), TOUCHING * own.radius.max(facet(other).radius)) {
                     visit(id.min(other), id.max(other), gap(&own, &facet(other)).max(gap(&facet(other), &own)));

@@ -78,6 +78,9 @@ impl From<PipelineError> for Failure {
             PipelineError::Options(_) | PipelineError::Camera(_) | PipelineError::Interest(_) => Self::usage(error),
             PipelineError::Visibility(VisibilityError::UnknownBackend(_) | VisibilityError::NotBuilt { .. }) => Self::usage(error),
             PipelineError::Memory { .. } => Self { exit: Exit::Memory, message: format!("--memory: {error}") },
+            PipelineError::Visibility(VisibilityError::OutOfMemory { .. }) => {
+                Self { exit: Exit::Memory, message: error.to_string() }
+            }
             PipelineError::Visibility(VisibilityError::Native { .. } | VisibilityError::BadMesh(_))
             | PipelineError::Threads { .. } => Self::failed(error),
         }

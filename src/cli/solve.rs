@@ -64,6 +64,8 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     if let Some(sink) = &request.report {
         ending.note(sink.write(|mut writer| write_report(&mut writer, &run_report)));
     }
+    // The program ends: the system takes all memory back at once, where freeing a large scene piece by piece takes a while.
+    std::mem::forget(evaluator);
     ending.finish()
 }
 

@@ -28,7 +28,7 @@ use rayon::prelude::*;
 
 use super::claim::{Doubts, FEW_REPLICATES, claim};
 use super::compared::{by_other_rays, compared, is_taken_twice, lit, values_at};
-use super::norm::{ErrorNorm, Lit, NormWeights};
+use super::norm::{ErrorNorm, Lit, NormWeights, lit_points};
 use super::pairs::{PairProducts, mean_and_variance, variance_by_noise};
 use super::points::{ErrorPoint, Surroundings};
 use super::replicates::{ErrorSample, REPLICATES, RayShares, ReplicateGather, Replication};
@@ -274,8 +274,7 @@ impl ErrorSamples {
         };
         let ErrorFigure { measured, claimed } = ErrorFigure::UNKNOWN;
         let asked = asked.unwrap_or(ErrorEstimate { measured, claimed, ..ErrorEstimate::default() });
-        let area = |is_counted: &dyn Fn(&&Lit) -> bool| lit.iter().filter(is_counted).map(|point| point.area).sum::<f64>();
-        let part = area(&|point| point.light > 0.0) / area(&|_| true);
+        let part = lit_points(&lit).map(|point| point.area).sum::<f64>() / lit.iter().map(|point| point.area).sum::<f64>();
         Some(ErrorEstimate { energy, local, lit: part, ..asked })
     }
 

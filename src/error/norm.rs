@@ -6,7 +6,8 @@
 //! ```
 //!
 //! channels pooled in both. By energy a small bright place outweighs all others. The local norm is relative to the light at each place, and
-//! to typical light where it is darker. What counts as the light at a point is the value there, as far as replicates do not contradict it.
+//! to typical light where it is darker. What counts as the light at a point is the value there, as far as replicates do not contradict it. A point is
+//! lit if that is more than what roundings let through.
 
 /// In which norm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +15,10 @@ pub(crate) enum ErrorNorm {
     Energy,
     Local,
 }
+
+/// Less light than this part of the mean over all area is none: corners have the digits of a file, so slivers of what stands beside a surface lie in
+/// front of it and light it by their width. If dark area counted as lit, the local norm would be too small by the root of its part.
+const NONE: f64 = 1e-9;
 
 /// A point as norms see it.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +47,7 @@ impl NormWeights {
             }
             ErrorNorm::Local => {
                 let typical = median_light(points)?;
-                let lit: f64 = points.iter().filter(|point| point.light > 0.0).map(|point| point.area).sum();
+                let lit: f64 = lit_points(points).map(|point| point.area).sum();
                 points.iter().map(|point| point.area / (lit * point.light.max(typical).powi(2))).collect()
             }
         };
@@ -50,9 +55,16 @@ impl NormWeights {
     }
 }
 
+/// The points where light is.
+pub(super) fn lit_points(points: &[Lit]) -> impl Iterator<Item = &Lit> {
+    let area: f64 = points.iter().map(|point| point.area).sum();
+    let least = NONE * points.iter().map(|point| point.area * point.light).sum::<f64>() / area;
+    points.iter().filter(move |point| point.light > least)
+}
+
 /// The median light over the lit area; `None` if all is dark.
 pub(super) fn median_light(points: &[Lit]) -> Option<f64> {
-    let mut lit: Vec<&Lit> = points.iter().filter(|point| point.light > 0.0).collect();
+    let mut lit: Vec<&Lit> = lit_points(points).collect();
     lit.sort_by(|a, b| a.light.total_cmp(&b.light));
     let half = 0.5 * lit.iter().map(|point| point.area).sum::<f64>();
     let mut below = 0.0;
@@ -90,6 +102,11 @@ mod tests {
     fn the_median_is_by_lit_area_and_there_is_none_in_the_dark() {
         assert_eq!(median_light(&[lit(1.0, 5.0), lit(10.0, 0.0), lit(3.0, 2.0), lit(1.0, 1.0)]), Some(2.0));
         assert_eq!(median_light(&[lit(1.0, 0.0)]), None);
+        // What leaks past edges is no light, however large it is.
+        let [room, outside] = [lit(1.0, 2.0), lit(1e4, 1e-14)];
+        assert_eq!(median_light(&[room, outside]), Some(2.0));
+        let weights = |points: &[Lit]| NormWeights::new(ErrorNorm::Local, points).unwrap().by_point;
+        assert_eq!(weights(&[room, outside])[0], weights(&[room])[0]);
         for norm in [ErrorNorm::Energy, ErrorNorm::Local] {
             assert!(NormWeights::new(norm, &[lit(1.0, 0.0)]).is_none());
         }

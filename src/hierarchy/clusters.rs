@@ -6,6 +6,7 @@
 //! surface number.
 
 use crate::geometry::{Aabb, Lobes};
+use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
 
 use super::{Hierarchy, Node, NodeId};
@@ -19,7 +20,7 @@ const BINS: usize = 16;
 /// Below this depth clusters are cut at the median, so that no arrangement of surfaces makes the tree deep.
 const MAX_DEPTH: u32 = 48;
 
-/// Clusters with fewer surfaces are cut on one thread.
+/// Clusters with fewer surfaces are cut on one thread, and to the end: a millisecond.
 const PARALLEL: usize = 4096;
 
 /// A cluster while the tree is built.
@@ -28,7 +29,7 @@ enum Tree {
     Cut(Box<[Tree; 2]>),
 }
 
-fn build(scene: &Scene) -> Hierarchy {
+fn build(scene: &Scene, stop: Stop<'_>) -> Hierarchy {
     let surfaces = scene.surfaces();
     let bounds: Vec<Aabb> = surfaces.iter().map(|surface| surface.polygon.bounds()).collect();
 
@@ -37,11 +38,11 @@ fn build(scene: &Scene) -> Hierarchy {
         (0..surfaces.len() as u32).partition(|&surface| scene.material_of(SurfaceId(surface)).emits());
     let tree = match (emitters.is_empty(), others.is_empty()) {
         (false, false) => {
-            let (emitters, others) = rayon::join(|| cut(emitters, &bounds, 1), || cut(others, &bounds, 1));
+            let (emitters, others) = rayon::join(|| cut(emitters, &bounds, 1, stop), || cut(others, &bounds, 1, stop));
             Tree::Cut(Box::new([emitters, others]))
         }
-        (true, _) => cut(others, &bounds, 0),
-        (_, true) => cut(emitters, &bounds, 0),
+        (true, _) => cut(others, &bounds, 0, stop),
+        (_, true) => cut(emitters, &bounds, 0, stop),
     };
 
     // Number the clusters breadth first, so that parents come before children.
@@ -91,7 +92,12 @@ impl Hierarchy {
 
     /// Clusters over the surfaces of a scene; nothing is subdivided yet. O(n log n).
     pub fn new(scene: &Scene) -> Self {
-        build(scene)
+        build(scene, &|| false)
+    }
+
+    /// The same; once stopped, what is left is cut anywhere.
+    pub(crate) fn new_unless(scene: &Scene, stop: Stop<'_>) -> Self {
+        build(scene, stop)
     }
 
     /// Boxes, areas and faces of the clusters, from the children up.
@@ -125,16 +131,21 @@ impl Hierarchy {
     }
 }
 
-/// Cuts a group of surfaces in two, again and again.
-fn cut(mut surfaces: Vec<u32>, bounds: &[Aabb], depth: u32) -> Tree {
+/// Cuts a group of surfaces in two, again and again; once stopped, into halves of equal number as they come.
+fn cut(mut surfaces: Vec<u32>, bounds: &[Aabb], depth: u32, stop: Stop<'_>) -> Tree {
     if surfaces.len() <= Hierarchy::LEAF_SURFACES {
         return Tree::Leaf(surfaces);
     }
-    let second = cut_off_large(&mut surfaces, bounds).unwrap_or_else(|| cut_in_space(&mut surfaces, bounds, depth));
-    let halves = if surfaces.len() + second.len() >= PARALLEL {
-        rayon::join(|| cut(surfaces, bounds, depth + 1), || cut(second, bounds, depth + 1)).into()
+    let second = if surfaces.len() >= PARALLEL && stop() {
+        surfaces.split_off(surfaces.len() / 2)
     } else {
-        [cut(surfaces, bounds, depth + 1), cut(second, bounds, depth + 1)]
+        cut_off_large(&mut surfaces, bounds).unwrap_or_else(|| cut_in_space(&mut surfaces, bounds, depth))
+    };
+    let cut = |surfaces| cut(surfaces, bounds, depth + 1, stop);
+    let halves = if surfaces.len() + second.len() >= PARALLEL {
+        rayon::join(|| cut(surfaces), || cut(second)).into()
+    } else {
+        [cut(surfaces), cut(second)]
     };
     Tree::Cut(Box::new(halves))
 }

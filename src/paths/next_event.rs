@@ -23,7 +23,7 @@ use super::light_tree::Draws;
 use super::place::Place;
 use crate::form_factor::{kernel, point_to_polygon};
 use crate::geometry::{Facet, Part, for_each_piece, sampling, streams};
-use crate::scene::SurfaceId;
+use crate::scene::{Surface, SurfaceId};
 use crate::visibility::Segment;
 
 /// A piece is small if its radius is at most this part of its distance.
@@ -129,9 +129,9 @@ impl Emitters<'_> {
         memory: &mut EmitterRays,
     ) {
         memory.pieces.clear();
-        let normal = self.scene.surface(place.surface).polygon.facet().normal;
+        let receiver = self.scene.surface(place.surface);
         for &emitter in &self.surfaces {
-            self.cut(place.point, normal, emitter, None, &mut memory.pieces);
+            self.cut(place.point, receiver, emitter, None, &mut memory.pieces);
         }
         self.cast_to_pieces(place, index, 1.0 / numbers.len() as f64, numbers, memory);
     }
@@ -140,18 +140,18 @@ impl Emitters<'_> {
     /// places share a normal; `first` is the number of the first one, and `start` its offset in steps.
     fn cast_to_drawn(&self, places: &[Place], first: usize, count: u32, start: f64, memory: &mut EmitterRays) {
         let Some(tree) = &self.tree else { return };
-        let normal = self.scene.surface(places[0].surface).polygon.facet().normal;
+        let receiver = self.scene.surface(places[0].surface);
         let rays = count * places.len() as u32;
         let numbers = (0..rays).map(|ray| (f64::from(ray) + start.fract()) / f64::from(rays));
         let points = places.iter().map(|place| place.point);
         let unoccluded = |number: u32| {
             let emitter = SurfaceId(number);
             let facet = self.scene.surface(emitter).polygon.facet();
-            let form_factors = points.clone().map(|point| point_to_polygon(point, normal, &facet)).sum::<f64>();
+            let form_factors = points.clone().map(|point| self.form_factor(point, receiver, emitter, &facet)).sum::<f64>();
             form_factors / places.len() as f64 * brightest(self.scene, emitter)
         };
         let mut draws = std::mem::take(&mut memory.draws);
-        tree.draw(points.clone(), normal, unoccluded, numbers, &mut draws);
+        tree.draw(points.clone(), receiver.polygon.facet().normal, unoccluded, numbers, &mut draws);
 
         // Rays that drew the same emitter come one after the other; it is cut once for all such rays of a place.
         for same in draws.drawn.chunk_by(|a, b| a.number == b.number) {
@@ -162,7 +162,7 @@ impl Emitters<'_> {
                     continue;
                 }
                 memory.pieces.clear();
-                self.cut(place.point, normal, SurfaceId(same[0].number), None, &mut memory.pieces);
+                self.cut(place.point, self.scene.surface(place.surface), SurfaceId(same[0].number), None, &mut memory.pieces);
                 let numbers = own.map(|drawn| (drawn.ray / places.len() as u32, drawn.rest));
                 self.cast_to_pieces(place, first + number, weight, numbers, memory);
             }
@@ -221,17 +221,24 @@ impl Emitters<'_> {
         }
     }
 
+    /// The form factor of an emitter, or a piece of one, at a point of `receiver`. None comes from the receiver's own plane, such as from the back of
+    /// the same sheet: by rounding the point may lie in front of that, and would see nothing else.
+    fn form_factor(&self, point: DVec3, receiver: &Surface, emitter: SurfaceId, facet: &Facet<'_>) -> f64 {
+        let is_coplanar = self.scene.surface(emitter).plane == receiver.plane;
+        if is_coplanar { 0.0 } else { point_to_polygon(point, receiver.polygon.facet().normal, facet) }
+    }
+
     /// Cuts an emitter, or a part of one, into pieces that are small as seen from `point`; appends those in front of it.
-    fn cut(&self, point: DVec3, normal: DVec3, emitter: SurfaceId, part: Option<Part>, pieces: &mut Vec<EmitterPiece>) {
+    fn cut(&self, point: DVec3, receiver: &Surface, emitter: SurfaceId, part: Option<Part>, pieces: &mut Vec<EmitterPiece>) {
         let whole = self.scene.surface(emitter).polygon.facet();
         let facet: Facet<'_> = part.as_ref().map_or(whole, |part| part.facet(whole.normal));
-        let form_factor = point_to_polygon(point, normal, &facet);
+        let form_factor = self.form_factor(point, receiver, emitter, &facet);
         if form_factor <= 0.0 {
             return;
         }
         let splits = part.map_or(0, |part| part.splits);
         if facet.radius * facet.radius > SMALL * SMALL * point.distance_squared(facet.centroid) && splits < MAX_SPLITS {
-            for_each_piece(&facet, |corners| self.cut(point, normal, emitter, Some(Part::new(corners, splits + 1)), pieces));
+            for_each_piece(&facet, |corners| self.cut(point, receiver, emitter, Some(Part::new(corners, splits + 1)), pieces));
             return;
         }
         pieces.push(EmitterPiece { emitter, part, form_factor, unoccluded: form_factor * brightest(self.scene, emitter) });

@@ -63,6 +63,11 @@ impl Illumination {
         if self.reflected > 0.0 { self.reflected / (self.emitted + self.reflected) } else { 0.0 }
     }
 
+    /// The power that one particle brings, in W, all channels added. Light of which there is less may have been met by none.
+    pub fn of_particle(&self) -> f64 {
+        self.emitted / f64::from(PARTICLES)
+    }
+
     /// Follows particles through the scene; once stopped, those on their way are given up.
     pub fn sampled(scene: &Scene, rays: &Rays<'_>, seed: u64, stop: Stop<'_>) -> Self {
         let area: f64 = scene.surfaces().iter().map(|surface| surface.polygon.area()).sum();

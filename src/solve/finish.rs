@@ -82,7 +82,8 @@ fn energy(linked: &Linked<'_>) -> Energy {
     let Linked { job, hierarchy, links, exposure, closure, radiosity, report, .. } = linked;
     let scene = job.scene;
     let powers = Powers { scene, hierarchy, links, exposure, closure: closure.as_ref(), radiosity };
-    let held_back = |pairs: &[Pair]| bound_held_back(Light { scene, hierarchy, radiosity: radiosity.values() }, pairs);
+    let light = Light { scene, hierarchy, radiosity: radiosity.values() };
+    let held_back = |pairs: &[Pair]| bound_held_back(light, pairs, &job.stop());
     Energy {
         residual: report.energy.residual,
         held_back: report.energy_balance.map_or_else(|| held_back(links.dormant()), |balance| balance.held_back),

@@ -59,7 +59,7 @@ impl<'a> Linked<'a> {
         let Job { scene, rays, options, .. } = job;
         let (links, elements) = (0, scene.surfaces().len() as u64);
         job.observer.progress(&Progress { stage: Stage::Build, round: 0, fraction: None, links, elements, error: None });
-        let mut hierarchy = Hierarchy::new(scene);
+        let mut hierarchy = Hierarchy::new_unless(scene, &job.stop());
         if options.links.subdivision == Subdivision::Discontinuities {
             cut_along_discontinuities(&job, illumination, &mut hierarchy);
         }

@@ -13,10 +13,11 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// By what light meets.
+    /// By what light meets; where that is less than particles tell, as beside a lamp that shines into the void, by what one of them brings: else no
+    /// pair would ever carry little enough.
     pub fn of_illumination(illumination: &Illumination) -> Self {
         let area = illumination.lit_area;
-        Self { radiosity: illumination.reflected_brightest / area, area }
+        Self { radiosity: illumination.reflected_brightest.max(illumination.of_particle()) / area, area }
     }
 
     /// By areas and materials alone, for the strategies of the papers: what is reflected on average if all surfaces see each other.

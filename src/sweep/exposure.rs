@@ -84,6 +84,9 @@ impl Exposure {
             return;
         }
         self.by_node.resize(hierarchy.len(), 1.0);
+        if stop() {
+            return;
+        }
 
         // Surfaces, and pieces of surfaces that something stands on, by rays.
         let by_plane = ByPlane::new(scene);

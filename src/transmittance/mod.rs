@@ -155,10 +155,13 @@ impl Tally {
 /// or polygons that face each other across an empty space.
 ///
 /// O(n^2) if it is so. If not, the first pair that fails ends the test, and [`FEW_PAIRS`] of each surface are tested first to find
-/// one.
+/// one. Of more surfaces than [`MOST_SURFACES`] it is not known: rays tell.
 fn nothing_occludes(scene: &Scene) -> bool {
     let tolerance = 1e-9 * scene.bounds().diagonal();
     let surfaces = scene.surfaces();
+    if surfaces.len() > MOST_SURFACES {
+        return false;
+    }
     let in_front = |surface: &Surface, other: &Surface| {
         let front = surface.polygon.facet();
         surface.twin.is_none() && other.polygon.facet().vertices.iter().all(|&vertex| front.height(vertex) >= -tolerance)
@@ -168,6 +171,9 @@ fn nothing_occludes(scene: &Scene) -> bool {
     (0..surfaces.len()).all(|index| few(index).all(|other| in_front(&surfaces[index], &surfaces[other])))
         && surfaces.iter().all(|surface| surfaces.iter().all(|other| in_front(surface, other)))
 }
+
+/// With so many surfaces all pairs take some tenths of a second, in which nothing could be cancelled.
+const MOST_SURFACES: usize = 8192;
 
 /// Pairs of each surface that are tested before all others.
 const FEW_PAIRS: usize = 4;

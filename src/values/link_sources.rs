@@ -7,6 +7,7 @@ use super::source_piece::{Expected, SourcePiece};
 use crate::form_factor::point_to_polygon;
 use crate::geometry::{Facet, Part, for_each_piece};
 use crate::hierarchy::NodeId;
+use crate::scene::SurfaceId;
 
 /// A near piece that is worth more rays than this is split: over it the kernel varies.
 const NEAR_RAYS: f64 = 2.0;
@@ -76,7 +77,9 @@ impl LinkGather<'_> {
         facet: &Facet<'_>,
         expected: Expected,
     ) -> Option<SourcePiece> {
-        let form_factor = point_to_polygon(receiver.point, receiver.normal, facet);
+        // None comes from the receiver's own plane, though by rounding the point may lie in front of the back of the same sheet.
+        let is_coplanar = self.scene.surface(SurfaceId(self.hierarchy.node(node).surface)).plane == receiver.plane;
+        let form_factor = if is_coplanar { 0.0 } else { point_to_polygon(receiver.point, receiver.normal, facet) };
 
         // The noise of a ray: by visibility, and by radiosity that varies over the polygon.
         let doubt = expected.doubt();

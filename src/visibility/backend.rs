@@ -73,6 +73,12 @@ pub enum VisibilityError {
     /// The mesh is inconsistent, or a vertex is not finite.
     #[error("the triangles that occlude cannot be used: {0}")]
     BadMesh(String),
+    /// The machine has no memory left for it.
+    #[error("out of memory: {backend} cannot be built over this scene")]
+    OutOfMemory {
+        /// Its name.
+        backend: &'static str,
+    },
     /// The native library reported an error.
     #[error("{backend} failed: {message}")]
     Native {

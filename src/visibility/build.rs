@@ -10,7 +10,8 @@ use super::{
 ///
 /// # Errors
 /// [`VisibilityError::BadMesh`] for a mesh with a vertex that is not finite, an index out of range or lists of different lengths,
-/// [`VisibilityError::NotBuilt`] where this build lacks the backend, [`VisibilityError::Native`] where the library fails.
+/// [`VisibilityError::NotBuilt`] where this build lacks the backend, [`VisibilityError::Native`] where the library fails, and
+/// [`VisibilityError::OutOfMemory`] where the machine has no more.
 pub fn build(backend: Backend, mesh: &OccluderMesh) -> Result<Box<dyn Visibility>, VisibilityError> {
     mesh.validate()?;
     match backend {

@@ -63,8 +63,8 @@ impl Embree {
         // move with it, and `drop` destroys the scene first.
         let scene = unsafe { native::occlusion_create(&native_mesh) };
 
-        let native_error = |message: String| VisibilityError::Native { backend: "embree", message };
-        let scene = NonNull::new(scene).ok_or_else(|| native_error("out of memory".to_owned()))?;
+        let backend = "embree";
+        let scene = NonNull::new(scene).ok_or(VisibilityError::OutOfMemory { backend })?;
         let embree = Self { scene, frame, surfaces: mesh.surfaces.clone(), sides };
         // SAFETY: The scene is alive; the message is NULL or a string with an end, in memory of the scene, and copied at once.
         let message = unsafe {
@@ -72,7 +72,9 @@ impl Embree {
             (!message.is_null()).then(|| CStr::from_ptr(message).to_string_lossy().into_owned())
         };
         match message {
-            Some(message) => Err(native_error(message)),
+            // RTC_ERROR_OUT_OF_MEMORY, in the words of Embree and of the wrapper alike.
+            Some(message) if message.ends_with("out of memory") => Err(VisibilityError::OutOfMemory { backend }),
+            Some(message) => Err(VisibilityError::Native { backend, message }),
             None => Ok(embree),
         }
     }

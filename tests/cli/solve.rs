@@ -149,6 +149,21 @@ fn a_run_that_takes_too_much_ends_with_5_and_writes_nothing() {
     assert!(place.new_files().is_empty());
 }
 
+/// Embree has no room for its device.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_backend_without_memory_is_told_as_such() {
+    if !patchlight::visibility::Backend::Embree.is_built() {
+        return;
+    }
+    let place = Place::new();
+    let solve = "solve room.obj --threads 1 --error 0.5 -o s.solution";
+    let ran = place.run_in_shell(&format!("ulimit -v 300000; exec {} {solve}", env!("CARGO_BIN_EXE_patchlight")));
+    assert_eq!(ran.code, 5, "{}", ran.stderr);
+    assert!(ran.stderr.contains("out of memory"), "{}", ran.stderr);
+    assert!(place.new_files().is_empty());
+}
+
 /// For so small an error the solver takes long.
 #[cfg(unix)]
 #[test]

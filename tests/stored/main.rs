@@ -4,6 +4,8 @@
 mod harness;
 mod mutations;
 mod round_trips;
+#[path = "../support/spoilt.rs"]
+mod spoilt;
 #[path = "../support/triangles.rs"]
 mod triangles;
 

@@ -2,10 +2,11 @@
 
 use patchlight::pipeline::Evaluator;
 use patchlight::progress::Silent;
+use patchlight::scene::Sides;
 use patchlight::scene::import::{ImportOptions, read_scene};
-use patchlight::scene::{Material, Sides};
 use patchlight::solve::{RunOptions, SolveOptions, Solver};
 
+use super::spoilt::{faces_of, obj, spoilt};
 use super::triangles::Random;
 use super::{points, read, scene_files, solved, stored};
 
@@ -52,55 +53,6 @@ fn lit_meshes_are_read_back() {
     }
 }
 
-/// The faces of a scene as `(corners, material)`.
-type Faces = Vec<(Vec<[f64; 3]>, u32)>;
-
-/// A scene with some faces jittered, reversed, repeated, flattened to nearly nothing, scaled or taken out.
-fn mutated(faces: &Faces, random: &mut Random) -> Faces {
-    let mut faces = faces.clone();
-    for _ in 0..=random.below(8) {
-        let at = random.below(faces.len());
-        let (corners, material) = faces[at].clone();
-        let some = random.below(corners.len());
-        match random.below(8) {
-            0 => {
-                let far = [1e-12, 1e-9, 1e-7, 1e-6, 1e-3, 0.1][random.below(6)];
-                let jitter = |x: f64, random: &mut Random| x + far * (2.0 * random.unit() - 1.0);
-                faces[at].0.iter_mut().for_each(|corner| *corner = corner.map(|x| jitter(x, random)));
-            }
-            1 => faces[at].0.reverse(),
-            2 => faces.push((corners, material)),
-            3 => faces.push((corners.into_iter().rev().collect(), material)),
-            4 => faces[at].0[some] = corners[(some + 1) % corners.len()],
-            5 => {
-                // A sliver: one corner close to the line between its neighbours.
-                let (before, after) = (corners[(some + corners.len() - 1) % corners.len()], corners[(some + 1) % corners.len()]);
-                let part = 10.0_f64.powi(-(random.below(13) as i32));
-                let middle: [f64; 3] = std::array::from_fn(|k| (before[k] + after[k]) / 2.0);
-                faces[at].0[some] = std::array::from_fn(|k| middle[k] + part * (corners[some][k] - middle[k]));
-            }
-            6 => {
-                let scale = [0.3, 3.0][random.below(2)];
-                faces[at].0.iter_mut().for_each(|corner| *corner = corner.map(|x| scale * x));
-            }
-            _ if faces.len() > 1 => drop(faces.swap_remove(at)),
-            _ => {}
-        }
-    }
-    faces
-}
-
-/// The scene as an OBJ file, every face with vertices of its own: so that it is repaired as any other is.
-fn obj(faces: &Faces, materials: &[Material]) -> String {
-    let mut text = "mtllib scene.mtl\n".to_owned();
-    for (corners, material) in faces {
-        corners.iter().for_each(|[x, y, z]| text += &format!("v {x:e} {y:e} {z:e}\n"));
-        let indices: Vec<String> = (1..=corners.len()).rev().map(|back| format!("-{back}")).collect();
-        text += &format!("usemtl {}\nf {}\n", materials[*material as usize].name, indices.join(" "));
-    }
-    text
-}
-
 #[test]
 fn spoilt_scenes_are_read_back() {
     let names = ["cornell", "furnace", "four_polygons", "two_rooms"];
@@ -110,11 +62,10 @@ fn spoilt_scenes_are_read_back() {
     for number in 0..500 {
         let chosen = random.below(scenes.len());
         let scene = &scenes[chosen];
-        let faces = scene.surfaces().iter().map(|surface| (surface.polygon.vertices().collect(), surface.material)).collect();
         let library = scene_files()[0].with_file_name(format!("{}.mtl", names[chosen]));
         std::fs::copy(library, folder.path().join("scene.mtl")).unwrap();
         let file = folder.path().join("scene.obj");
-        std::fs::write(&file, obj(&mutated(&faces, &mut random), scene.materials())).unwrap();
+        std::fs::write(&file, obj(&spoilt(&faces_of(scene), &mut random), scene.materials())).unwrap();
 
         let sides = if number % 2 == 0 { Sides::Front } else { Sides::Both };
         let Ok(imported) = read_scene(&file, &ImportOptions { sides, ..ImportOptions::default() }) else { continue };

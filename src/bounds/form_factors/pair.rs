@@ -3,6 +3,8 @@
 //! Clusters are bounded by their boxes and normals (`boxes`). Polygons are bounded unoccluded first (`form_factor::bounds`), then by the
 //! parts of the source that all of the receiver sees, and by those that some of it may see (`blockers`).
 
+use std::sync::OnceLock;
+
 use glam::DVec3;
 
 use super::blockers::{Blockers, Sight, Views};
@@ -33,14 +35,16 @@ pub(in crate::bounds) struct PairBounds<'a> {
     hierarchy: &'a Hierarchy,
     rule: FormFactorRule,
     search: Search,
-    blockers: Blockers<'a>,
+    scene: &'a Scene,
+    /// Found once somebody asks what is in the way.
+    blockers: OnceLock<Blockers<'a>>,
     boxes: Boxes<'a>,
 }
 
 impl<'a> PairBounds<'a> {
     pub fn new(scene: &'a Scene, hierarchy: &'a Hierarchy, rule: FormFactorRule) -> Self {
-        let (blockers, boxes) = (Blockers::new(scene, hierarchy), Boxes::new(hierarchy));
-        Self { hierarchy, rule, search: Search::CLOSE, blockers, boxes }
+        let (blockers, boxes) = (OnceLock::new(), Boxes::new(hierarchy));
+        Self { hierarchy, rule, search: Search::CLOSE, scene, blockers, boxes }
     }
 
     /// The same, for so many pairs that each can have little time.
@@ -72,7 +76,7 @@ impl<'a> PairBounds<'a> {
             return FormFactorBounds::guaranteed(0.0, 0.0, Evidence::Sight);
         }
 
-        let shadows = match self.blockers.sight(receiver, source) {
+        let shadows = match self.blockers().sight(receiver, source) {
             Sight::Whole => return FormFactorBounds::guaranteed(least, most, Evidence::Sight),
             Sight::Shadowed(shadows) => shadows,
         };
@@ -112,7 +116,7 @@ impl<'a> PairBounds<'a> {
         if unoccluded.iter().all(|&factor| factor == 0.0) {
             return (unoccluded, Evidence::Sight);
         }
-        match self.blockers.views(receiver, source, &points) {
+        match self.blockers().views(receiver, source, &points) {
             Views::Whole => (unoccluded, Evidence::Sight),
             Views::Unknown => (unoccluded, Evidence::Unproved),
             Views::Parts(views) => {
@@ -158,7 +162,11 @@ impl<'a> PairBounds<'a> {
     /// Whether no light travels between two polygons because they lie side by side in one plane.
     fn share_a_plane(&self, receiver: NodeId, source: NodeId) -> bool {
         let [receiver, source] = [receiver, source].map(|node| SurfaceId(self.hierarchy.node(node).surface));
-        self.blockers.share_a_plane(receiver, source)
+        self.blockers().share_a_plane(receiver, source)
+    }
+
+    fn blockers(&self) -> &Blockers<'a> {
+        self.blockers.get_or_init(|| Blockers::new(self.scene, self.hierarchy))
     }
 
     fn has_cluster(&self, receiver: NodeId, source: NodeId) -> bool {

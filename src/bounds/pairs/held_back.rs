@@ -23,11 +23,19 @@ const MOST_WORK: usize = 1 << 15;
 const WORK_OF_POLYGONS: usize = 1024;
 
 /// The most that all surfaces together radiate less because `pairs` have no link, in W, all channels added. Proved, if sweeps over the
-/// links would no longer change `light`.
-pub(crate) fn bound_held_back(light: Light<'_>, pairs: &[Pair]) -> f64 {
-    let mut waiting = WorstFirst::new(light, pairs.par_iter().with_min_len(256).copied());
+/// links would no longer change `light`. Once stopped, the bound is as wide as what
+/// is known by then.
+pub(crate) fn bound_held_back(light: Light<'_>, pairs: &[Pair], stop: &(dyn Fn() -> bool + Sync)) -> f64 {
+    if pairs.is_empty() {
+        return 0.0;
+    }
+    let all = bound_all(light);
+    let mut waiting = WorstFirst::new(light, pairs.par_iter().with_min_len(256).copied().take_any_while(|_| !stop()));
+    if stop() {
+        return all;
+    }
     let (mut settled, mut work) = (0.0, 0);
-    while work < MOST_WORK {
+    while work < MOST_WORK && !stop() {
         match waiting.split_worst() {
             Some(Worst::Split) => work += 1,
             Some(Worst::Polygons(Waiting { pair, .. })) => {
@@ -38,5 +46,19 @@ pub(crate) fn bound_held_back(light: Light<'_>, pairs: &[Pair]) -> f64 {
         }
     }
     let rounding = 1.0 + f64::EPSILON * (pairs.len() + MOST_WORK) as f64;
-    (settled + waiting.into_rest().map(|waiting| waiting.power).sum::<f64>()) * rounding
+    all.min((settled + waiting.into_rest().map(|waiting| waiting.power).sum::<f64>()) * rounding)
+}
+
+/// The same, if nothing is known of the pairs: all that is sent arrives, and where it is reflected most.
+fn bound_all(light: Light<'_>) -> f64 {
+    let Light { scene, hierarchy, radiosity } = light;
+    let channels = scene.channels();
+    let of_channel = |channel: usize| {
+        let highest = scene.materials().iter().map(|material| material.reflectance[channel]).fold(0.0, f64::max);
+        let leaves = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node));
+        let sent: f64 = leaves.map(|node| hierarchy.area(node) * radiosity[node.index() * channels + channel]).sum();
+        highest / (1.0 - highest) * sent
+    };
+    let rounding = 1.0 + f64::EPSILON * hierarchy.len() as f64;
+    (0..channels).map(of_channel).sum::<f64>() * rounding
 }

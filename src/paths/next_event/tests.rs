@@ -130,6 +130,36 @@ fn no_ray_weighs_much_however_near_an_emitter_is() {
     }
 }
 
+/// Corners with the digits of a file are a little off one plane, so points of a sheet lie before or behind it: of its own back they see nothing.
+#[test]
+fn a_sheet_does_not_light_itself_from_behind() {
+    let u = DVec3::new(1.0, 2.0, -3.0).normalize();
+    let v = DVec3::new(3.0, 1.0, 2.0).cross(u).normalize();
+    let corner = DVec3::new(0.1, 0.2, 0.3);
+    let written = |corner: DVec3| (1e8 * corner).round() * 1e-8;
+    let corners = [corner, corner + u, corner + u + v, corner + v].map(written);
+    let sheet = Polygon::from_vertices(corners.to_vec()).unwrap();
+    let glowing = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![1.0] };
+    let scene = Scene::new(1, vec![glowing], vec![(sheet, 0, 0)], Sides::Both).unwrap();
+    let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+    let rays = Rays::new(&*visibility, &scene);
+    let (emitters, memory) = (Emitters::new(&scene, &rays), &mut EmitterRays::default());
+
+    // Points of the triangle of three corners.
+    let random = |k: u64, draw| sampling::unit(sampling::hash(k, draw));
+    let [u, v] = [corners[1] - corners[0], corners[2] - corners[0]];
+    let point = |k: u64| corners[0] + 0.5 * (random(k, 1) * u + random(k, 2) * v);
+    let places: Vec<Place> = (0..2000).map(|k| Place { point: point(k), surface: SurfaceId(k as u32 / 1000), seed: k }).collect();
+    let height = |place: &Place| scene.surface(place.surface).polygon.facet().height(place.point);
+    assert!(places.iter().all(|place| height(place).abs() < 1e-7) && places.iter().any(|place| height(place) < -1e-10));
+    // By so many rays all emitters get some, or each ray draws one.
+    for count in [1, 8] {
+        let mut irradiance = vec![0.0; places.len()];
+        emitters.add_sampled_irradiance(&places, 1, count, memory, &mut BatchSums::whole(1, &mut irradiance));
+        assert!(irradiance.iter().all(|&h| h == 0.0), "{count} rays: {irradiance:?}");
+    }
+}
+
 #[test]
 fn rays_do_not_grow_with_the_number_of_emitters() {
     for count in [1, 16, 17, 1000] {

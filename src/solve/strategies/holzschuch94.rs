@@ -87,7 +87,7 @@ fn balance_energy(linked: &mut Linked<'_>, links: &MutualLinks, plan: &Plan) {
     let mut balance = EnergyBalance::default();
     if !dormant.is_empty() {
         let light = Light { scene: linked.job.scene, hierarchy: &linked.hierarchy, radiosity: linked.radiosity.values() };
-        balance.held_back = bound_held_back(light, &dormant);
+        balance.held_back = bound_held_back(light, &dormant, &linked.job.stop());
 
         // The ambient term stands for what they carry.
         let context = context(&linked.job, &linked.radiosity, plan);
