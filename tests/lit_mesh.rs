@@ -267,6 +267,20 @@ fn channels_that_are_read_off_others_are_in_the_mesh_as_well() {
     assert!(one.iter().any(|&b| b > 0.0));
 }
 
+/// A triangle alone over a black lamp: what is asked for is far beyond what may be tried, and the claim says so.
+#[test]
+fn an_error_of_next_to_nothing_takes_no_more_than_the_most() {
+    let mut room = Room::default();
+    let (grey, lamp) = (room.material(&[0.5], &[0.0]), room.material(&[0.0], &[10.0]));
+    room.quad([0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], grey);
+    room.quad([-5.0, -5.0, 20.0], [0.0, 10.0, 0.0], [10.0, 0.0, 0.0], lamp);
+    let (evaluator, _) = solved(room.scene(), 0.1, 0);
+    for error in [1e-6, 1e-300] {
+        let mesh = evaluator.lit_mesh(error, &Silent).unwrap();
+        assert!(mesh.claimed.is_finite() && mesh.elements() > 0);
+    }
+}
+
 #[test]
 fn threads_change_nothing_and_an_observer_ends_it() {
     let options = SolveOptions { error: 0.1, lit_mesh: true, ..SolveOptions::default() };

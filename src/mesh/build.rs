@@ -31,6 +31,9 @@ const JUDGED: usize = 2000;
 /// So many tests fall on an area that makes up all of the squared error that is allowed, if the function is off there by as much as the light.
 const TESTS: f64 = 4.0;
 
+/// Tests at most, as many as there may be elements: with fewer than a small error wants, the claim is larger, and still true.
+const MOST_TESTS: f64 = (1 << 20) as f64;
+
 /// What a mesh is made from.
 pub(crate) struct MeshBuilder<'a> {
     pub scene: &'a Scene,
@@ -65,9 +68,8 @@ impl MeshBuilder<'_> {
         let mut growing = self.begin(surfaces, area)?;
         let light = All { direct: &direct, indirect: MeshReader::of(self.scene, &indirect) };
         let part = 1.0 - INDIRECT_PART;
-        let test_area = area * part * self.error.powi(2) / TESTS;
-        let tests = (area / test_area).ceil() as usize;
-        let grower = Grower { judged_at: JUDGED.max(tests), ..self.grower(&light, part, test_area) };
+        let tests = (TESTS / (part * self.error.powi(2))).ceil().min(MOST_TESTS);
+        let grower = Grower { judged_at: JUDGED.max(tests as usize), ..self.grower(&light, part, area / tests) };
         let of_all = grower.grow(&mut growing)?;
         let Judged { measured, claimed } = of_indirect.with(of_all);
         Some(LitMesh { surfaces: self.finish(growing), measured, claimed })

@@ -281,14 +281,6 @@ fn a_flag_and_a_setting_for_the_same_key_contradict_each_other() {
 }
 
 #[test]
-fn a_camera_that_turns_out_impossible_in_the_scene_is_a_usage_error() {
-    let place = Place::new();
-    let camera = ["render", "room.solution", "-o", "a.png", "--camera", "eye=1,1,1 target=1,2,1 up=0,1,0"];
-    place.run_with(&camera, "").failed(2, &["up is zero or parallel"]);
-    assert!(place.new_files().is_empty());
-}
-
-#[test]
 fn missing_and_broken_inputs_end_with_3_and_are_named() {
     let place = Place::new();
     place.run("solve missing.obj").failed(3, &["missing.obj"]);

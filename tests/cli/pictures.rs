@@ -41,3 +41,11 @@ fn pictures_tell_numbers_in_false_colours_and_show_lines() {
     place.run("solve room.obj --error 0.5 -o without.solution").succeeded();
     place.run("render without.solution -o none.png --show mesh --size 60x40").failed(2, &["--show mesh", "no lit mesh"]);
 }
+
+#[test]
+fn a_camera_that_turns_out_impossible_in_the_scene_is_a_usage_error() {
+    let place = Place::new();
+    let camera = ["render", "room.solution", "-o", "a.png", "--camera", "eye=1,1,1 target=1,2,1 up=0,1,0"];
+    place.run_with(&camera, "").failed(2, &["up is zero or parallel"]);
+    assert!(place.new_files().is_empty());
+}
