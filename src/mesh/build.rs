@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::grow::Grower;
+use super::grow::{Grower, MOST_GATHERS};
 use super::growing::Growing;
 use super::judged::Judged;
 use super::light::{All, Direct, Indirect, Light};
@@ -69,7 +69,7 @@ impl MeshBuilder<'_> {
         let light = All { direct: &direct, indirect: MeshReader::of(self.scene, &indirect) };
         let part = 1.0 - INDIRECT_PART;
         let tests = (TESTS / (part * self.error.powi(2))).ceil().min(MOST_TESTS);
-        let grower = Grower { judged_at: JUDGED.max(tests as usize), ..self.grower(&light, part, area / tests) };
+        let grower = Grower { judged_at: JUDGED.max(tests as usize), most_gathers: 1, ..self.grower(&light, part, area / tests) };
         let of_all = grower.grow(&mut growing)?;
         let Judged { measured, claimed } = of_indirect.with(of_all);
         Some(LitMesh { surfaces: self.finish(growing), measured, claimed })
@@ -78,7 +78,7 @@ impl MeshBuilder<'_> {
     fn grower<'b>(&'b self, light: &'b dyn Light, part: f64, test_area: f64) -> Grower<'b> {
         let Self { budget, error, norm, limits, tell, stop, .. } = *self;
         let (channels, seed, error) = (self.scene.channels(), budget.seed, error * part.sqrt());
-        Grower { light, channels, seed, error, norm, test_area, judged_at: JUDGED, limits, tell, stop }
+        Grower { light, channels, seed, error, norm, test_area, judged_at: JUDGED, most_gathers: MOST_GATHERS, limits, tell, stop }
     }
 
     /// The first elements; `None` if the limits do not allow so many.

@@ -8,7 +8,6 @@
 
 use rayon::prelude::*;
 
-use super::bisection::Node;
 use super::element;
 use super::growing::{Growing, Test};
 use super::judged::{Judged, Norm};
@@ -28,6 +27,9 @@ const NOISY: f64 = 0.25;
 /// Rounds at most.
 const ROUNDS: u32 = 32;
 
+/// Gathers at a node at most, a power of two: a quarter of the noise of one, as values have it whose error is as large as is asked for here.
+pub(super) const MOST_GATHERS: u32 = 16;
+
 /// Places that a thread takes together.
 const BATCH: usize = 64;
 
@@ -43,6 +45,8 @@ pub(super) struct Grower<'a> {
     pub test_area: f64,
     /// Points at which the function is judged.
     pub judged_at: usize,
+    /// Gathers at a node at most: a power of two, 1 where light has no noise.
+    pub most_gathers: u32,
     pub limits: &'a MeshLimits<'a>,
     /// Told how many elements there are.
     pub tell: &'a (dyn Fn(u64) + Sync),
@@ -50,6 +54,7 @@ pub(super) struct Grower<'a> {
 }
 
 /// A place where light is wanted, and the area in m^2 that it stands for.
+#[derive(Clone, Copy)]
 struct Wanted {
     place: Place,
     size: f64,
@@ -66,9 +71,9 @@ struct Spot {
 impl Grower<'_> {
     /// Refines the elements of all surfaces together; `None` if stopped.
     pub fn grow(&self, all: &mut [Growing]) -> Option<Judged> {
-        let (mut judged, mut rounds) = (None, self.limits.begin());
+        let (mut judged, mut rounds, mut gathers) = (None, self.limits.begin(), 1);
         for round in 0..ROUNDS {
-            self.take_nodes(all);
+            self.take_nodes(all, gathers);
             self.test_changed(all, round);
             if (self.stop)() {
                 return None;
@@ -80,13 +85,22 @@ impl Grower<'_> {
                 let found = self.judge(all, round, &norm)?;
                 judged = Some(found);
                 (worst, left) = self.worst(all, &norm);
-                if found.claimed <= self.error || left <= NOISY * found.measured.powi(2) {
+                if found.claimed <= self.error {
                     break;
+                }
+                // If noise is left, gathers help; else more elements.
+                let is_noise = left <= NOISY * found.measured.powi(2);
+                if is_noise && gathers == self.most_gathers {
+                    break;
+                }
+                if is_noise {
+                    worst.iter_mut().for_each(Vec::clear);
+                    gathers *= 2;
                 }
             }
             let elements: usize = all.iter().map(|of| of.triangles.triangles.len()).sum();
             (self.tell)(elements as u64);
-            if left == 0.0 || round + 1 == ROUNDS || !rounds.may_go_on(elements) {
+            if round + 1 == ROUNDS || !rounds.may_go_on(elements) {
                 break;
             }
             all.par_iter_mut().zip(worst).for_each(|(of, worst)| of.refine(&worst));
@@ -97,22 +111,25 @@ impl Grower<'_> {
         }
     }
 
-    /// Takes the light at new nodes.
-    fn take_nodes(&self, all: &mut [Growing]) {
+    /// Takes the light at nodes by as many gathers at each: those that it lacks. Where a node gets more, its element is tested anew.
+    fn take_nodes(&self, all: &mut [Growing], gathers: u32) {
+        // Gather by gather, numbered at each node.
         let mut wanted = Vec::new();
-        for of in &mut *all {
-            let (first, size) = (of.found.len() / self.channels, of.size());
-            let place = |node: &Node| place_at(of.plane.to_space(node.sampled_at), of.surface, self.seed);
-            wanted.extend(of.triangles.nodes[first..].iter().map(|node| Wanted { place: place(node), size }));
+        for (index, of) in all.iter_mut().enumerate() {
+            of.begin_gathers(self.channels, gathers);
+            let size = of.size();
+            for (number, (node, has)) in of.triangles.nodes.iter().zip(&of.gathers).enumerate() {
+                let point = of.plane.to_space(node.sampled_at);
+                let place = |gather: u32| place_at(point, of.surface, sampling::hash(self.seed, u64::from(gather)));
+                wanted.extend((*has..gathers).map(|gather| (index, number, Wanted { place: place(gather), size })));
+            }
         }
-        let taken = self.take(&wanted, |light, _, _, found| {
-            light.iter().for_each(|&number| found.push(number.map(|number| number as f32)));
-        });
-        let mut left = &*taken;
-        for of in all {
-            let (own, others) = left.split_at(of.triangles.nodes.len() * self.channels - of.found.len());
-            of.found.extend_from_slice(own);
-            left = others;
+        let taken =
+            self.take(&wanted.iter().map(|of| of.2).collect::<Vec<_>>(), |light, _, _, found| found.extend_from_slice(light));
+
+        // Means of all gathers, and their variances.
+        for ((index, node, _), light) in wanted.iter().zip(taken.chunks(self.channels)) {
+            all[*index].add_gather(*node, light);
         }
     }
 

@@ -13,6 +13,8 @@ pub(super) struct Growing {
     pub triangles: Triangles,
     /// By node and channel: reflected radiosity in W/m^2, and its variance.
     pub found: Vec<[f32; 2]>,
+    /// By node: how many gathers that is the mean of.
+    pub gathers: Vec<u32>,
     pub tests: Vec<Test>,
     /// By triangle: whether it has tests. Those made last may lie beyond the end.
     pub is_tested: Vec<bool>,
@@ -42,12 +44,34 @@ impl Test {
 
 impl Growing {
     pub fn new(surface: SurfaceId, plane: Plane, triangles: Triangles) -> Self {
-        Self { surface, plane, triangles, found: Vec::new(), tests: Vec::new(), is_tested: Vec::new() }
+        Self { surface, plane, triangles, found: Vec::new(), gathers: Vec::new(), tests: Vec::new(), is_tested: Vec::new() }
     }
 
     /// The function as it stands.
     pub fn into_mesh(self) -> SurfaceMesh {
         SurfaceMesh::new(&self.triangles, self.found.into_iter().map(|[value, _]| value).collect())
+    }
+
+    /// Makes room for nodes that are new. If those that are there get more gathers, up to so many, the tests of the function as it was are forgotten.
+    pub fn begin_gathers(&mut self, channels: usize, gathers: u32) {
+        if self.gathers.iter().any(|&has| has < gathers) {
+            self.tests.clear();
+            self.is_tested.fill(false);
+        }
+        self.found.resize(self.triangles.nodes.len() * channels, [0.0; 2]);
+        self.gathers.resize(self.triangles.nodes.len(), 0);
+    }
+
+    /// Adds a gather at a node, by channel with its variance: the mean of all stays.
+    pub fn add_gather(&mut self, node: usize, light: &[[f64; 2]]) {
+        let before = f64::from(self.gathers[node]);
+        self.gathers[node] += 1;
+        for (found, [value, variance]) in self.found[node * light.len()..].iter_mut().zip(light) {
+            let [mean, noise] = found.map(f64::from);
+            let mean = (before * mean + value) / (before + 1.0);
+            let noise = (before * before * noise + variance) / (before + 1.0).powi(2);
+            *found = [mean as f32, noise as f32];
+        }
     }
 
     /// The area of all elements, in m^2.
