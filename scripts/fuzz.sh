@@ -17,7 +17,7 @@ shift
 cd "$(dirname "$0")/.."
 targets=("$@")
 if [ ${#targets[@]} -eq 0 ]; then
-    targets=(solution obj points options solve calls)
+    targets=(solution obj points options solve calls triangulation)
 fi
 patchlight=target/release/patchlight
 export RUSTC_BOOTSTRAP=1
@@ -48,6 +48,7 @@ printf 'error=0.05\nnorm=energy\nimportance=view eye=0,1,5 target=0,1,0 up=0,1,0
 head -c 200 /dev/zero | seed solve zeros
 head -c 400 /dev/urandom | seed solve any
 head -c 600 /dev/urandom | seed calls any
+head -c 400 /dev/urandom | seed triangulation any
 
 # Each target on its own: one that fails does not keep the others from running.
 failed=0
