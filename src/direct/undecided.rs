@@ -40,10 +40,10 @@ struct Drawn {
     group: u32,
 }
 
-/// Rays from a point to what is undecided, in pairs; memory that is reused.
 /// A form factor below this is what rounding leaves of none, see [`direct_irradiance`](super::direct_irradiance): it is not cut further.
 const ROUNDING: f64 = 1e-12;
 
+/// Rays from a point to what is undecided, in pairs; memory that is reused.
 #[derive(Default)]
 pub(super) struct UndecidedRays {
     /// The strata of a source: ranges of corners, and form factors.

@@ -4,7 +4,8 @@
 //! norm, tells which elements make up most of the error; they are bisected, round by round, until little is left.
 //!
 //! That says too little: an element is left alone because nothing was found in it. So the function is then judged at points that are spread anew
-//! over all area, independent of all that it was made by, and what they find is refined in turn.
+//! over all area, independent of all that it was made by, and what they find is refined in turn. Where that is little, and noise of nodes is what is
+//! left, all nodes take twice the gathers.
 
 use rayon::prelude::*;
 
@@ -27,7 +28,8 @@ const NOISY: f64 = 0.25;
 /// Rounds at most.
 const ROUNDS: u32 = 32;
 
-/// Gathers at a node at most, a power of two: a quarter of the noise of one, as values have it whose error is as large as is asked for here.
+/// Gathers at a node at most, a power of two: the noise is a quarter of that of one then. One has the noise of a value whose error is what the solve was
+/// asked for, so more are wanted only where much less is asked for than that.
 pub(super) const MOST_GATHERS: u32 = 16;
 
 /// Places that a thread takes together.
