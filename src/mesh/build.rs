@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::effort::{FOLLOWED, PILOT_POINTS, PILOT_RAYS, rays_of_nodes};
 use super::grow::{Grower, MOST_GATHERS};
 use super::growing::Growing;
 use super::judged::Judged;
@@ -60,7 +61,12 @@ impl MeshBuilder<'_> {
         // Indirect light.
         let mut growing = self.begin(surfaces, area)?;
         let roots: f64 = growing.iter().map(|of| of.triangles.nodes.len() as f64 * of.size().sqrt()).sum();
-        let light = Indirect { direct: &direct, gather: self.indirect, budget: self.budget, size: (area / roots).powi(2) };
+        let (budget, size) = (self.budget, (area / roots).powi(2));
+        let mut light = Indirect { direct: &direct, gather: self.indirect, budget, rays: PILOT_RAYS, size, noise_scale: 1.0 };
+        if let Some([noise_sq, told]) = self.grower(&light, INDIRECT_PART, area).sampled_noise_sq(&growing, PILOT_POINTS) {
+            light.rays = rays_of_nodes(self.error * INDIRECT_PART.sqrt(), noise_sq);
+            light.noise_scale = if told > 0.0 { noise_sq / told } else { 1.0 };
+        }
         let of_indirect = self.grower(&light, INDIRECT_PART, area).grow(&mut growing)?;
         let indirect = self.finish(growing);
 
@@ -69,16 +75,34 @@ impl MeshBuilder<'_> {
         let light = All { direct: &direct, indirect: MeshReader::of(self.scene, &indirect) };
         let part = 1.0 - INDIRECT_PART;
         let tests = (TESTS / (part * self.error.powi(2))).ceil().min(MOST_TESTS);
-        let grower = Grower { judged_at: JUDGED.max(tests as usize), most_gathers: 1, ..self.grower(&light, part, area / tests) };
+        let grower = Grower {
+            judged_at: JUDGED.max(tests as usize),
+            most_gathers: 1,
+            followed: 1.0,
+            ..self.grower(&light, part, area / tests)
+        };
         let of_all = grower.grow(&mut growing)?;
-        let Judged { measured, claimed } = of_indirect.with(of_all);
+        let Judged { measured, claimed, .. } = of_indirect.with(of_all);
         Some(LitMesh { surfaces: self.finish(growing), measured, claimed })
     }
 
     fn grower<'b>(&'b self, light: &'b dyn Light, part: f64, test_area: f64) -> Grower<'b> {
         let Self { budget, error, norm, limits, tell, stop, .. } = *self;
         let (channels, seed, error) = (self.scene.channels(), budget.seed, error * part.sqrt());
-        Grower { light, channels, seed, error, norm, test_area, judged_at: JUDGED, most_gathers: MOST_GATHERS, limits, tell, stop }
+        Grower {
+            light,
+            channels,
+            seed,
+            error,
+            norm,
+            followed: FOLLOWED,
+            test_area,
+            judged_at: JUDGED,
+            most_gathers: MOST_GATHERS,
+            limits,
+            tell,
+            stop,
+        }
     }
 
     /// The first elements; `None` if the limits do not allow so many.

@@ -16,6 +16,26 @@ pub(super) fn weights([a, b, c]: [f64; 3]) -> [f64; 6] {
     [corner(a), corner(b), corner(c), 4.0 * a * b, 4.0 * b * c, 4.0 * c * a]
 }
 
+/// The mean over an element of the sum of the squared weights: the squared noise of the function, where that of its nodes is 1.
+pub(super) const NOISE: f64 = 3.0 * (OF_CORNER + OF_MIDDLE);
+
+/// What a corner and the middle of an edge have of that.
+const OF_CORNER: f64 = 1.0 / 30.0;
+const OF_MIDDLE: f64 = 8.0 / 45.0;
+
+/// Barycentric coordinates of a node, a little inside, drawn by what it has of the noise; for a number that is uniform in [0, 1).
+pub(super) fn sampled_node(draw: f64) -> [f64; 3] {
+    const INSIDE: f64 = 1e-3;
+    let (side, within) = ((3.0 * draw) as usize, (3.0 * draw).fract());
+    let corner = |at: usize| if at == side { 1.0 } else { 0.0 };
+    let node = if within < OF_CORNER / (OF_CORNER + OF_MIDDLE) {
+        [0, 1, 2].map(corner)
+    } else {
+        [0, 1, 2].map(|at| 0.5 - 0.5 * corner(at))
+    };
+    node.map(|l| l + INSIDE * (1.0 / 3.0 - l))
+}
+
 /// Barycentric coordinates uniform over the triangle, for `u` and `v` uniform in [0, 1).
 pub(super) fn sampled_barycentric(u: f64, v: f64) -> [f64; 3] {
     let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };

@@ -1,15 +1,16 @@
 //! Elements that are refined until the function on them is as good as asked for.
 //!
-//! In each element the function is held against the light at random points. What differs beyond noise, squared, and weighted by area and the
-//! norm, tells which elements make up most of the error; they are bisected, round by round, until little is left.
+//! In each element the function is held against the light at random points. That tells which elements are expected to make up most of the error
+//! (`expected`); they are bisected, round by round, until little is left.
 //!
 //! That says too little: an element is left alone because nothing was found in it. So the function is then judged at points that are spread anew
-//! over all area, independent of all that it was made by, and what they find is refined in turn. Where that is little, and noise of nodes is what is
-//! left, all nodes take twice the gathers.
+//! over all area, independent of all that it was made by, and what they find is refined in turn. Where most of what is left is noise of nodes, all
+//! nodes take twice the gathers.
 
 use rayon::prelude::*;
 
 use super::element;
+use super::expected::expected_errors_sq;
 use super::growing::{Growing, Test};
 use super::judged::{Judged, Norm};
 use super::light::{Light, LightScratch};
@@ -22,8 +23,8 @@ use crate::progress::Stop;
 /// Elements with so much of the squared error are bisected in a round, twice each: into four.
 const BISECTED: f64 = 0.8;
 
-/// If no more of the squared error than this is more than noise, smaller elements would only follow the noise.
-const NOISY: f64 = 0.25;
+/// If more of the squared error than this is noise of nodes, more gathers help most.
+const NOISY: f64 = 0.5;
 
 /// Rounds at most.
 const ROUNDS: u32 = 32;
@@ -43,6 +44,8 @@ pub(super) struct Grower<'a> {
     /// The largest error that may be claimed, and in which norm.
     pub error: f64,
     pub norm: ErrorNorm,
+    /// The part of the squared error that is not left to noise of nodes.
+    pub followed: f64,
     /// A test in each element stands for so many m^2 at most.
     pub test_area: f64,
     /// Points at which the function is judged.
@@ -62,12 +65,20 @@ struct Wanted {
     size: f64,
 }
 
+/// The light at a place, by channel with its variance, and how close what is seen from there is.
+struct Taken<'a> {
+    light: &'a [[f64; 2]],
+    closeness: f64,
+}
+
 /// A point in an element.
 struct Spot {
     /// The number of the surface among those that grow.
     index: usize,
     triangle: u32,
     at: [f64; 3],
+    /// What it was drawn by.
+    draw: u64,
 }
 
 impl Grower<'_> {
@@ -81,17 +92,17 @@ impl Grower<'_> {
                 return None;
             }
             let Some(norm) = Norm::of(self.norm, all) else { return Some(Judged::DARK) };
-            let (mut worst, mut left) = self.worst(all, &norm);
+            let (mut worst, left) = self.worst(all, &norm);
             judged = None;
-            if left <= self.error.powi(2) {
+            if left <= self.followed * self.error.powi(2) {
                 let found = self.judge(all, round, &norm)?;
                 judged = Some(found);
-                (worst, left) = self.worst(all, &norm);
+                (worst, _) = self.worst(all, &norm);
                 if found.claimed <= self.error {
                     break;
                 }
                 // If noise is left, gathers help; else more elements.
-                let is_noise = left <= NOISY * found.measured.powi(2);
+                let is_noise = found.noise_sq >= NOISY * found.measured.powi(2);
                 if is_noise && gathers == self.most_gathers {
                     break;
                 }
@@ -126,8 +137,8 @@ impl Grower<'_> {
                 wanted.extend((*has..gathers).map(|gather| (index, number, Wanted { place: place(gather), size })));
             }
         }
-        let taken =
-            self.take(&wanted.iter().map(|of| of.2).collect::<Vec<_>>(), |light, _, _, found| found.extend_from_slice(light));
+        let places: Vec<Wanted> = wanted.iter().map(|of| of.2).collect();
+        let taken = self.take(&places, |taken, _, _, found| found.extend_from_slice(taken.light));
 
         // Means of all gathers, and their variances.
         for ((index, node, _), light) in wanted.iter().zip(taken.chunks(self.channels)) {
@@ -154,29 +165,43 @@ impl Grower<'_> {
 
     /// Holds the function against the light at points spread over all area, one in each of as many strata; the elements keep these tests.
     fn judge(&self, all: &mut [Growing], round: u32, norm: &Norm) -> Option<Judged> {
-        let area: f64 = all.iter().map(Growing::area).sum();
         let seed = sampling::hash(self.seed, streams::MESH_JUDGED + u64::from(round));
-        let wanted = |number: usize| (number as f64 + sampling::unit(sampling::hash(seed, number as u64))) / self.judged_at as f64;
-        let (mut spots, mut above) = (Vec::with_capacity(self.judged_at), 0.0);
-        for (index, of) in all.iter().enumerate() {
-            for triangle in 0..of.triangles.triangles.len() as u32 {
-                above += of.triangles.area(triangle);
-                while spots.len() < self.judged_at && wanted(spots.len()) * area < above {
-                    spots.push(Spot::new(index, triangle, sampling::hash(!seed, spots.len() as u64)));
-                }
-            }
-        }
+        let (spots, area) = Spot::spread(all, self.judged_at, seed);
         let (wanted, again) = (self.wanted(all, &spots, 0), self.wanted(all, &spots, streams::MESH_AGAIN));
-        let second = self.take(&again, |light, _, _, found| found.push(light.to_vec()));
-        let found = self.take(&wanted, |light, number, scratch, found| {
-            let Spot { index, triangle, at } = spots[number];
+        let second = self.take(&again, |taken, _, _, found| found.push(taken.light.to_vec()));
+        let found = self.take(&wanted, |Taken { light, closeness }, number, scratch, found| {
+            let Spot { index, triangle, at, .. } = spots[number];
             let light_sq = self.light.all_sq(&wanted[number].place, scratch, light);
             let error_sq = all[index].sampled_error_sq(triangle, at, [light, &second[number]]);
-            found.push((all[index].test(triangle, at, light, light_sq), error_sq));
+            found.push((all[index].test(triangle, at, light, [light_sq, closeness]), error_sq));
         });
         let judged = Judged::by(&found, area, norm);
         found.into_iter().zip(&spots).for_each(|((test, _), spot)| all[spot.index].tests.push(test));
         (!(self.stop)()).then_some(judged)
+    }
+
+    /// The squared noise of the function, in the norm, by what two gathers at so many of its nodes differ by; and the same as their variances tell it.
+    /// `None` where all is dark.
+    pub fn sampled_noise_sq(&self, all: &[Growing], count: usize) -> Option<[f64; 2]> {
+        // A node of the element at each of as many points, by what it adds to the noise there.
+        let seed = sampling::hash(self.seed, streams::MESH_PILOT);
+        let (spots, area) = Spot::spread(all, count, seed);
+        let at_node = |spot: &Spot| Spot { at: element::sampled_node(sampling::unit(sampling::hash(seed, spot.draw))), ..*spot };
+        let spots: Vec<Spot> = spots.iter().map(at_node).collect();
+
+        let (wanted, again) = (self.wanted(all, &spots, 0), self.wanted(all, &spots, streams::MESH_AGAIN));
+        let second = self.take(&again, |taken, _, _, found| found.push(taken.light.to_vec()));
+        let found: Vec<[f64; 3]> = self.take(&wanted, |Taken { light, .. }, number, scratch, found| {
+            let pairs = || light.iter().zip(&second[number]);
+            let differences: f64 = pairs().map(|(first, second)| (first[0] - second[0]).powi(2)).sum();
+            let told: f64 = pairs().map(|(first, second)| first[1] + second[1]).sum();
+            found.push([self.light.all_sq(&wanted[number].place, scratch, light), 0.5 * differences, 0.5 * told]);
+        });
+        let of_each = area / count as f64;
+        let lit = found.iter().filter(|[light_sq, ..]| *light_sq > 0.0).map(|&[light_sq, ..]| (light_sq, of_each));
+        let norm = Norm::by_light(self.norm, lit.collect())?;
+        let sum = |which: usize| element::NOISE * found.iter().map(|of| of_each * norm.weight(of[0]) * of[which]).sum::<f64>();
+        Some([sum(1), sum(2)])
     }
 
     /// Where light is wanted for tests at some points; `stream` picks the random numbers.
@@ -194,46 +219,32 @@ impl Grower<'_> {
     /// Tests the function at some points.
     fn tests(&self, all: &[Growing], spots: &[Spot]) -> Vec<Test> {
         let wanted = self.wanted(all, spots, 0);
-        self.take(&wanted, |light, number, scratch, tests| {
-            let Spot { index, triangle, at } = spots[number];
+        self.take(&wanted, |Taken { light, closeness }, number, scratch, tests| {
+            let Spot { index, triangle, at, .. } = spots[number];
             let light_sq = self.light.all_sq(&wanted[number].place, scratch, light);
-            tests.push(all[index].test(triangle, at, light, light_sq));
+            tests.push(all[index].test(triangle, at, light, [light_sq, closeness]));
         })
     }
 
     /// Takes the light at places, in parallel; `make` turns what is found at each, by channel, into results, which are returned in the order of the
     /// places.
-    fn take<R: Send>(&self, wanted: &[Wanted], make: impl Fn(&[[f64; 2]], usize, &mut LightScratch, &mut Vec<R>) + Sync) -> Vec<R> {
+    fn take<R: Send>(&self, wanted: &[Wanted], make: impl Fn(Taken<'_>, usize, &mut LightScratch, &mut Vec<R>) + Sync) -> Vec<R> {
         let batches = wanted.par_chunks(BATCH).enumerate().map_init(LightScratch::default, |scratch, (batch, wanted)| {
-            let (mut results, mut light) = (Vec::new(), vec![[0.0; 2]; self.channels]);
+            let (mut results, mut light, mut closeness) = (Vec::new(), vec![[0.0; 2]; self.channels], 0.0);
             for (number, Wanted { place, size }) in wanted.iter().enumerate() {
                 if !(self.stop)() {
-                    self.light.take(place, *size, scratch, &mut light);
+                    closeness = self.light.take(place, *size, scratch, &mut light);
                 }
-                make(&light, batch * BATCH + number, scratch, &mut results);
+                make(Taken { light: &light, closeness }, batch * BATCH + number, scratch, &mut results);
             }
             results
         });
         batches.collect::<Vec<_>>().into_iter().flatten().collect()
     }
 
-    /// By surface, the triangles that make up most of the squared error beyond noise; and how large that is in all.
+    /// By surface, the triangles that are expected to make up most of the squared error beyond noise; and how large that is in all.
     fn worst(&self, all: &[Growing], norm: &Norm) -> (Vec<Vec<u32>>, f64) {
-        let mut parts: Vec<(f64, usize, u32)> = Vec::new();
-        for (number, of) in all.iter().enumerate() {
-            let mut sums = vec![[0.0; 2]; of.is_tested.len()];
-            for test in &of.tests {
-                let [sum, count] = &mut sums[test.triangle as usize];
-                *sum += test.significant_sq() * norm.weight(test.light_sq);
-                *count += 1.0;
-            }
-            let part = |(triangle, [sum, count]): (usize, [f64; 2])| {
-                let triangle = triangle as u32;
-                (sum > 0.0).then(|| (of.triangles.area(triangle) * sum / count, number, triangle))
-            };
-            parts.extend(sums.into_iter().enumerate().filter_map(part));
-        }
-        parts.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        let parts = expected_errors_sq(all, norm);
 
         // The largest parts first.
         let total: f64 = parts.iter().map(|part| part.0).sum();
@@ -251,9 +262,25 @@ impl Grower<'_> {
 }
 
 impl Spot {
+    /// Points spread over all elements, one in each of as many strata of the area; and that, in m^2.
+    fn spread(all: &[Growing], count: usize, seed: u64) -> (Vec<Self>, f64) {
+        let area: f64 = all.iter().map(Growing::area).sum();
+        let wanted = |number: usize| (number as f64 + sampling::unit(sampling::hash(seed, number as u64))) / count as f64;
+        let (mut spots, mut above) = (Vec::with_capacity(count), 0.0);
+        for (index, of) in all.iter().enumerate() {
+            for triangle in 0..of.triangles.triangles.len() as u32 {
+                above += of.triangles.area(triangle);
+                while spots.len() < count && wanted(spots.len()) * area < above {
+                    spots.push(Self::new(index, triangle, sampling::hash(!seed, spots.len() as u64)));
+                }
+            }
+        }
+        (spots, area)
+    }
+
     /// A random point of a triangle.
     fn new(index: usize, triangle: u32, draw: u64) -> Self {
         let at = element::sampled_barycentric(sampling::unit(draw), sampling::unit(sampling::hash(draw, streams::SECOND)));
-        Self { index, triangle, at }
+        Self { index, triangle, at, draw }
     }
 }

@@ -28,18 +28,12 @@ pub(super) struct Test {
     pub difference_sq: f64,
     /// What of it is to be expected from the noise of the light at the point and at the nodes.
     pub noise_sq: f64,
+    /// What nodes have of that.
+    pub of_nodes_sq: f64,
     /// The squared light.
     pub light_sq: f64,
-}
-
-/// A difference is one of the function if its square is so many times its variance.
-const SIGNIFICANT: f64 = 4.0;
-
-impl Test {
-    /// The squared difference that is more than noise.
-    pub fn significant_sq(&self) -> f64 {
-        if self.difference_sq > SIGNIFICANT * self.noise_sq { self.difference_sq - self.noise_sq } else { 0.0 }
-    }
+    /// The size of the triangle over the distance of what is seen from the point; 0 where that is not known.
+    pub relative_size: f64,
 }
 
 impl Growing {
@@ -96,14 +90,16 @@ impl Growing {
         [function.max(0.0), variance]
     }
 
-    /// Holds the function against the light, by channel with its variance, at a point of a triangle; `light_sq` is all light there, squared.
-    pub fn test(&self, triangle: u32, at: [f64; 3], light: &[[f64; 2]], light_sq: f64) -> Test {
-        let weights = element::weights(at);
-        let mut test = Test { triangle, difference_sq: 0.0, noise_sq: 0.0, light_sq };
+    /// Holds the function against the light, by channel with its variance, at a point of a triangle;
+    /// `light_sq` is all light there, squared, and `closeness` how close what is seen is.
+    pub fn test(&self, triangle: u32, at: [f64; 3], light: &[[f64; 2]], [light_sq, closeness]: [f64; 2]) -> Test {
+        let (weights, relative_size) = (element::weights(at), closeness * self.triangles.area(triangle).sqrt());
+        let mut test = Test { triangle, difference_sq: 0.0, noise_sq: 0.0, of_nodes_sq: 0.0, light_sq, relative_size };
         for (channel, &[value, variance]) in light.iter().enumerate() {
             let [function, noise] = self.at(triangle, weights, channel, light.len());
             test.difference_sq += (function - value).powi(2);
             test.noise_sq += variance + noise;
+            test.of_nodes_sq += noise;
         }
         test
     }

@@ -18,19 +18,26 @@ pub(super) enum Norm {
 pub(super) struct Judged {
     pub measured: f64,
     pub claimed: f64,
+    /// What noise of nodes has of the squared error.
+    pub noise_sq: f64,
 }
 
 impl Norm {
     /// By the light that tests found; `None` where all is dark.
     pub fn of(norm: ErrorNorm, all: &[Growing]) -> Option<Self> {
         // Tests share the area of their triangle.
-        let mut lit: Vec<(f64, f64)> = Vec::new();
+        let mut lit = Vec::new();
         for of in all {
             let mut counts = vec![0_u32; of.triangles.triangles.len()];
             of.tests.iter().for_each(|test| counts[test.triangle as usize] += 1);
             let area = |test: &Test| of.triangles.area(test.triangle) / f64::from(counts[test.triangle as usize]);
             lit.extend(of.tests.iter().filter(|test| test.light_sq > 0.0).map(|test| (test.light_sq, area(test))));
         }
+        Self::by_light(norm, lit)
+    }
+
+    /// By the squared light of places where there is some, each with the area that it stands for.
+    pub fn by_light(norm: ErrorNorm, mut lit: Vec<(f64, f64)>) -> Option<Self> {
         if norm == ErrorNorm::Energy {
             let light_sq: f64 = lit.iter().map(|(light_sq, area)| light_sq * area).sum();
             return (light_sq > 0.0).then_some(Self::Energy { light_sq });
@@ -56,7 +63,7 @@ impl Norm {
 
 impl Judged {
     /// Where there is no light nothing is wrong.
-    pub const DARK: Self = Self { measured: 0.0, claimed: 0.0 };
+    pub const DARK: Self = Self { measured: 0.0, claimed: 0.0, noise_sq: 0.0 };
 
     /// By tests that each stand for as much of an area, with their squared errors.
     pub fn by(tests: &[(Test, f64)], area: f64, norm: &Norm) -> Self {
@@ -65,11 +72,13 @@ impl Judged {
         let sum: f64 = parts().sum();
         let scatter: f64 = parts().map(|part| (part - sum / count).powi(2)).sum();
         let deviation = (scatter * count / (count - 1.0).max(1.0)).sqrt();
-        Self { measured: sum.max(0.0).sqrt(), claimed: claim(sum, deviation) }
+        let noise_sq = tests.iter().map(|(test, _)| area / count * norm.weight(test.light_sq) * test.of_nodes_sq).sum();
+        Self { measured: sum.max(0.0).sqrt(), claimed: claim(sum, deviation), noise_sq }
     }
 
     /// Of two errors that have nothing to do with each other.
     pub fn with(self, other: Self) -> Self {
-        Self { measured: self.measured.hypot(other.measured), claimed: self.claimed.hypot(other.claimed) }
+        let noise_sq = self.noise_sq + other.noise_sq;
+        Self { measured: self.measured.hypot(other.measured), claimed: self.claimed.hypot(other.claimed), noise_sq }
     }
 }

@@ -23,8 +23,9 @@ pub(super) struct LightScratch {
 
 /// Some of the light that surfaces reflect.
 pub(super) trait Light: Sync {
-    /// The reflected radiosity at a place and its variance, by channel; `size` is about how large an area it stands for, in m^2.
-    fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]);
+    /// The reflected radiosity at a place and its variance, by channel; `size` is about how large an area it stands for, in m^2. Returns how close
+    /// what is seen from there is, in 1/m, where that is known.
+    fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) -> f64;
 
     /// All reflected light where `found` was found, squared, channels added.
     fn all_sq(&self, place: &Place, scratch: &mut LightScratch, found: &[[f64; 2]]) -> f64;
@@ -40,9 +41,13 @@ pub(super) struct Direct<'a> {
 pub(super) struct Indirect<'a> {
     pub direct: &'a Direct<'a>,
     pub gather: &'a IndirectGather<'a>,
-    /// The rays of a point that stands for `size` m^2.
+    /// How points are gathered, but for the number of rays.
     pub budget: RayBudget,
+    /// The rays of a point that stands for `size` m^2.
+    pub rays: f64,
     pub size: f64,
+    /// The true variance for one that batches tell.
+    pub noise_scale: f64,
 }
 
 /// Direct light, and indirect light by its meshes.
@@ -80,16 +85,17 @@ const LEAST_RAYS: f64 = 8.0;
 const MOST_RAYS: f64 = 16.0;
 
 impl Light for Indirect<'_> {
-    fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) {
+    fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) -> f64 {
         // The variance over all area is least for all rays if these go with the root of the area.
-        let rays = f64::from(self.budget.rays) * (size / self.size).sqrt().min(MOST_RAYS);
+        let rays = self.rays * (size / self.size).sqrt().min(MOST_RAYS);
         let rays = rays.max(LEAST_RAYS).ceil() as u32;
-        self.gather.sampled_irradiance(place, RayBudget { rays, ..self.budget }, &mut scratch.gather, found);
+        let closeness = self.gather.sampled_irradiance(place, RayBudget { rays, ..self.budget }, &mut scratch.gather, found);
         let reflectance = &self.direct.scene.material_of(place.surface).reflectance;
         found.iter_mut().zip(reflectance).for_each(|([value, variance], rho)| {
             *value *= rho;
-            *variance *= rho * rho;
+            *variance *= self.noise_scale * rho * rho;
         });
+        closeness
     }
 
     fn all_sq(&self, place: &Place, scratch: &mut LightScratch, found: &[[f64; 2]]) -> f64 {
@@ -102,12 +108,13 @@ impl Light for Indirect<'_> {
 }
 
 impl Light for All<'_> {
-    fn take(&self, place: &Place, _size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) {
+    fn take(&self, place: &Place, _size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) -> f64 {
         scratch.numbers.clear();
         scratch.numbers.resize(found.len(), 0.0);
         self.indirect.reflected_at(place.point, place.surface, &mut scratch.numbers);
         found.iter_mut().zip(&scratch.numbers).for_each(|(found, &value)| *found = [value, 0.0]);
         self.direct.add(place, FINE, &mut scratch.direct, &mut scratch.numbers, found);
+        0.0
     }
 
     fn all_sq(&self, _place: &Place, _scratch: &mut LightScratch, found: &[[f64; 2]]) -> f64 {

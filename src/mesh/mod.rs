@@ -2,7 +2,9 @@
 
 mod bisection;
 mod build;
+mod effort;
 mod element;
+mod expected;
 mod grow;
 mod growing;
 mod judged;
