@@ -4,12 +4,13 @@
 //! the error may be, the form factors with either as the only occluder are combined (equation 3): `F = F_1 + F_2 - F_0 + chi`, with chi
 //! left out. If more is, the form factor is integrated, which needs no chi (section 5).
 //!
-//! **Errors are handed down and back**: the first cluster may use half of what there is, the second all that the first left. What is used at
-//! a level is the sum of what was used below.
+//! **Errors are handed down and back**: the cluster with the lesser BVE may use all there is, the other what that left. So what is large and good
+//! enough is not opened. What is used at a level is the sum of what was used below.
 //!
 //! **Gaps of the paper**, and how they are closed:
 //! - RFormFactor tests `chi < epsilon` and then hands epsilon down, although leaving chi out is an error too. Here chi is taken off first.
-//! - "A certain part of epsilon" (section 6) is not named. It is half.
+//! - "A certain part of epsilon" (section 6) is not named. It is all: of two halves neither may be enough for a cluster as a whole, and
+//!   small clusters take more error for each segment that they spare.
 //! - HFormFactor has no epsilon, and compares the BVE of each cluster with the whole. But errors of clusters add up, so it is handed down here too.
 //! - It multiplies `tau-bar(theta)` of each line's own direction. BVE is for the mean direction, so that is taken, and the integral has a closed form
 //!   (`lines`): segments as they are and boxes with their transmittance, exactly, in place of a quadrature.
@@ -19,7 +20,7 @@ use super::hierarchy::{ClusterId, Hierarchy};
 use super::lines::{Body, integral_over_lines};
 use super::segment::Segment;
 use super::sightlines::Sightlines;
-use super::visibility_error::{bound_correlation, bound_visibility_error};
+use super::visibility_error::{Seen, bound_correlation, bound_visibility_error};
 
 /// A form factor, how wrong it can be, and what it took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,9 +86,7 @@ impl Way<'_> {
     /// RFormFactor.
     fn r_form_factor(&mut self, cluster: ClusterId, depth: usize, tolerance: f64) -> Part {
         let unoccluded = self.sightlines.unoccluded();
-        let Some(seen) = bound_visibility_error(self.sightlines, self.hierarchy, cluster) else {
-            return Part { form_factor: unoccluded, error: 0.0 };
-        };
+        let Some(seen) = self.see(cluster) else { return Part { form_factor: unoccluded, error: 0.0 } };
 
         // Good enough as a whole.
         if let Some(whole) = seen.as_whole.filter(|whole| whole.error <= tolerance) {
@@ -98,13 +97,13 @@ impl Way<'_> {
 
         // Both clusters apart, if few sightlines meet both.
         let chi = |children| bound_correlation(self.sightlines, self.hierarchy, children);
-        let apart = self.hierarchy.children(cluster).map(|children| (children, chi(children)));
+        let apart = self.children(cluster).map(|children| (children, chi(children)));
         let Some(([first, second], chi)) = apart.filter(|(_, chi)| *chi <= tolerance) else {
             return self.h_form_factor(cluster, depth, tolerance);
         };
         self.work.opened += 1;
         let left = tolerance - chi;
-        let first = self.r_form_factor(first, depth + 1, 0.5 * left);
+        let first = self.r_form_factor(first, depth + 1, left);
         let second = self.r_form_factor(second, depth + 1, left - first.error);
         Part { form_factor: first.form_factor + second.form_factor - unoccluded, error: chi + first.error + second.error }
     }
@@ -119,22 +118,33 @@ impl Way<'_> {
 
     /// Adds the bodies that stand for a cluster, and returns the error that was used.
     fn gather(&mut self, cluster: ClusterId, depth: usize, tolerance: f64, bodies: &mut Vec<Body>) -> f64 {
-        let Some(seen) = bound_visibility_error(self.sightlines, self.hierarchy, cluster) else { return 0.0 };
+        let Some(seen) = self.see(cluster) else { return 0.0 };
         if let Some(whole) = seen.as_whole.filter(|whole| whole.error <= tolerance) {
             self.take(depth, 1, 0);
             bodies.push(Body::occluder(&self.hierarchy.corners(cluster), whole.transmittance));
             return whole.error;
         }
-        if let Some([first, second]) = self.hierarchy.children(cluster) {
+        if let Some([first, second]) = self.children(cluster) {
             self.work.opened += 1;
-            let first = self.gather(first, depth + 1, 0.5 * tolerance, bodies);
-            return first + self.gather(second, depth + 1, tolerance - first, bodies);
+            let used = self.gather(first, depth + 1, tolerance, bodies);
+            return used + self.gather(second, depth + 1, tolerance - used, bodies);
         }
         if let Some(part) = self.hierarchy.segment(cluster).and_then(|segment| self.sightlines.cut(segment)) {
             self.take(depth, 0, 1);
             bodies.push(Body::occluder(&part.points(), 0.0));
         }
         0.0
+    }
+
+    fn see(&self, cluster: ClusterId) -> Option<Seen> {
+        bound_visibility_error(self.sightlines, self.hierarchy, cluster)
+    }
+
+    /// The clusters in a cluster, that with the lesser BVE first.
+    fn children(&self, cluster: ClusterId) -> Option<[ClusterId; 2]> {
+        let [first, second] = self.hierarchy.children(cluster)?;
+        let error = |child| self.see(child).and_then(|seen| seen.as_whole).map_or(0.0, |whole| whole.error);
+        Some(if error(first) <= error(second) { [first, second] } else { [second, first] })
     }
 
     fn take(&mut self, depth: usize, wholes: usize, segments: usize) {
