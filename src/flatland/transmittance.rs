@@ -70,11 +70,11 @@ impl DirectionalTransmittance {
                 somewhere.length() - somewhere.overlap(&shadow) + covered - everywhere.overlap(&shadow)
             };
 
-            // Outwards, cell by cell on both sides; all have been met at a distance of `directions`.
-            let (mut rho_1_sq, mut most) = (Vec::new(), 0.0_f64);
-            for distance in 0..=directions {
+            // Outwards, cell by cell on both sides, as far as sightlines turn: by a right angle, from any place in the sample's cell.
+            let (mut rho_1_sq, mut most, farthest) = (Vec::new(), 0.0_f64, directions / 2 + 1);
+            for distance in 0..=farthest {
                 most = most.max(differs(k + distance)).max(differs(k + around.len() - distance));
-                if distance == reach(rho_1_sq.len()) || distance == directions {
+                if distance == reach(rho_1_sq.len()) || distance == farthest {
                     rho_1_sq.push(most);
                 }
             }
@@ -86,7 +86,7 @@ impl DirectionalTransmittance {
 
     /// The directional transmittance at the sample next to a direction, and bounds of both terms over all directions within `spread` of `theta`.
     ///
-    /// Theta is the angle of the lines' normal, in radians. Spread is from 0 to pi.
+    /// Theta is the angle of the lines' normal, in radians. The spread is from 0 to pi/2, within which all lines have a normal.
     pub fn around(&self, theta: f64, spread: f64) -> Resolution {
         let count = self.samples.len();
         let cell = PI / count as f64;
