@@ -39,7 +39,7 @@ enum Contents {
 impl Hierarchy {
     /// The hierarchy over segments, with stored functions at so many directions within pi: 4 to 4096, others are taken as the nearest of these.
     ///
-    /// Time and memory grow with their square and in proportion to them.
+    /// Time grows with their square, memory in proportion.
     pub fn of(segments: &[Segment], directions: usize) -> Self {
         let mut hierarchy = Self { clusters: Vec::new() };
         if !segments.is_empty() {
