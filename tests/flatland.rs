@@ -138,6 +138,37 @@ fn each_cluster_keeps_its_bounds() {
     });
 }
 
+/// With odd numbers of directions one is sampled exactly along x. Many leave little between samples that `rho_1` has to bound.
+const ODD: usize = 17;
+const FINE: usize = 1025;
+
+#[test]
+fn clusters_that_are_all_one_term_come_near_their_bound() {
+    // Receiver and source on either side, light along x.
+    let ends = |x: f64, half: f64| [segment([-x, half], [-x, -half]), segment([x, -half], [x, half])];
+    let uneven = vec![segment([0.0, -0.25], [0.0, 0.25]), segment([0.0, 0.749], [0.0, 0.75])];
+    let blind = (0..101).map(|k| f64::from(k - 50) / 100.0).map(|y| segment([-0.1, y], [0.1, y])).collect();
+    let gate = vec![segment([-1.0, 0.0], [-1.0, 1e-4]), segment([1.0, 0.0], [1.0, 1e-4])];
+    let cases: [(&str, [Segment; 2], Vec<Segment>, usize, f64); 3] = [
+        // Light along one direction meets the opaque half alone: rho_2.
+        ("uneven", ends(100.0, 0.25), uneven, FINE, 0.3),
+        // Open along x, all but closed beside it: rho_1.
+        ("a blind", ends(10.0, 3.0), blind, ODD, 0.6),
+        // Closed along x, and open beside it, where the sampled lines miss the box: rho_2 over the widest shadow.
+        ("a gate", ends(3.0, 0.5), gate, FINE, 0.2),
+    ];
+    for (name, [receiver, source], occluders, directions, least) in cases {
+        let sightlines = Sightlines::between(&receiver, &source).unwrap();
+        let hierarchy = Hierarchy::of(&occluders, directions);
+        let seen = bound_visibility_error(&sightlines, &hierarchy, hierarchy.root().unwrap()).unwrap();
+        let whole = seen.as_whole.unwrap();
+        let estimate = sightlines.unoccluded() - (1.0 - whole.transmittance) * seen.through_box;
+        let off = (estimate - exact_form_factor(&receiver, &source, &occluders)).abs();
+        println!("{name}: {off:.2e} off, bound {:.2e}", whole.error);
+        assert!(off <= whole.error + ROUNDING && off > least * whole.error, "{name}: {off} off, bound {}", whole.error);
+    }
+}
+
 #[test]
 fn transmittance_along_a_line_is_what_its_shadow_says() {
     let case = Case::random(25);
