@@ -14,6 +14,7 @@ mod cells;
 pub mod direct;
 pub mod discontinuities;
 mod error;
+pub mod flatland;
 pub mod form_factor;
 pub mod geometry;
 pub mod hierarchy;
