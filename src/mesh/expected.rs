@@ -12,8 +12,8 @@ use super::judged::Norm;
 const SIGNIFICANT: f64 = 4.0;
 
 /// The expected squared errors of elements, in the norm: those that are more than 0, with the number of the surface among those that grow and of
-/// the triangle; the largest first.
-pub(super) fn expected_errors_sq(all: &[Growing], norm: &Norm) -> Vec<(f64, usize, u32)> {
+/// the triangle; the largest first. And how large the squared error of the whole is, without bias but for what would be less than 0.
+pub(super) fn expected_errors_sq(all: &[Growing], norm: &Norm) -> (Vec<(f64, usize, u32)>, f64) {
     // The area that each test stands for.
     let mut tests: Vec<(usize, &Test, f64)> = Vec::new();
     for (number, of) in all.iter().enumerate() {
@@ -29,6 +29,7 @@ pub(super) fn expected_errors_sq(all: &[Growing], norm: &Norm) -> Vec<(f64, usiz
     let mut unclear: Vec<usize> = (0..tests.len()).filter(|&number| !is_clear(tests[number].1)).collect();
     unclear.sort_by(|&a, &b| tests[a].1.relative_size.total_cmp(&tests[b].1.relative_size).then(a.cmp(&b)));
     let mut expected: Vec<f64> = tests.iter().map(|(_, test, _)| excess(test)).collect();
+    let whole: f64 = tests.iter().zip(&expected).map(|((.., area), excess)| area * excess).sum();
     let of_unclear: Vec<[f64; 2]> = unclear.iter().map(|&number| [expected[number], tests[number].2]).collect();
     unclear.iter().zip(isotonic(&of_unclear)).for_each(|(&number, mean)| expected[number] = mean);
 
@@ -44,7 +45,7 @@ pub(super) fn expected_errors_sq(all: &[Growing], norm: &Norm) -> Vec<(f64, usiz
     };
     let mut parts: Vec<_> = sums.iter().enumerate().flat_map(of_surface).collect();
     parts.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-    parts
+    (parts, whole.max(0.0))
 }
 
 /// The function that does not fall and is nearest to values with weights, in their order: pool adjacent violators (Ayer et al. 1955).

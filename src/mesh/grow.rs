@@ -84,7 +84,7 @@ struct Spot {
 impl Grower<'_> {
     /// Refines the elements of all surfaces together; `None` if stopped.
     pub fn grow(&self, all: &mut [Growing]) -> Option<Judged> {
-        let (mut judged, mut rounds, mut gathers) = (None, self.limits.begin(), 1);
+        let (mut judged, mut rounds, mut gathers, mut before) = (None, self.limits.begin(), 1, f64::INFINITY);
         for round in 0..ROUNDS {
             self.take_nodes(all, gathers);
             self.test_changed(all, round);
@@ -93,8 +93,10 @@ impl Grower<'_> {
             }
             let Some(norm) = Norm::of(self.norm, all) else { return Some(Judged::DARK) };
             let (mut worst, left) = self.worst(all, &norm);
+            // What does not fall is noise, or had not been found.
             judged = None;
-            if left <= self.followed * self.error.powi(2) {
+            let is_steady = left >= std::mem::replace(&mut before, left);
+            if is_steady || left <= self.followed * self.error.powi(2) {
                 let found = self.judge(all, round, &norm)?;
                 judged = Some(found);
                 (worst, _) = self.worst(all, &norm);
@@ -244,10 +246,9 @@ impl Grower<'_> {
 
     /// By surface, the triangles that are expected to make up most of the squared error beyond noise; and how large that is in all.
     fn worst(&self, all: &[Growing], norm: &Norm) -> (Vec<Vec<u32>>, f64) {
-        let parts = expected_errors_sq(all, norm);
+        let (parts, total) = expected_errors_sq(all, norm);
 
         // The largest parts first.
-        let total: f64 = parts.iter().map(|part| part.0).sum();
         let wanted = BISECTED * total;
         let (mut worst, mut found) = (vec![Vec::new(); all.len()], 0.0);
         for (part, number, triangle) in parts {
