@@ -17,18 +17,20 @@ shift
 cd "$(dirname "$0")/.."
 targets=("$@")
 if [ ${#targets[@]} -eq 0 ]; then
-    targets=(solution obj points options solve calls triangulation)
+    targets=(solution obj glb points options solve calls triangulation)
 fi
 patchlight=target/release/patchlight
 export RUSTC_BOOTSTRAP=1
 cargo build --release --locked --bin patchlight
 (cd fuzz && cargo fuzz build)
 
-# Seeds: scenes with their materials behind a 0, bodies of solutions, tables of points, and each option set to 1.
+# Seeds: scenes with their materials behind a 0, JSON with its numbers, bodies of solutions, tables of points, and each option set to 1.
 seed() { mkdir -p "fuzz/corpus/$1" && cat >"fuzz/corpus/$1/$2"; }
 for scene in four_polygons furnace cornell two_rooms full_office; do
     { sed "s/^mtllib .*/mtllib a.mtl/" "scenes/$scene.obj"; printf '\0'; cat "scenes/$scene.mtl"; } | seed obj "$scene"
 done
+printf '{"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"buffers":[{"byteLength":36}],"bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]}\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200?\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200?\0\0\0\0' |
+    seed glb triangle
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for scene in four_polygons furnace cornell; do

@@ -10,6 +10,8 @@
 //! cargo-fuzz, which looks at the branches taken: `scripts/fuzz.sh SECONDS` runs all targets of `fuzz/`.
 #![allow(clippy::print_stderr, reason = "a test tells what it did")]
 
+#[path = "support/glb.rs"]
+mod glb;
 #[path = "../fuzz/harness/mod.rs"]
 mod harness;
 #[path = "support/triangles.rs"]
@@ -66,11 +68,14 @@ struct Target {
     seeds: Vec<Vec<u8>>,
 }
 
-fn targets() -> [Target; 6] {
+fn targets() -> [Target; 7] {
+    let mut room = glb::small_room();
+    let (file, nodes) = (room.glb(), [room.json.to_string().as_bytes(), &[0], &room.binary].concat());
     let kinds = [(Solver::Links, false), (Solver::Cells, false), (Solver::Links, true)];
     let solutions = kinds.map(|(solver, lit_mesh)| harness::small_solution(solver, lit_mesh).to_vec());
     [
         Target { name: "obj", few: 400, feed: harness::read_obj, seeds: vec![OBJ.to_vec(), Vec::new()] },
+        Target { name: "glb", few: 1000, feed: harness::read_glb, seeds: vec![file, nodes] },
         Target { name: "solution", few: 200, feed: harness::read_solution, seeds: solutions.into() },
         Target { name: "points", few: 400, feed: harness::read_csv, seeds: vec![CSV.to_vec()] },
         Target { name: "options", few: 400, feed: harness::set_options, seeds: vec![OPTIONS.to_vec()] },

@@ -4,6 +4,7 @@
 #![allow(dead_code, unused_imports, reason = "each target calls one of them")]
 
 mod bytes;
+mod glb;
 mod obj;
 mod options;
 mod points;
@@ -11,6 +12,7 @@ mod solution;
 mod solve;
 mod triangulation;
 
+pub use glb::read_glb;
 pub use obj::read_obj;
 pub use options::set_options;
 pub use points::read_csv;

@@ -5,6 +5,7 @@ mod error;
 pub mod import;
 mod largest;
 mod material;
+mod object;
 mod planes;
 mod point;
 mod summary;
@@ -14,6 +15,7 @@ pub(crate) use distinct_channels::DistinctChannels;
 pub use error::SceneError;
 pub(crate) use largest::largest;
 pub use material::Material;
+pub use object::Object;
 pub use point::{PointError, SurfacePoint};
 pub use summary::SceneSummary;
 
@@ -81,6 +83,8 @@ pub struct Scene {
     materials: Vec<Material>,
     surfaces: Vec<Surface>,
     sides: Sides,
+    /// What their faces belong to.
+    objects: Vec<Object>,
 }
 
 impl Scene {
@@ -109,7 +113,7 @@ impl Scene {
 
         let surfaces =
             faces.into_iter().map(|(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None }).collect();
-        let mut scene = Self { channels, materials, surfaces, sides };
+        let mut scene = Self { channels, materials, surfaces, sides, objects: Vec::new() };
         scene.check_materials()?;
         scene.add_twins();
         scene.group_planes();
@@ -152,6 +156,9 @@ impl Scene {
             if surface.twin.is_some_and(|twin| is_twin(twin) != Some(true)) {
                 return Err(format!("surface {index}: its twin does not exist"));
             }
+        }
+        if !self.objects.is_sorted_by_key(|object| object.first_face) {
+            return Err("its objects are not in the order of their faces".to_owned());
         }
         if count == 0 { Err("there is no surface".to_owned()) } else { Ok(()) }
     }

@@ -193,7 +193,7 @@ pub unsafe extern "C" fn patchlight_scene_add_file(
         }
         let allow_any_path = flags & PATCHLIGHT_FILE_ALLOW_ANY_PATH as u32 != 0;
         // The sides are made when all faces are known.
-        let options = ImportOptions { sides: Sides::Front, allow_any_path };
+        let options = ImportOptions { allow_any_path, ..ImportOptions::default() };
         let imported = read_scene(Path::new(path), &options).map_err(|error| Ending::new(PATCHLIGHT_INVALID_SCENE, error))?;
         scene.change(|draft| {
             draft.files.push(imported);

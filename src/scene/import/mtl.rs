@@ -19,7 +19,7 @@ use crate::scene::Material;
 pub(super) const DEFAULT_REFLECTANCE: f64 = 0.5;
 
 /// What a reflectance of 1 or more becomes: light must die out.
-const LARGEST_REFLECTANCE: f64 = 0.99;
+pub(super) const LARGEST_REFLECTANCE: f64 = 0.99;
 
 /// Values from here on overflow in products of four.
 pub(super) const LARGEST_VALUE: f64 = 1e30;
