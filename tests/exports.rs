@@ -150,7 +150,7 @@ fn a_vtp_has_radiosities_irradiances_and_bounds_of_elements() {
     assert_eq!((of("radiosity"), numbers("surface")), (expected.0, expected.1));
     assert_eq!((numbers("connectivity").len(), numbers("offsets").last().copied()), (expected.2, Some(expected.2 as i64)));
 
-    // B = E + rho H, and the bounds hold the radiosities of elements that receive light from wholly known parts: they are in order.
+    // B = E + rho H, and bounds are in order.
     for (k, (b, h)) in of("radiosity").iter().zip(of("irradiance")).enumerate() {
         let material = &solution.scene().materials()[numbers("material")[k / 3] as usize];
         let sum = material.exitance[k % 3] + material.reflectance[k % 3] * f64::from(h);
@@ -192,7 +192,8 @@ fn decode_hdr(file: &[u8]) -> (usize, usize, Vec<[f64; 3]>) {
         } else {
             assert_eq!(file[at..at + 4], [2, 2, (width >> 8) as u8, width as u8]);
             at += 4;
-            for plane in 0..4 {
+            let planes: [usize; 4] = [0, 1, 2, 3];
+            for plane in planes {
                 let mut x = 0;
                 while x < width {
                     let count = usize::from(file[at]);

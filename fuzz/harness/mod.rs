@@ -5,6 +5,7 @@
 
 mod bytes;
 mod glb;
+mod meshes;
 mod obj;
 mod options;
 mod points;
@@ -13,6 +14,7 @@ mod solve;
 mod triangulation;
 
 pub use glb::read_glb;
+pub use meshes::read_mesh;
 pub use obj::read_obj;
 pub use options::set_options;
 pub use points::read_csv;

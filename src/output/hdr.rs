@@ -1,4 +1,4 @@
-//! Radiance pictures (`.hdr`): a common exponent for three mantissas of 8 bits, so values are within 1% of the largest channel (G. Ward, Real pixels, in
+//! Radiance pictures (`.hdr`): a common exponent for three mantissas of 8 bits, so values are within half a percent of the largest channel (G. Ward, Real pixels, in
 //! Graphics Gems II, 1991). Scan lines are run-length encoded, as Radiance has done since version 2 (`src/common/color.c`).
 
 use std::io::{self, Write};

@@ -8,7 +8,7 @@
 //! | file | written by | holds |
 //! |---|---|---|
 //! | `.exr` | [`write_exr`] | linear radiance or radiosity, 32-bit float |
-//! | `.hdr` | [`write_hdr`] | the same in Radiance's format, within 1% of the largest channel |
+//! | `.hdr` | [`write_hdr`] | the same in Radiance's format, within half a percent of the largest channel |
 //! | `.png` | [`write_png`], [`write_display`] | an exposed, tone-mapped picture for display, or false colours with a legend |
 //! | `.ply` | [`write_mesh_ply`] | the lit mesh with float radiosities at its nodes |
 //! | `.ply` | [`write_ply`] | the leaves of the hierarchy with float radiosities |

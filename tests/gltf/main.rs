@@ -97,67 +97,58 @@ fn quantised(maker: &mut Maker, component: u32, numbers: &[Vec<u8>], normalized:
     maker.add("accessors", accessor)
 }
 
+/// Two triangles of the square's corners.
+const INDICES: [u32; 6] = [0, 1, 2, 0, 2, 3];
+
+fn indexed(maker: &mut Maker, positions: usize) -> Value {
+    json!({ "attributes": { "POSITION": positions }, "indices": maker.indices(&INDICES) })
+}
+
+/// The square as numbers of one type, each made by `of`.
+fn square_of_numbers(component: u32, normalized: bool, of: impl Fn(f32) -> Vec<u8>) -> Vec<u8> {
+    let numbers = CORNERS.map(|corner| corner.iter().flat_map(|&x| of(x)).collect::<Vec<u8>>());
+    square(|maker| {
+        let positions = quantised(maker, component, &numbers, normalized);
+        indexed(maker, positions)
+    })
+}
+
+/// The square with some corners that stand apart: `dense` floats, or zeros if there are none.
+fn sparse_square(dense: Option<[[f32; 3]; 4]>, replaced: &[u16]) -> Vec<u8> {
+    square(|maker| {
+        let values: Vec<u8> = replaced.iter().flat_map(|&k| CORNERS[usize::from(k)]).flat_map(f32::to_le_bytes).collect();
+        let places: Vec<u8> = replaced.iter().flat_map(|k| k.to_le_bytes()).collect();
+        let (places, values) = (maker.view(&places), maker.view(&values));
+        let places = json!({ "bufferView": places, "componentType": 5123 });
+        let sparse = json!({ "count": replaced.len(), "indices": places, "values": { "bufferView": values } });
+        let positions = match dense {
+            Some(dense) => maker.floats(&dense),
+            None => maker.add("accessors", json!({ "componentType": 5126, "count": 4, "type": "VEC3" })),
+        };
+        maker.json["accessors"][positions]["sparse"] = sparse;
+        indexed(maker, positions)
+    })
+}
+
 #[test]
 fn one_square_is_the_same_however_it_is_written() {
-    let numbers = |of: &dyn Fn(f32) -> Vec<u8>| CORNERS.map(|corner| corner.iter().flat_map(|&x| of(x)).collect::<Vec<u8>>());
-    let (at, turned) = ([0, 1, 2, 0, 2, 3], [CORNERS[0], CORNERS[1], CORNERS[3], CORNERS[2]]);
-    let indexed =
-        |maker: &mut Maker, positions: usize| json!({ "attributes": { "POSITION": positions }, "indices": maker.indices(&at) });
-    let ways: Vec<(&str, Vec<u8>)> = vec![
-        ("triangles", square(|m| json!({ "attributes": { "POSITION": m.floats(&at.map(|k| CORNERS[k as usize])) } }))),
-        (
-            "indices",
-            square(|m| {
-                let p = m.floats(&CORNERS);
-                indexed(m, p)
-            }),
-        ),
-        ("strip", square(|m| json!({ "attributes": { "POSITION": m.floats(&turned) }, "mode": 5 }))),
-        ("fan", square(|m| json!({ "attributes": { "POSITION": m.floats(&CORNERS) }, "mode": 6 }))),
-        (
-            "bytes",
-            square(|m| {
-                let p = quantised(m, 5121, &numbers(&|x| vec![x as u8]), false);
-                indexed(m, p)
-            }),
-        ),
-        (
-            "signed",
-            square(|m| {
-                let p = quantised(m, 5120, &numbers(&|x| vec![(127.0 * x) as u8]), true);
-                indexed(m, p)
-            }),
-        ),
-        (
-            "shorts",
-            square(|m| {
-                let p = quantised(m, 5123, &numbers(&|x| ((65535.0 * x) as u16).to_le_bytes().to_vec()), true);
-                indexed(m, p)
-            }),
-        ),
-        (
-            "sparse",
-            square(|m| {
-                let p = m.floats(&[[9.0; 3], CORNERS[1], [7.0; 3], CORNERS[3]]);
-                let (places, values) = (
-                    m.view(&[0, 2]),
-                    m.view(&[CORNERS[0], CORNERS[2]].concat().iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>()),
-                );
-                m.json["accessors"][p]["sparse"] = json!({ "count": 2, "indices": { "bufferView": places, "componentType": 5121 }, "values": { "bufferView": values } });
-                indexed(m, p)
-            }),
-        ),
-        (
-            "zeros",
-            square(|m| {
-                let p = m.floats(&[[0.0; 3]; 4]);
-                let values = m.view(&CORNERS[1..].concat().iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
-                let places = m.view(&[1, 0, 2, 0, 3, 0]);
-                let sparse = json!({ "count": 3, "indices": { "bufferView": places, "componentType": 5123 }, "values": { "bufferView": values } });
-                m.json["accessors"][p] = json!({ "componentType": 5126, "count": 4, "type": "VEC3", "sparse": sparse });
-                indexed(m, p)
-            }),
-        ),
+    let strip = [CORNERS[0], CORNERS[1], CORNERS[3], CORNERS[2]];
+    let of_mode =
+        |mode: u32, corners: &[[f32; 3]]| square(|m| json!({ "attributes": { "POSITION": m.floats(corners) }, "mode": mode }));
+    let with_indices = square(|maker| {
+        let positions = maker.floats(&CORNERS);
+        indexed(maker, positions)
+    });
+    let ways: [(&str, Vec<u8>); 9] = [
+        ("triangles", of_mode(4, &INDICES.map(|k| CORNERS[k as usize]))),
+        ("indices", with_indices),
+        ("strip", of_mode(5, &strip)),
+        ("fan", of_mode(6, &CORNERS)),
+        ("bytes", square_of_numbers(5121, false, |x| vec![x as u8])),
+        ("signed", square_of_numbers(5120, true, |x| vec![(127.0 * x) as u8])),
+        ("shorts", square_of_numbers(5123, true, |x| ((65535.0 * x) as u16).to_le_bytes().to_vec())),
+        ("sparse", sparse_square(Some([[9.0; 3], CORNERS[1], [7.0; 3], CORNERS[3]]), &[0, 2])),
+        ("zeros", sparse_square(None, &[1, 2, 3])),
     ];
     let expected = CORNERS.map(|corner| grid(corner.map(f64::from)));
     for (way, file) in ways {

@@ -2,6 +2,7 @@
 
 mod any_bytes;
 mod materials;
+mod meshes;
 
 use std::path::PathBuf;
 

@@ -15,7 +15,10 @@ mod gltf;
 mod join;
 mod mtl;
 mod obj;
+mod options;
+mod ply;
 mod statements;
+mod stl;
 mod structure;
 mod text;
 
@@ -25,32 +28,11 @@ pub use arrays::{ArrayFace, ArraysError, polygons_of_arrays};
 pub use diagnostics::{Diagnostic, DiagnosticKind, Diagnostics, Severity};
 pub use draft::{Draft, DraftError, Mistake, MistakeKind};
 pub use error::ImportError;
+pub use options::{ImportOptions, Textures};
 
 use self::faces::FaceFile;
-use super::{Scene, Sides};
+use super::Scene;
 use crate::progress::{Observer, Progress, Silent, Stage};
-
-/// What the reader may decide.
-#[derive(Clone, Debug, Default)]
-pub struct ImportOptions {
-    /// Which sides of a face emit and receive.
-    pub sides: Sides,
-    /// Whether a scene may name any file: a material library, a buffer, an image. Else these lie beside the scene or below that folder: a scene
-    /// by somebody else reads nothing of what lies elsewhere.
-    pub allow_any_path: bool,
-    /// What becomes of textures of glTF.
-    pub textures: Textures,
-}
-
-/// What becomes of textures: materials have one colour.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Textures {
-    /// Each face has the mean colour of its texture over it.
-    #[default]
-    Face,
-    /// A scene that has some is not read.
-    Reject,
-}
 
 /// A scene and what was noted while reading it.
 #[derive(Clone, Debug)]
@@ -70,7 +52,8 @@ pub struct Imported {
     pub vertices: usize,
 }
 
-/// Reads the scene at `path`, by its extension: `.obj` with its material libraries, or `.gltf` and `.glb`; always with three channels (linear
+/// Reads the scene at `path`, by its extension: `.obj` with its material libraries, `.gltf` and `.glb`, or
+/// `.ply` and `.stl` without materials; always with three channels (linear
 /// Rec.709 RGB).
 ///
 /// Of OBJ `Kd` is the reflectance and `pi Ke` the exitance; of glTF the base colour, and `pi` times factor and strength of the emission, which count as a
@@ -97,6 +80,8 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     let read = match extension.as_str() {
         "obj" => obj::read(path, options.allow_any_path, &mut diagnostics, &stop)?,
         "gltf" | "glb" => gltf::read(path, options, &mut diagnostics, &stop)?,
+        "ply" => ply::read(path, &mut diagnostics)?,
+        "stl" => stl::read(path, &mut diagnostics)?,
         _ => return Err(ImportError::UnknownExtension { file: file() }),
     };
     let FaceFile { lines, vertices, faces, corners, materials, libraries, objects } = read;

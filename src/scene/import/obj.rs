@@ -25,7 +25,6 @@ use super::structure::{Structure, bad_vertex, read_structure};
 use super::text::{decode, lies_below, read_regular_file};
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
 use crate::progress::Stop;
-use crate::scene::Material;
 
 /// Reads an OBJ file and its material libraries: those beside or below it, or any.
 pub(super) fn read(
@@ -143,7 +142,7 @@ fn read_values(
     // Faces without a material share a grey one.
     if structure.nameless.0 > 0 {
         let grey = materials.len() as u32;
-        materials.push(Material { name: String::new(), reflectance: vec![mtl::DEFAULT_REFLECTANCE; 3], exitance: vec![0.0; 3] });
+        materials.push(mtl::grey());
         obj.faces.iter_mut().filter(|face| face.material == u32::MAX).for_each(|face| face.material = grey);
         let (count, line, face) = structure.nameless;
         let text = format!("{count} faces from here on have no material: grey {}", mtl::DEFAULT_REFLECTANCE);
