@@ -11,6 +11,7 @@ use std::collections::{HashMap, VecDeque};
 use glam::DVec3;
 
 use crate::geometry::Aabb;
+use crate::progress::Stop;
 
 /// Normals of joined triangles differ by no more than this angle in radians, edges that count as straight turn by no more: facets of curved surfaces are to
 /// keep their edges. The planes of a scene are told apart by the same angle.
@@ -37,8 +38,9 @@ struct Soup {
     tolerance: f64,
 }
 
-/// Joins triangles: the faces, in the order of their first triangles. Triangles without area stay alone. Vertices must be finite.
-pub(super) fn joined(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Joined> {
+/// Joins triangles: the faces, in the order of their first triangles; only some of them if stopped before. Triangles without area stay alone. Vertices must be
+/// finite.
+pub(super) fn joined(vertices: &[DVec3], triangles: &[[u32; 3]], stop: Stop<'_>) -> Vec<Joined> {
     let soup = Soup::new(vertices, triangles);
     let mut order: Vec<usize> = (0..triangles.len()).collect();
     order.sort_by(|&a, &b| soup.normals[b].length().total_cmp(&soup.normals[a].length()).then(a.cmp(&b)));
@@ -46,6 +48,9 @@ pub(super) fn joined(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Joined> 
     let mut taken = vec![false; triangles.len()];
     let mut faces = Vec::new();
     for seed in order {
+        if stop() {
+            break;
+        }
         if !taken[seed] {
             faces.push(soup.grown(seed, vertices, triangles, &mut taken));
         }
@@ -212,7 +217,7 @@ mod tests {
     #[test]
     fn a_grid_becomes_a_square_of_four_corners() {
         let (vertices, triangles) = grid(30, |_, _| false);
-        let faces = joined(&vertices, &triangles);
+        let faces = joined(&vertices, &triangles, &|| false);
         assert_eq!(faces.len(), 1);
         assert_eq!((faces[0].corners.len(), faces[0].triangles.len()), (4, 1800));
         assert!((area(&faces[0].corners) - 900.0 * 1.0625_f64.sqrt()).abs() < 1e-9);
@@ -221,7 +226,7 @@ mod tests {
     #[test]
     fn around_a_hole_lie_several_faces_that_cover_the_same() {
         let (vertices, triangles) = grid(9, |x, y| (3..6).contains(&x) && (3..6).contains(&y));
-        let faces = joined(&vertices, &triangles);
+        let faces = joined(&vertices, &triangles, &|| false);
         assert!((2..8).contains(&faces.len()), "{}", faces.len());
         let all: f64 = faces.iter().map(|face| area(&face.corners)).sum();
         assert!((all - 72.0 * 1.0625_f64.sqrt()).abs() < 1e-9);
@@ -243,12 +248,12 @@ mod tests {
             v(0.0, 1.0, 0.0),
             v(1.0, 0.5, 1.0),
         ];
-        let faces = joined(&vertices, &[[0, 1, 2], [3, 4, 5], [2, 1, 6]]);
+        let faces = joined(&vertices, &[[0, 1, 2], [3, 4, 5], [2, 1, 6]], &|| false);
         assert_eq!(faces.iter().map(|face| face.triangles.clone()).collect::<Vec<_>>(), [vec![0, 1], vec![2]]);
         assert_eq!(faces[0].corners.len(), 4);
         // Backs are no part of a front, and of three triangles at an edge none is joined.
-        assert_eq!(joined(&vertices, &[[0, 1, 2], [3, 5, 4]]).len(), 2);
-        assert_eq!(joined(&vertices, &[[0, 1, 2], [3, 4, 5], [3, 4, 6]]).len(), 3);
+        assert_eq!(joined(&vertices, &[[0, 1, 2], [3, 5, 4]], &|| false).len(), 2);
+        assert_eq!(joined(&vertices, &[[0, 1, 2], [3, 4, 5], [3, 4, 6]], &|| false).len(), 3);
     }
 
     #[test]

@@ -80,10 +80,13 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     let read = match extension.as_str() {
         "obj" => obj::read(path, options.allow_any_path, &mut diagnostics, &stop)?,
         "gltf" | "glb" => gltf::read(path, options, &mut diagnostics, &stop)?,
-        "ply" => ply::read(path, &mut diagnostics)?,
-        "stl" => stl::read(path, &mut diagnostics)?,
+        "ply" => ply::read(path, &mut diagnostics, &stop)?,
+        "stl" => stl::read(path, &mut diagnostics, &stop)?,
         _ => return Err(ImportError::UnknownExtension { file: file() }),
     };
+    if stop() {
+        return Err(ImportError::Cancelled);
+    }
     let FaceFile { lines, vertices, faces, corners, materials, libraries, objects } = read;
     let in_file = assemble::Faces { faces: &faces, corners: &corners, vertices, source: Some((path, &lines)), objects: &objects };
     let assembled = assemble::assemble(&in_file, &mut diagnostics, &stop).ok_or(ImportError::Cancelled)?;

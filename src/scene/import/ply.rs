@@ -10,12 +10,13 @@ use super::join::joined;
 use super::mtl::{LARGEST_VALUE, grey};
 use super::text::read_regular_file;
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
+use crate::progress::Stop;
 use header::{Element, Format, Header, Kind, Property};
 
 mod header;
 
 /// Reads a PLY file.
-pub(super) fn read(file: &Path, diagnostics: &mut Diagnostics) -> Result<FaceFile, ImportError> {
+pub(super) fn read(file: &Path, diagnostics: &mut Diagnostics, stop: Stop<'_>) -> Result<FaceFile, ImportError> {
     let bytes = read_regular_file(file).map_err(|reason| ImportError::Unreadable { file: file.to_owned(), reason })?;
     let wrong = |reason: String| ImportError::Syntax { file: file.to_owned(), line: 0, face: None, reason };
     let (header, body) = Header::read(&bytes).map_err(wrong)?;
@@ -35,7 +36,7 @@ pub(super) fn read(file: &Path, diagnostics: &mut Diagnostics) -> Result<FaceFil
         FaceFile { vertices: vertices.len(), lines: vec![0; faces.len()], materials: vec![grey()], ..FaceFile::default() };
     let triangles: Vec<[u32; 3]> = faces.iter().filter_map(|face| face.as_slice().try_into().ok()).collect();
     if triangles.len() == faces.len() {
-        for face in joined(&vertices, &triangles) {
+        for face in joined(&vertices, &triangles, stop) {
             read.push(face.triangles[0] as u32, 0, face.corners);
         }
     } else {

@@ -9,13 +9,14 @@ use super::join::joined;
 use super::mtl::{LARGEST_VALUE, grey};
 use super::text::read_regular_file;
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
+use crate::progress::Stop;
 
 /// Bytes before the number of triangles of a binary file, and those of a triangle: its normal, three corners, and two bytes for whatever.
 const HEADER: usize = 80;
 const TRIANGLE: usize = 50;
 
 /// Reads an STL file.
-pub(super) fn read(file: &Path, diagnostics: &mut Diagnostics) -> Result<FaceFile, ImportError> {
+pub(super) fn read(file: &Path, diagnostics: &mut Diagnostics, stop: Stop<'_>) -> Result<FaceFile, ImportError> {
     let bytes = read_regular_file(file).map_err(|reason| ImportError::Unreadable { file: file.to_owned(), reason })?;
     let (vertices, lines) = match binary(&bytes) {
         Some(vertices) => {
@@ -24,11 +25,13 @@ pub(super) fn read(file: &Path, diagnostics: &mut Diagnostics) -> Result<FaceFil
         }
         None => text(&bytes).map_err(|(line, reason)| ImportError::Syntax { file: file.to_owned(), line, face: None, reason })?,
     };
-    of_triangles(file, &vertices, lines, diagnostics)
+    let read = of_triangles(file, &vertices, lines, stop)?;
+    diagnostics.push(Diagnostic::new(DiagnosticKind::NoMaterial, "STL has no materials: grey 0.5").at(file, 0));
+    Ok(read)
 }
 
 /// A file of triangles, given by their corners, with the line of each.
-fn of_triangles(file: &Path, vertices: &[DVec3], lines: Vec<u32>, diagnostics: &mut Diagnostics) -> Result<FaceFile, ImportError> {
+fn of_triangles(file: &Path, vertices: &[DVec3], lines: Vec<u32>, stop: Stop<'_>) -> Result<FaceFile, ImportError> {
     let is_bad = |vertex: &DVec3| !vertex.to_array().iter().all(|x| x.abs() <= LARGEST_VALUE);
     if let Some(bad) = vertices.iter().position(is_bad) {
         let (line, what) = (lines[bad / 3], format!("a coordinate of face {}", bad / 3 + 1));
@@ -36,10 +39,9 @@ fn of_triangles(file: &Path, vertices: &[DVec3], lines: Vec<u32>, diagnostics: &
     }
     let corners: Vec<[u32; 3]> = (0..vertices.len() as u32 / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
     let mut read = FaceFile { vertices: vertices.len(), lines, materials: vec![grey()], ..FaceFile::default() };
-    for face in joined(vertices, &corners) {
+    for face in joined(vertices, &corners, stop) {
         read.push(face.triangles[0] as u32, 0, face.corners);
     }
-    diagnostics.push(Diagnostic::new(DiagnosticKind::NoMaterial, "STL has no materials: grey 0.5").at(file, 0));
     Ok(read)
 }
 

@@ -75,7 +75,7 @@ pub(super) fn read(
                 return Err(ImportError::Cancelled);
             }
             let name = name_of(instance, mesh, primitive);
-            reader.add(instance, primitive, &name).map_err(|reason| wrong(format!("{name}: {reason}")))?;
+            reader.add(instance, primitive, &name, stop).map_err(|reason| wrong(format!("{name}: {reason}")))?;
         }
     }
 
@@ -114,7 +114,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     /// Adds the faces of a primitive of an instance.
-    fn add(&mut self, instance: &Instance, number: usize, name: &str) -> Result<(), String> {
+    fn add(&mut self, instance: &Instance, number: usize, name: &str, stop: Stop<'_>) -> Result<(), String> {
         let primitive = &self.accessors.root.meshes[instance.mesh].primitives[number];
         if let Some(packed) = primitive.extensions.keys().find(|key| key.contains("draco") || key.contains("meshopt")) {
             return Err(format!("it is compressed by {}, which is not supported; export it without", shown(packed)));
@@ -155,7 +155,7 @@ impl Reader<'_> {
         // Faces that lie in one plane, each with the means of what it is coloured by.
         self.read.lines.resize(first_face + triangles.len(), 0);
         self.read.vertices += vertices.len();
-        let faces = joined(&vertices, &triangles);
+        let faces = joined(&vertices, &triangles, stop);
         let source = self.materials.source_of(primitive.material);
         let colours = Colours::read(&self.materials, source, (primitive, own), &vertices, &self.accessors)?;
         let means: Vec<Means> = faces.iter().map(|face| colours.means(face)).collect();

@@ -11,7 +11,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 const MOST_PIXELS: u64 = 1 << 26;
 
 /// Images are kept with so many texels at most, each the mean of those that it covers: no face shows more than its own mean.
-const MOST_TEXELS: usize = 1 << 20;
+const MOST_TEXELS: usize = 1 << 18;
 
 /// The edges of a triangle are divided into so many parts for each texel that they cross: parts that hold an edge of a texel are then few.
 const PARTS_OF_A_TEXEL: f64 = 4.0;
