@@ -199,6 +199,22 @@ impl Scene {
         self.sides
     }
 
+    /// The same scene with names for its faces; the objects in the order of their first faces.
+    #[must_use]
+    pub fn with_objects(self, objects: Vec<Object>) -> Self {
+        Self { objects, ..self }
+    }
+
+    /// The objects in the order of their faces; none where the input does not name any.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
+
+    /// The name of the object that a face belongs to, by the 0-based number of the face.
+    pub fn object_of(&self, face: u32) -> Option<&str> {
+        object::name_in(&self.objects, face)
+    }
+
     /// The box around all surfaces.
     pub fn bounds(&self) -> Aabb {
         self.surfaces.iter().map(|surface| surface.polygon.bounds()).fold(Aabb::EMPTY, Aabb::union)

@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Scene;
-
 /// An object of the input: it has the faces from its first to that of the next object.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Object {
@@ -11,24 +9,6 @@ pub struct Object {
     pub name: String,
     /// The 0-based number of its first face.
     pub first_face: u32,
-}
-
-impl Scene {
-    /// The same scene with names for its faces; the objects in the order of their first faces.
-    #[must_use]
-    pub fn with_objects(self, objects: Vec<Object>) -> Self {
-        Self { objects, ..self }
-    }
-
-    /// The objects in the order of their faces; none where the input does not name any.
-    pub fn objects(&self) -> &[Object] {
-        &self.objects
-    }
-
-    /// The name of the object that a face belongs to, by the 0-based number of the face.
-    pub fn object_of(&self, face: u32) -> Option<&str> {
-        name_in(&self.objects, face)
-    }
 }
 
 /// The name of the object that a face belongs to.

@@ -63,6 +63,15 @@ pub(super) fn read(
     let accessors = Accessors { root: &root, buffers };
     let placed = nodes::placed(&accessors).map_err(wrong)?;
 
+    let of_mesh =
+        |mesh: &json::Mesh| mesh.primitives.iter().fold(0, |sum: usize, part| sum.saturating_add(primitives::count(part, &root)));
+    let in_all = placed.instances.iter().filter_map(|instance| root.meshes.get(instance.mesh));
+    if in_all.fold(0, |sum: usize, mesh| sum.saturating_add(of_mesh(mesh))) > MOST_TRIANGLES {
+        return Err(wrong(format!(
+            "the scene has more than {MOST_TRIANGLES} triangles, copies of meshes counted: that is too many"
+        )));
+    }
+
     // Mesh after mesh, with one material after the other.
     let mut reader = Reader { accessors, place, options, read, materials: Materials::new(), shapes: HashMap::new(), left_out: 0 };
     for instance in &placed.instances {
@@ -137,9 +146,6 @@ impl Reader<'_> {
         }
         let first_face = self.read.lines.len();
         let own = &self.shapes[&key];
-        if first_face + own.triangles.len() > MOST_TRIANGLES {
-            return Err(format!("the scene has more than {MOST_TRIANGLES} triangles up to here, which is too many"));
-        }
         let vertices: Vec<DVec3> = own.positions.iter().map(|&at| instance.to_world.transform_point3(at)).collect();
         if let Some(bad) = vertices.iter().position(|at| !at.to_array().iter().all(|x| x.abs() <= LARGEST_COORDINATE)) {
             return Err(format!(

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::accessors::Accessors;
-use super::json::Primitive;
+use super::json::{Primitive, Root};
 
 /// The triangles of a primitive, in its own frame.
 pub(super) struct Triangles {
@@ -42,6 +42,17 @@ pub(super) fn attribute(primitive: &Primitive, name: &str) -> Result<Option<usiz
     match primitive.attributes.get(name) {
         None => Ok(None),
         Some(value) => of_json(value).map(Some).ok_or_else(|| format!("its {name} is {value}, which is no accessor")),
+    }
+}
+
+/// How many triangles a primitive has at most, by what it says of its accessors: no more are read.
+pub(super) fn count(primitive: &Primitive, root: &Root) -> usize {
+    let positions = attribute(primitive, "POSITION").ok().flatten();
+    let count = primitive.indices.or(positions).and_then(|number| root.accessors.get(number)).map_or(0, |accessor| accessor.count);
+    match Shape::of(primitive) {
+        Ok(Shape::Triangles) => count / 3,
+        Ok(Shape::Strip | Shape::Fan) => count,
+        Ok(Shape::Nothing) | Err(_) => 0,
     }
 }
 
