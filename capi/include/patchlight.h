@@ -342,9 +342,9 @@ enum patchlight_file_flags
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // Material libraries beside the file and below its folder alone.
+  // What it names, such as material libraries, beside it and below its folder alone.
   PATCHLIGHT_FILE_DEFAULT = 0,
-  // Material libraries wherever the file says they lie.
+  // What it names wherever it says that lies.
   PATCHLIGHT_FILE_ALLOW_ANY_PATH = 1,
 };
 #ifndef __cplusplus
@@ -913,7 +913,7 @@ patchlight_status patchlight_scene_add_faces(struct patchlight_scene *scene,
                                              const struct patchlight_array *counts,
                                              const struct patchlight_array *materials);
 
-// Adds what is in a file (`.obj` with its material libraries), for scenes of three channels. `flags` are of patchlight_file_flags. Its faces
+// Adds what is in a file (`.obj`, `.gltf`, `.glb`, `.ply`, `.stl`), for scenes of three channels. `flags` are of patchlight_file_flags. Its faces
 // and materials are numbered behind those of arrays.
 patchlight_status patchlight_scene_add_file(struct patchlight_scene *scene,
                                             const char *path,
