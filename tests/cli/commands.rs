@@ -37,6 +37,7 @@ fn render_and_export_write_what_the_extension_says() {
         assert!(ran.succeeded().stdout.is_empty());
         assert!(fs::read(place.path(name)).unwrap().starts_with(magic), "{name}");
     }
+    place.run("solve room.obj --texture blur").failed(2, &["--texture", "face, reject"]);
     let camera =
         ["render", "room.solution", "-o", "b.png", "--size", "8x6", "--camera", "eye=1,1,1.9 target=1,1,0", "--exposure", "-2"];
     let ran = place.run_with(&camera, "");

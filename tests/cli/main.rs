@@ -258,7 +258,6 @@ fn wrong_usage_ends_with_2_and_says_what_is_wrong() {
         ("render room.solution -o a.gif", &["a.gif: unknown extension"]),
         ("export room.solution -o a.obj", &["a.obj: unknown extension", ".ply or .glb or .vtp"]),
         ("export room.solution -o a.glb --quadratic", &["--quadratic is for .ply"]),
-        ("solve room.glb --texture blur", &["--texture", "face, reject"]),
         ("info room.obj --sides none", &["sides is 'none'"]),
     ] {
         place.run(arguments).failed(2, words);
