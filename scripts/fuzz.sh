@@ -17,18 +17,23 @@ shift
 cd "$(dirname "$0")/.."
 targets=("$@")
 if [ ${#targets[@]} -eq 0 ]; then
-    targets=(solution obj points options solve calls triangulation)
+    targets=(solution obj glb meshes points options solve calls triangulation)
 fi
 patchlight=target/release/patchlight
 export RUSTC_BOOTSTRAP=1
 cargo build --release --locked --bin patchlight
 (cd fuzz && cargo fuzz build)
 
-# Seeds: scenes with their materials behind a 0, bodies of solutions, tables of points, and each option set to 1.
+# Seeds: scenes with their materials behind a 0, JSON with its numbers, bodies of solutions, tables of points, and each option set to 1.
 seed() { mkdir -p "fuzz/corpus/$1" && cat >"fuzz/corpus/$1/$2"; }
 for scene in four_polygons furnace cornell two_rooms full_office; do
     { sed "s/^mtllib .*/mtllib a.mtl/" "scenes/$scene.obj"; printf '\0'; cat "scenes/$scene.mtl"; } | seed obj "$scene"
 done
+printf '{"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"buffers":[{"byteLength":36}],"bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]}\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200?\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200?\0\0\0\0' |
+    seed glb triangle
+printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' |
+    seed meshes ply
+printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n' | seed meshes stl
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for scene in four_polygons furnace cornell; do

@@ -147,9 +147,9 @@ fn clusters_that_are_all_one_term_come_near_their_bound() {
     // Receiver and source on either side, light along x.
     let ends = |x: f64, half: f64| [segment([-x, half], [-x, -half]), segment([x, -half], [x, half])];
     let uneven = vec![segment([0.0, -0.25], [0.0, 0.25]), segment([0.0, 0.749], [0.0, 0.75])];
-    let blind = (0..101).map(|k| f64::from(k - 50) / 100.0).map(|y| segment([-0.1, y], [0.1, y])).collect();
+    let blind: Vec<Segment> = (0..101).map(|k| f64::from(k - 50) / 100.0).map(|y| segment([-0.1, y], [0.1, y])).collect();
     let gate = vec![segment([-1.0, 0.0], [-1.0, 1e-4]), segment([1.0, 0.0], [1.0, 1e-4])];
-    let cases: [(&str, [Segment; 2], Vec<Segment>, usize, f64); 3] = [
+    let cases = [
         // Light along one direction meets the opaque half alone: rho_2.
         ("uneven", ends(100.0, 0.25), uneven, FINE, 0.3),
         // Open along x, all but closed beside it: rho_1.

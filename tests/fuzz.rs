@@ -10,6 +10,8 @@
 //! cargo-fuzz, which looks at the branches taken: `scripts/fuzz.sh SECONDS` runs all targets of `fuzz/`.
 #![allow(clippy::print_stderr, reason = "a test tells what it did")]
 
+#[path = "support/glb.rs"]
+mod glb;
 #[path = "../fuzz/harness/mod.rs"]
 mod harness;
 #[path = "support/triangles.rs"]
@@ -23,6 +25,13 @@ use triangles::Random;
 
 const OBJ: &[u8] = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0.25\nv 0 1 0\nv 0.5 0.5 2\nusemtl a\nf 1 2 3 4\nf -1 -2 -3\nusemtl b\n\
                      f 1/1 2/2 5/3\nf 4 3 2 1\ng x\nf 1 2 5 3 4\n\0newmtl a\nKd 0.5 0.5 0.5\nKe 1 2 3\n\nnewmtl b # c\nKd .9\nKs 0 0 0\n";
+
+const PLY: &[u8] =
+    b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n\
+                     property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0.5\n3 0 1 2\n3 1 3 2\n";
+
+const STL: &[u8] =
+    b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
 
 const CSV: &[u8] =
     b"\xef\xbb\xbfid,\"NZ\",ny,NX,z,Y,x,note,B_r\r\n7,1,0,0,3,2,1,a wall,0.5\r\n8,0.5774,-.5774,0.5774,1e-3,-2.5,4,,\n";
@@ -66,11 +75,15 @@ struct Target {
     seeds: Vec<Vec<u8>>,
 }
 
-fn targets() -> [Target; 6] {
+fn targets() -> [Target; 8] {
+    let mut room = glb::small_room();
+    let (file, nodes) = (room.glb(), [room.json.to_string().as_bytes(), &[0], &room.binary].concat());
     let kinds = [(Solver::Links, false), (Solver::Cells, false), (Solver::Links, true)];
     let solutions = kinds.map(|(solver, lit_mesh)| harness::small_solution(solver, lit_mesh).to_vec());
     [
         Target { name: "obj", few: 400, feed: harness::read_obj, seeds: vec![OBJ.to_vec(), Vec::new()] },
+        Target { name: "glb", few: 1000, feed: harness::read_glb, seeds: vec![file, nodes] },
+        Target { name: "meshes", few: 400, feed: harness::read_mesh, seeds: vec![PLY.to_vec(), STL.to_vec()] },
         Target { name: "solution", few: 200, feed: harness::read_solution, seeds: solutions.into() },
         Target { name: "points", few: 400, feed: harness::read_csv, seeds: vec![CSV.to_vec()] },
         Target { name: "options", few: 400, feed: harness::set_options, seeds: vec![OPTIONS.to_vec()] },

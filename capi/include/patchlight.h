@@ -290,6 +290,8 @@ enum patchlight_diagnostic_code
   PATCHLIGHT_CONCAVE_FACE = 203,
   // Two faces on the same vertices with opposite winding: the two sides of a sheet.
   PATCHLIGHT_SHEET = 204,
+  // The file has a camera: what to give to look through it.
+  PATCHLIGHT_FILE_CAMERA = 205,
   // A face has a vertex or a material that does not exist.
   PATCHLIGHT_BAD_INDEX = 300,
   // A face has a vertex with a coordinate that is not finite, or too large.
@@ -340,9 +342,9 @@ enum patchlight_file_flags
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // Material libraries beside the file and below its folder alone.
+  // What it names, such as material libraries, beside it and below its folder alone.
   PATCHLIGHT_FILE_DEFAULT = 0,
-  // Material libraries wherever the file says they lie.
+  // What it names wherever it says that lies.
   PATCHLIGHT_FILE_ALLOW_ANY_PATH = 1,
 };
 #ifndef __cplusplus
@@ -814,8 +816,9 @@ patchlight_status patchlight_mesh_write_picture(struct patchlight_mesh *mesh,
                                                 const struct patchlight_camera *camera,
                                                 const char *path);
 
-// Writes a mesh, `.ply`: four triangles for each element, with radiosities at their corners.
-patchlight_status patchlight_mesh_export(struct patchlight_mesh *mesh, const char *path);
+// Writes a mesh, `.ply`, `.glb` for viewers or `.vtp` for ParaView: four triangles for each element, with radiosities at their corners.
+patchlight_status patchlight_mesh_export(struct patchlight_mesh *mesh,
+                                         const char *path);
 
 // Writes an array of a mesh: `what` is a patchlight_mesh_array. Without a buffer only the count of items is told.
 patchlight_status patchlight_mesh_get_array(struct patchlight_mesh *mesh,
@@ -910,7 +913,7 @@ patchlight_status patchlight_scene_add_faces(struct patchlight_scene *scene,
                                              const struct patchlight_array *counts,
                                              const struct patchlight_array *materials);
 
-// Adds what is in a file (`.obj` with its material libraries), for scenes of three channels. `flags` are of patchlight_file_flags. Its faces
+// Adds what is in a file (`.obj`, `.gltf`, `.glb`, `.ply`, `.stl`), for scenes of three channels. `flags` are of patchlight_file_flags. Its faces
 // and materials are numbered behind those of arrays.
 patchlight_status patchlight_scene_add_file(struct patchlight_scene *scene,
                                             const char *path,
@@ -969,7 +972,7 @@ patchlight_status patchlight_solution_get_status(struct patchlight_solution *sol
 patchlight_status patchlight_solution_save(struct patchlight_solution *solution,
                                            const char *path);
 
-// Writes the elements of a solution with their radiosities: `.ply`.
+// Writes the elements of a solution with their radiosities: `.ply`, `.glb` for viewers or `.vtp` for ParaView.
 patchlight_status patchlight_solution_export(struct patchlight_solution *solution, const char *path);
 
 // Reads a solution that this version wrote. Of `info`, which may be NULL, the backend counts, or the visibility. Nothing in the file is

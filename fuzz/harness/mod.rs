@@ -4,6 +4,8 @@
 #![allow(dead_code, unused_imports, reason = "each target calls one of them")]
 
 mod bytes;
+mod glb;
+mod meshes;
 mod obj;
 mod options;
 mod points;
@@ -11,6 +13,8 @@ mod solution;
 mod solve;
 mod triangulation;
 
+pub use glb::read_glb;
+pub use meshes::read_mesh;
 pub use obj::read_obj;
 pub use options::set_options;
 pub use points::read_csv;

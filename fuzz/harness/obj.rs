@@ -2,11 +2,26 @@
 
 use std::cell::OnceCell;
 
-use patchlight::scene::import::{ImportOptions, read_scene};
+use patchlight::scene::import::{ImportOptions, Imported, read_scene};
 use patchlight::scene::{SceneSummary, Sides};
 
 thread_local! {
     static FOLDER: OnceCell<tempfile::TempDir> = const { OnceCell::new() };
+}
+
+/// What holds for each scene that was read.
+pub(super) fn check(imported: &Imported) {
+    let scene = &imported.scene;
+    for surface in scene.surfaces() {
+        assert!((surface.face as usize) < imported.lines.len());
+        assert!(surface.polygon.area() > 0.0 && surface.polygon.area().is_finite());
+        assert!(surface.polygon.vertices().flatten().all(f64::is_finite));
+    }
+    for material in scene.materials() {
+        assert!(material.reflectance.iter().all(|rho| (0.0..1.0).contains(rho)), "{material:?}");
+        assert!(material.exitance.iter().all(|e| e.is_finite() && *e >= 0.0), "{material:?}");
+    }
+    assert!(!SceneSummary::new(scene, &imported.diagnostics).to_string().is_empty());
 }
 
 /// Reads the bytes up to the first 0 as an OBJ file, and the others as its material library `a.mtl`.
@@ -21,19 +36,7 @@ pub fn read_obj(bytes: &[u8]) {
 
         for sides in [Sides::Front, Sides::Both] {
             match read_scene(&file, &ImportOptions { sides, ..ImportOptions::default() }) {
-                Ok(imported) => {
-                    let scene = &imported.scene;
-                    for surface in scene.surfaces() {
-                        assert!((surface.face as usize) < imported.lines.len());
-                        assert!(surface.polygon.area() > 0.0 && surface.polygon.area().is_finite());
-                        assert!(surface.polygon.vertices().flatten().all(f64::is_finite));
-                    }
-                    for material in scene.materials() {
-                        assert!(material.reflectance.iter().all(|rho| (0.0..1.0).contains(rho)), "{material:?}");
-                        assert!(material.exitance.iter().all(|e| e.is_finite() && *e >= 0.0), "{material:?}");
-                    }
-                    assert!(!SceneSummary::new(scene, &imported.diagnostics).to_string().is_empty());
-                }
+                Ok(imported) => check(&imported),
                 Err(error) => assert!(!error.to_string().is_empty()),
             }
         }

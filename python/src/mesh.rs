@@ -120,7 +120,9 @@ impl Mesh {
     /// Writes it: .ply, with four triangles for each element and radiosities at their corners.
     fn write_ply(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let (scene, mesh, provenance) = (self.scene()?, self.lit_mesh()?, self.lit.provenance()?);
-        let ExportFormat::Ply = ExportFormat::of_path(&path).map_err(Failure::from)?;
+        if ExportFormat::of_path(&path).map_err(Failure::from)? != ExportFormat::Ply {
+            return Err(Failure::argument("write_ply writes .ply; Solution.export writes .glb and .vtp").into());
+        }
         let write = || -> Result<(), Failure> {
             Ok(Destination::new(&path)?.write(|file| write_mesh_ply(file, scene, mesh, &provenance))?)
         };

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use numpy::{PyArray3, PyArrayMethods};
-use patchlight::output::{Destination, ImageFormat, PngExposure, Provenance, Quantity, write_exr, write_png};
+use patchlight::output::{Destination, ImageFormat, PngExposure, Provenance, Quantity, write_exr, write_hdr, write_png};
 use patchlight::picture::{Camera, Image};
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -50,20 +50,21 @@ impl Picture {
         self.png(py, None)
     }
 
-    /// Writes it: .png to look at, or .exr with linear radiances and their standard errors.
+    /// Writes it: .png to look at, .exr with linear radiances and their standard errors, or .hdr with radiances.
     ///
     /// exposure: as in `png`, which alone has one.
     #[pyo3(signature = (path, exposure=None))]
     fn save(&self, py: Python<'_>, path: PathBuf, exposure: Option<f64>) -> PyResult<()> {
         let (image, ev) = (self.image(py)?, exposure_of(exposure)?);
         let format = ImageFormat::of_path(&path).map_err(Failure::from)?;
-        if format == ImageFormat::Exr && exposure.is_some() {
-            return Err(Failure::argument("exposure is for .png files; .exr files hold radiances as they are").into());
+        if format != ImageFormat::Png && exposure.is_some() {
+            return Err(Failure::argument("exposure is for .png files; others hold radiances as they are").into());
         }
         let write = || -> Result<(), Failure> {
             Ok(Destination::new(&path)?.write(|file| match format {
                 ImageFormat::Png => write_png(file, &image, ev, &self.provenance).map(drop),
                 ImageFormat::Exr => write_exr(file, &image, Quantity::Radiance, &self.provenance),
+                ImageFormat::Hdr => write_hdr(file, &image, Quantity::Radiance, &self.provenance),
             })?)
         };
         py.detach(write)?;

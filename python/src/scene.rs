@@ -28,14 +28,14 @@ pub struct Scene {
 
 #[pymethods]
 impl Scene {
-    /// Reads an .obj file with its material libraries: three channels, linear Rec. 709.
+    /// Reads an .obj file with its material libraries, or a .gltf, .glb, .ply or .stl file: three channels, linear Rec. 709.
     ///
     /// sides: "front", where corners run counter-clockwise, or "both".
-    /// allow_any_path: whether material libraries may lie elsewhere than beside the file or below its folder.
+    /// allow_any_path: whether other files that it names may lie elsewhere than beside the file or below its folder.
     #[staticmethod]
     #[pyo3(signature = (path, *, sides="front", allow_any_path=false))]
     fn read(py: Python<'_>, path: PathBuf, sides: &str, allow_any_path: bool) -> PyResult<Self> {
-        let options = ImportOptions { sides: sides_of(sides)?, allow_any_path };
+        let options = ImportOptions { sides: sides_of(sides)?, allow_any_path, ..ImportOptions::default() };
         let read = |observer: &dyn patchlight::progress::Observer| read_scene_observed(&path, &options, observer);
         let imported = watched(py, &Listener::new(None)?, read)?.map_err(Failure::from)?;
         Self::new(py, imported.scene, &imported.diagnostics, path)

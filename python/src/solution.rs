@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use patchlight::output::{Destination, ExportFormat, write_ply, write_solution};
+use patchlight::output::{Destination, ExportFormat, export_elements, write_solution};
 use patchlight::progress::Observer;
 use patchlight::solve::SolveOptions;
 use pyo3::prelude::*;
@@ -118,11 +118,13 @@ impl Solution {
         Ok(())
     }
 
-    /// Writes the elements with their radiosities: .ply.
+    /// Writes the elements with their radiosities: .ply, .glb for viewers or .vtp for ParaView.
     fn export(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let (lit, provenance) = (self.lit.evaluator()?.solution(), self.lit.provenance()?);
-        let ExportFormat::Ply = ExportFormat::of_path(&path).map_err(Failure::from)?;
-        py.detach(|| -> Result<(), Failure> { Ok(Destination::new(&path)?.write(|file| write_ply(file, lit, &provenance))?) })?;
+        let format = ExportFormat::of_path(&path).map_err(Failure::from)?;
+        py.detach(|| -> Result<(), Failure> {
+            Ok(Destination::new(&path)?.write(|file| export_elements(file, format, lit, &provenance))?)
+        })?;
         Ok(())
     }
 

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use patchlight::scene::Sides;
+use patchlight::scene::import::{ImportOptions, Textures};
 
 use super::option_help;
 
@@ -51,7 +53,7 @@ pub enum Command {
 /// `patchlight solve`.
 #[derive(Debug, Args)]
 pub struct SolveArguments {
-    /// The scene, an OBJ file
+    /// The scene: an .obj, .gltf, .glb, .ply or .stl file
     pub scene: PathBuf,
     /// Write the solution: scene, hierarchy, links, radiosities and options in one file
     #[arg(short, long, value_name = "SOLUTION")]
@@ -60,13 +62,13 @@ pub struct SolveArguments {
     pub settings: SettingArguments,
     #[command(flatten)]
     pub trust: TrustArguments,
-    /// Take a picture: .png to look at, .exr with linear radiances; may be repeated, to have it in both
+    /// Take a picture: .png to look at, .exr or .hdr with linear radiances; may be repeated, to have it in both
     #[arg(long, value_name = "FILE")]
     pub image: Vec<PathBuf>,
     #[command(flatten)]
     pub picture: PictureArguments,
-    /// Write the lit mesh: elements with radiosities at their nodes; --lit-mesh is asked for by that
-    #[arg(long, value_name = "FILE.ply")]
+    /// Write the lit mesh: .ply with radiosities at nodes, .glb for viewers, .vtp for ParaView; --lit-mesh is asked for by that
+    #[arg(long, value_name = "FILE")]
     pub mesh: Option<PathBuf>,
     /// Evaluate at the points of this CSV file (x,y,z,nx,ny,nz), '-' for stdin
     #[arg(long, value_name = "P.csv", requires = "values")]
@@ -158,7 +160,7 @@ pub struct SampleArguments {
 pub struct RenderArguments {
     /// A solution that 'patchlight solve -o' wrote
     pub solution: PathBuf,
-    /// The picture: .png to look at, .exr with linear radiances; may be repeated, to have it in both
+    /// The picture: .png to look at, .exr or .hdr with linear radiances; may be repeated, to have it in both
     #[arg(short, long, value_name = "FILE", required = true)]
     pub output: Vec<PathBuf>,
     #[command(flatten)]
@@ -172,7 +174,7 @@ pub struct RenderArguments {
 pub struct ExportArguments {
     /// A solution that 'patchlight solve -o' wrote
     pub solution: PathBuf,
-    /// The file: .ply, with the lit mesh where the solution has one, else with the elements of the solver
+    /// The file: .ply, .glb for viewers, .vtp for ParaView; with the lit mesh where the solution has one, else with the elements of the solver
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Write the elements of the solver, whether there is a lit mesh or not
@@ -187,7 +189,7 @@ pub struct ExportArguments {
 /// `patchlight info`.
 #[derive(Debug, Args)]
 pub struct InfoArguments {
-    /// A scene (OBJ) or a solution
+    /// A scene or a solution
     pub file: PathBuf,
     /// Which sides of a scene's faces emit and receive: front or both
     #[arg(long, value_name = "SIDES", default_value = "front")]
@@ -196,12 +198,35 @@ pub struct InfoArguments {
     pub trust: TrustArguments,
 }
 
-/// What a scene may reach.
+/// What a scene may reach, and how it is read.
 #[derive(Debug, Args)]
 pub struct TrustArguments {
-    /// Read material libraries wherever the scene says they lie, not only beside it and below
+    /// Read material libraries, buffers and images wherever the scene says they lie, not only beside it and below
     #[arg(long)]
     pub allow_any_path: bool,
+    /// What becomes of textures of glTF: each face has their mean over it (face), or a scene with textures is not read (reject)
+    #[arg(long, value_name = "HOW", value_enum, default_value_t = Texture::Face)]
+    pub texture: Texture,
+}
+
+impl TrustArguments {
+    /// How a scene is read.
+    pub fn import(&self, sides: Sides) -> ImportOptions {
+        let textures = match self.texture {
+            Texture::Face => Textures::Face,
+            Texture::Reject => Textures::Reject,
+        };
+        ImportOptions { sides, allow_any_path: self.allow_any_path, textures }
+    }
+}
+
+/// What becomes of textures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Texture {
+    /// Their mean over each face.
+    Face,
+    /// An error.
+    Reject,
 }
 
 /// How pictures are taken.
@@ -216,7 +241,7 @@ pub struct PictureArguments {
     /// PNG: auto, or the exposure value EV; radiances are multiplied by 2^EV [default: auto]
     #[arg(long, value_name = "EV", allow_hyphen_values = true)]
     pub exposure: Option<String>,
-    /// EXR, or PNG with --scale: radiance (W/m^2/sr), radiosity (W/m^2), irradiance (W/m^2), illuminance (lx, 179 lm to a watt of its Rec. 709
+    /// EXR and HDR, or PNG with --scale: radiance (W/m^2/sr), radiosity (W/m^2), irradiance (W/m^2), illuminance (lx, 179 lm to a watt of its Rec. 709
     /// luminance) or, for EXR with --bounds guaranteed, width (W/m^2, upper less lower radiosity) [default: radiance]
     #[arg(long, value_name = "QUANTITY")]
     pub quantity: Option<String>,

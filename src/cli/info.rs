@@ -22,7 +22,7 @@ pub fn info(arguments: &InfoArguments) -> Result<Exit, Failure> {
     let text = if is_solution_file(path) {
         describe_solution(path, &files::read_solution(path)?)
     } else {
-        describe_scene(path, &ImportOptions { sides, allow_any_path: arguments.trust.allow_any_path })?
+        describe_scene(path, &arguments.trust.import(sides))?
     };
     files::to_stdout(|writer| writer.write_all(text.as_bytes()))?;
     Ok(Exit::Done)
@@ -33,7 +33,10 @@ fn describe_scene(path: &Path, options: &ImportOptions) -> Result<String, Failur
     let mesh = OccluderMesh::of_scene(&imported.scene);
     let visibility = visibility::build(Backend::Auto, &mesh).map_err(PipelineError::from)?;
     let inspection = inspect(&imported.scene, visibility.as_ref(), DEFAULT_POINTS);
-    inspection.suspicions(&imported.file, &imported.lines).into_iter().for_each(|found| imported.diagnostics.push(found));
+    for mut found in inspection.suspicions(&imported.file, &imported.lines) {
+        found.object = found.face.and_then(|face| imported.scene.object_of(face - 1)).map(str::to_owned);
+        imported.diagnostics.push(found);
+    }
     Ok(format!("{}: scene\n{}", path.display(), SceneSummary::new(&imported.scene, &imported.diagnostics)))
 }
 

@@ -71,7 +71,7 @@ pub struct SolveRequest {
     pub voice: Voice,
     pub solution: Option<Destination>,
     pub picture: Option<PictureRequest>,
-    pub mesh: Option<Destination>,
+    pub mesh: Option<(Destination, ExportFormat)>,
     pub points: Option<(PathBuf, Sink)>,
     pub report: Option<Sink>,
     /// All of these, to be held against what the scene turns out to read.
@@ -96,7 +96,7 @@ impl SolveRequest {
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
         Ok(Self {
             scene: typed.scene,
-            import: ImportOptions { sides: settings.sides, allow_any_path: typed.trust.allow_any_path },
+            import: typed.trust.import(settings.sides),
             options: settings.options,
             run: settings.run,
             voice: Voice::new(typed.run.progress),
@@ -110,12 +110,10 @@ impl SolveRequest {
     }
 
     /// The file for the lit mesh, if one is asked for.
-    fn mesh(typed: &SolveArguments, outputs: &mut Outputs) -> Result<Option<Destination>, Failure> {
+    fn mesh(typed: &SolveArguments, outputs: &mut Outputs) -> Result<Option<(Destination, ExportFormat)>, Failure> {
         let Some(path) = typed.mesh.as_deref() else { return Ok(None) };
-        if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply")) {
-            return Err(Failure::usage(format_args!("--mesh writes PLY: name the file {}", path.with_extension("ply").display())));
-        }
-        outputs.file(path).map(Some)
+        let format = ExportFormat::of_path(path).map_err(Failure::usage)?;
+        outputs.file(path).map(|destination| Some((destination, format)))
     }
 
     /// The picture, if one is asked for. Its camera may be typed without one, where it says what the answer is wanted for.
@@ -157,10 +155,11 @@ fn parse_size(text: &str) -> Result<(u32, u32), Failure> {
 
 /// How a PNG shows its numbers; flags that no file has room for are refused.
 fn look(typed: &PictureArguments, quantity: Quantity, formats: &[ImageFormat], size: (u32, u32)) -> Result<Look, Failure> {
-    let (has_png, has_exr) = (formats.contains(&ImageFormat::Png), formats.contains(&ImageFormat::Exr));
+    let has_png = formats.contains(&ImageFormat::Png);
+    let keeps_numbers = formats.iter().any(|format| *format != ImageFormat::Png);
     for (flag, is_typed) in [("--exposure", &typed.exposure), ("--scale", &typed.scale), ("--show", &typed.show)] {
         if is_typed.is_some() && !has_png {
-            return Err(Failure::usage(format_args!("{flag} is for .png; .exr keeps the numbers as they are")));
+            return Err(Failure::usage(format_args!("{flag} is for .png; .exr and .hdr keep the numbers as they are")));
         }
     }
     if quantity == Quantity::Width && has_png {
@@ -185,8 +184,10 @@ fn look(typed: &PictureArguments, quantity: Quantity, formats: &[ImageFormat], s
             "--quantity {name} is shown by .png in false colours: say from where to where, as in --scale 0..500"
         )));
     }
-    if typed.quantity.is_some() && !has_exr {
-        return Err(Failure::usage("--quantity is for .exr, or .png with --scale; without, a .png is a picture to look at"));
+    if typed.quantity.is_some() && !keeps_numbers {
+        return Err(Failure::usage(
+            "--quantity is for .exr and .hdr, or .png with --scale; without, a .png is a picture to look at",
+        ));
     }
     Ok(Look::Light(typed.exposure.as_deref().map_or(Ok(PngExposure::Auto), parse_exposure)?))
 }
@@ -282,6 +283,9 @@ impl ExportRequest {
     /// Validates what was typed.
     pub fn new(typed: ExportArguments) -> Result<Self, Failure> {
         let format = ExportFormat::of_path(&typed.output).map_err(Failure::usage)?;
+        if typed.quadratic && format != ExportFormat::Ply {
+            return Err(Failure::usage("--quadratic is for .ply; other formats have flat triangles"));
+        }
         let destination = Outputs::beside(&[&typed.solution]).file(&typed.output)?;
         let what = match (typed.elements, typed.quadratic) {
             (true, _) => Exported::Elements,

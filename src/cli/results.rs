@@ -3,8 +3,8 @@
 use patchlight::bounds::PointBounds;
 use patchlight::mesh::LitMesh;
 use patchlight::output::{
-    Destination, Display, ExportFormat, ImageFormat, Look, Points, Provenance, Quantity, write_bounded_values, write_display,
-    write_mesh_ply, write_ply, write_quadratic_mesh_ply, write_solution, write_values,
+    Destination, Display, ExportFormat, ImageFormat, Look, Points, Provenance, Quantity, export_elements, export_mesh,
+    write_bounded_values, write_display, write_hdr, write_quadratic_mesh_ply, write_solution, write_values,
 };
 use patchlight::picture::{Image, Marks};
 use patchlight::pipeline::Evaluator;
@@ -151,6 +151,10 @@ pub fn write_picture(
                 destination.write(|file| write_exr(file, image, request.quantity, provenance))?;
                 voice.figure("wrote", format_args!("{path} ({} in {})", request.quantity.name(), unit));
             }
+            ImageFormat::Hdr => {
+                destination.write(|file| write_hdr(file, image, request.quantity, provenance))?;
+                voice.figure("wrote", format_args!("{path} ({} in {})", request.quantity.name(), unit));
+            }
             ImageFormat::Png => {
                 let quantity = if let Look::Scale(_) = look { request.quantity } else { Quantity::Radiance };
                 let display = Display { image, quantity, look, marks: marks.as_ref() };
@@ -173,10 +177,15 @@ pub fn write_picture(
 }
 
 /// Writes the lit mesh.
-pub fn write_mesh_to(destination: &Destination, evaluator: &Evaluator, mesh: &LitMesh, voice: Voice) -> Result<(), Failure> {
+pub fn write_mesh_to(
+    (destination, format): &(Destination, ExportFormat),
+    evaluator: &Evaluator,
+    mesh: &LitMesh,
+    voice: Voice,
+) -> Result<(), Failure> {
     let solution = evaluator.solution();
     let provenance = Provenance::new(solution.options());
-    destination.write(|file| write_mesh_ply(file, solution.scene(), mesh, &provenance))?;
+    destination.write(|file| export_mesh(file, *format, solution, mesh, &provenance))?;
     voice.figure("wrote", format_args!("{} ({} elements of the lit mesh)", destination.path().display(), mesh.elements()));
     Ok(())
 }
@@ -194,14 +203,16 @@ pub fn export(request: ExportRequest) -> Result<Exit, Failure> {
     let solution = files::read_solution(&request.solution)?;
     let provenance = Provenance::new(solution.options());
     let scene = solution.scene();
-    let ExportFormat::Ply = request.format;
+    let format = request.format;
     match (request.what, solution.mesh()) {
         (Exported::Quadratic, None) => return Err(no_mesh("--quadratic")),
         (Exported::Quadratic, Some(mesh)) => {
             request.destination.write(|file| write_quadratic_mesh_ply(file, scene, mesh, &provenance))?;
         }
-        (Exported::Best, Some(mesh)) => request.destination.write(|file| write_mesh_ply(file, scene, mesh, &provenance))?,
-        _ => request.destination.write(|file| write_ply(file, &solution, &provenance))?,
+        (Exported::Best, Some(mesh)) => {
+            request.destination.write(|file| export_mesh(file, format, &solution, mesh, &provenance))?
+        }
+        _ => request.destination.write(|file| export_elements(file, format, &solution, &provenance))?,
     }
     Ok(Exit::Done)
 }

@@ -119,7 +119,9 @@ fn write_results(
     }
     match (&request.mesh, evaluator.mesh()) {
         (Some(destination), Some(mesh)) => ending.write(|| results::write_mesh_to(destination, evaluator, mesh, voice)),
-        (Some(destination), None) => voice.warn(format_args!("{} is not written: there is no mesh", destination.path().display())),
+        (Some((destination, _)), None) => {
+            voice.warn(format_args!("{} is not written: there is no mesh", destination.path().display()))
+        }
         (None, _) => {}
     }
     if let Some(picture) = &request.picture {

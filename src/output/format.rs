@@ -21,6 +21,8 @@ pub enum ImageFormat {
     Exr,
     /// 8-bit sRGB for display.
     Png,
+    /// Linear, with a common exponent.
+    Hdr,
 }
 
 impl ImageFormat {
@@ -32,7 +34,8 @@ impl ImageFormat {
         match extension(path).as_deref() {
             Some("exr") => Ok(Self::Exr),
             Some("png") => Ok(Self::Png),
-            _ => Err(UnknownExtension { path: path.to_owned(), known: &[".exr", ".png"] }),
+            Some("hdr") => Ok(Self::Hdr),
+            _ => Err(UnknownExtension { path: path.to_owned(), known: &[".exr", ".png", ".hdr"] }),
         }
     }
 }
@@ -42,6 +45,10 @@ impl ImageFormat {
 pub enum ExportFormat {
     /// Polygons with float radiosities.
     Ply,
+    /// glTF for viewers, in colours, with float radiosities beside.
+    Glb,
+    /// PolyData of VTK, for ParaView.
+    Vtp,
 }
 
 impl ExportFormat {
@@ -52,7 +59,9 @@ impl ExportFormat {
     pub fn of_path(path: &Path) -> Result<Self, UnknownExtension> {
         match extension(path).as_deref() {
             Some("ply") => Ok(Self::Ply),
-            _ => Err(UnknownExtension { path: path.to_owned(), known: &[".ply"] }),
+            Some("glb") => Ok(Self::Glb),
+            Some("vtp") => Ok(Self::Vtp),
+            _ => Err(UnknownExtension { path: path.to_owned(), known: &[".ply", ".glb", ".vtp"] }),
         }
     }
 }

@@ -8,22 +8,28 @@
 //! | file | written by | holds |
 //! |---|---|---|
 //! | `.exr` | [`write_exr`] | linear radiance or radiosity, 32-bit float |
+//! | `.hdr` | [`write_hdr`] | the same in Radiance's format, within half a percent of the largest channel |
 //! | `.png` | [`write_png`], [`write_display`] | an exposed, tone-mapped picture for display, or false colours with a legend |
 //! | `.ply` | [`write_mesh_ply`] | the lit mesh with float radiosities at its nodes |
 //! | `.ply` | [`write_ply`] | the leaves of the hierarchy with float radiosities |
+//! | `.glb`, `.vtp` | [`export_mesh`], [`export_elements`] | the same for viewers and for ParaView |
 //! | solution | [`write_solution`] | everything, to be read back by [`read_solution`] |
 //! | `.csv` | [`write_values`] | radiosities at the points that [`read_points`] read |
 //! | `.json` | [`write_report`] | what the run tells about itself |
 
 mod atomic;
+mod export;
 pub mod exr;
 pub mod false_colours;
 mod format;
+mod glb;
 mod glyphs;
+mod hdr;
 mod legend;
 pub mod mesh_ply;
 #[cfg(feature = "openexr")]
 pub mod openexr;
+mod patches;
 mod ply;
 pub mod png;
 pub mod points;
@@ -32,11 +38,14 @@ pub mod report;
 pub mod solution_file;
 mod srgb;
 pub mod values;
+mod vtp;
 
 pub use atomic::{Destination, DestinationError};
+pub use export::{export_elements, export_mesh};
 pub use exr::write_exr;
 pub use false_colours::{Scale, ScaleError};
 pub use format::{ExportFormat, ImageFormat, UnknownExtension};
+pub use hdr::write_hdr;
 pub use legend::LEAST_SIZE_WITH_LEGEND;
 pub use mesh_ply::{write_mesh_ply, write_quadratic_mesh_ply};
 #[cfg(feature = "openexr")]

@@ -33,7 +33,7 @@ const FADE: f32 = 0.15;
 
 /// The linear value that the average of a picture (geometric mean of the luminances) is exposed to: lighter than the 18% of a
 /// photographer's grey card, since rooms have white walls and the tone curve keeps emitters below white.
-const KEY: f64 = 0.22;
+pub(super) const KEY: f64 = 0.22;
 
 /// How bright a PNG picture is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -5,6 +5,7 @@ mod error;
 pub mod import;
 mod largest;
 mod material;
+mod object;
 mod planes;
 mod point;
 mod summary;
@@ -14,6 +15,7 @@ pub(crate) use distinct_channels::DistinctChannels;
 pub use error::SceneError;
 pub(crate) use largest::largest;
 pub use material::Material;
+pub use object::Object;
 pub use point::{PointError, SurfacePoint};
 pub use summary::SceneSummary;
 
@@ -81,6 +83,8 @@ pub struct Scene {
     materials: Vec<Material>,
     surfaces: Vec<Surface>,
     sides: Sides,
+    /// What their faces belong to.
+    objects: Vec<Object>,
 }
 
 impl Scene {
@@ -109,7 +113,7 @@ impl Scene {
 
         let surfaces =
             faces.into_iter().map(|(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None }).collect();
-        let mut scene = Self { channels, materials, surfaces, sides };
+        let mut scene = Self { channels, materials, surfaces, sides, objects: Vec::new() };
         scene.check_materials()?;
         scene.add_twins();
         scene.group_planes();
@@ -153,6 +157,9 @@ impl Scene {
                 return Err(format!("surface {index}: its twin does not exist"));
             }
         }
+        if !self.objects.is_sorted_by_key(|object| object.first_face) {
+            return Err("its objects are not in the order of their faces".to_owned());
+        }
         if count == 0 { Err("there is no surface".to_owned()) } else { Ok(()) }
     }
 
@@ -190,6 +197,22 @@ impl Scene {
     /// Which sides of the input faces emit and receive.
     pub fn sides(&self) -> Sides {
         self.sides
+    }
+
+    /// The same scene with names for its faces; the objects in the order of their first faces.
+    #[must_use]
+    pub fn with_objects(self, objects: Vec<Object>) -> Self {
+        Self { objects, ..self }
+    }
+
+    /// The objects in the order of their faces; none where the input does not name any.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
+
+    /// The name of the object that a face belongs to, by the 0-based number of the face.
+    pub fn object_of(&self, face: u32) -> Option<&str> {
+        object::name_in(&self.objects, face)
     }
 
     /// The box around all surfaces.

@@ -158,6 +158,14 @@ impl Solution {
         }
     }
 
+    /// Lower and upper radiosities of the leaves, in the order of [`Solution::for_each_leaf`], by leaf and channel in W/m^2, where they are proved.
+    pub fn leaf_bounds(&self) -> Option<[Vec<f32>; 2]> {
+        let bounds = self.bounds.as_ref()?;
+        let leaves = || self.hierarchy.ids().filter(|&node| self.hierarchy.is_leaf(node));
+        let lower = leaves().flat_map(|node| bounds.lower(node).iter().map(|&b| below(b))).collect();
+        Some([lower, leaves().flat_map(|node| bounds.upper(node).iter().map(|&b| -below(-b))).collect()])
+    }
+
     /// Bytes that hierarchy, links, radiosities and the lit mesh take.
     pub fn memory_bytes(&self) -> u64 {
         self.hierarchy.memory_bytes()
@@ -205,4 +213,10 @@ impl Solution {
         }
         Ok(())
     }
+}
+
+/// The largest float that is not above a number: bounds stay bounds when they are rounded.
+fn below(number: f64) -> f32 {
+    let rounded = number as f32;
+    if f64::from(rounded) > number { rounded.next_down() } else { rounded }
 }

@@ -28,12 +28,16 @@ fn render_and_export_write_what_the_extension_says() {
     for (arguments, name, magic) in [
         ("render room.solution --size 32x24 -o a.png", "a.png", &b"\x89PNG"[..]),
         ("render room.solution --size 32x24 -o a.EXR", "a.EXR", &[0x76, 0x2f, 0x31, 0x01]),
+        ("render room.solution --size 32x24 -o a.hdr", "a.hdr", b"#?RADIANCE\nSOFTWARE=patchlight "),
         ("export room.solution -o a.ply", "a.ply", b"ply\nformat binary_little_endian"),
+        ("export room.solution -o a.glb", "a.glb", b"glTF\x02\0\0\0"),
+        ("export room.solution -o a.vtp", "a.vtp", b"<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\""),
     ] {
         let ran = place.run(arguments);
         assert!(ran.succeeded().stdout.is_empty());
         assert!(fs::read(place.path(name)).unwrap().starts_with(magic), "{name}");
     }
+    place.run("solve room.obj --texture blur").failed(2, &["--texture", "face, reject"]);
     let camera =
         ["render", "room.solution", "-o", "b.png", "--size", "8x6", "--camera", "eye=1,1,1.9 target=1,1,0", "--exposure", "-2"];
     let ran = place.run_with(&camera, "");

@@ -20,7 +20,7 @@ fn what_contradicts_itself_or_is_not_there_is_a_usage_error() {
     for (arguments, words) in [
         ("solve room.obj --set lit_mesh=perhaps", &["lit_mesh is perhaps", "true or false"][..]),
         ("solve room.obj --mesh m.ply --set lit_mesh=false", &["--set lit_mesh=false and --mesh contradict each other"]),
-        ("solve room.obj --mesh m.obj", &["--mesh writes PLY", "m.ply"]),
+        ("solve room.obj --mesh m.obj", &["m.obj: unknown extension", ".ply or .glb or .vtp"]),
         ("solve room.obj --image a.png --from mesh", &["--from mesh needs --lit-mesh"]),
         ("solve room.obj --lit-mesh --from mesh", &["need --image"]),
         ("solve room.obj --lit-mesh --bounds guaranteed --image w.exr --quantity width --from mesh", &["leave --from out"]),

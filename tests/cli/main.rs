@@ -256,7 +256,8 @@ fn wrong_usage_ends_with_2_and_says_what_is_wrong() {
         ("solve room.obj --image a.exr --quantity light", &["quantity is 'light'", "radiance, radiosity"]),
         ("render room.solution", &["--output"]),
         ("render room.solution -o a.gif", &["a.gif: unknown extension"]),
-        ("export room.solution -o a.obj", &["a.obj: unknown extension", ".ply"]),
+        ("export room.solution -o a.obj", &["a.obj: unknown extension", ".ply or .glb or .vtp"]),
+        ("export room.solution -o a.glb --quadratic", &["--quadratic is for .ply"]),
         ("info room.obj --sides none", &["sides is 'none'"]),
     ] {
         place.run(arguments).failed(2, words);
@@ -293,7 +294,9 @@ fn missing_and_broken_inputs_end_with_3_and_are_named() {
     place.run("solve broken.obj").failed(3, &["broken.obj:3"]);
     fs::write(place.path("empty.obj"), "# nothing\n").unwrap();
     place.run("solve empty.obj").failed(3, &["empty.obj"]);
-    assert_eq!(place.new_files(), ["broken.obj", "empty.obj"]);
+    fs::write(place.path("cut.glb"), b"glTF\x02\0\0\0\x40\0\0\0").unwrap();
+    place.run("solve cut.glb").failed(3, &["cut.glb: the file is cut off: it should have 64 bytes and has 12"]);
+    assert_eq!(place.new_files(), ["broken.obj", "cut.glb", "empty.obj"]);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod any_bytes;
 mod materials;
+mod meshes;
 
 use std::path::PathBuf;
 
@@ -71,9 +72,9 @@ const GREY_MTL: &str = "newmtl grey\nKd 0.5 0.5 0.5\n";
 
 #[test]
 fn files_that_cannot_be_read() {
-    let folder = Folder::with(&[("scene.gltf", b""), ("noextension", b"")]);
+    let folder = Folder::with(&[("scene.fbx", b""), ("noextension", b"")]);
     let import = |name: &str| read_scene(&folder.path(name), &ImportOptions::default()).unwrap_err();
-    for name in ["scene.gltf", "noextension", "missing.stl"] {
+    for name in ["scene.fbx", "noextension", "missing.max"] {
         let error = import(name);
         assert!(matches!(error, ImportError::UnknownExtension { .. }), "{error:?}");
         assert!(error.to_string().contains(name) && error.to_string().contains(".obj"), "{error}");

@@ -3,7 +3,7 @@
 use std::ffi::c_char;
 use std::path::Path;
 
-use patchlight::output::{Destination, ExportFormat, Provenance, write_mesh_ply};
+use patchlight::output::{Destination, ExportFormat, Provenance, export_mesh};
 
 use super::patchlight_mesh;
 use crate::entry::enter;
@@ -44,17 +44,17 @@ pub unsafe extern "C" fn patchlight_mesh_write_picture(
     })
 }
 
-/// Writes a mesh, `.ply`: four triangles for each element, with radiosities at their corners.
+/// Writes a mesh, `.ply`, `.glb` for viewers or `.vtp` for ParaView: four triangles for each element, with radiosities at their corners.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn patchlight_mesh_export(mesh: *mut patchlight_mesh, path: *const c_char) -> patchlight_status {
     enter(|| {
         let mesh = handles::get(mesh)?;
         // SAFETY: The contract of the header.
         let path = Path::new(unsafe { text(path, "path")? });
-        let ExportFormat::Ply = ExportFormat::of_path(path)?;
+        let format = ExportFormat::of_path(path)?;
         let (lit, solution) = (mesh.lit()?, mesh.solution.evaluator.solution());
         let provenance = Provenance::new(solution.options());
-        Destination::new(path)?.write(|file| write_mesh_ply(file, solution.scene(), lit, &provenance))?;
+        Destination::new(path)?.write(|file| export_mesh(file, format, solution, lit, &provenance))?;
         Ok(())
     })
 }

@@ -39,9 +39,9 @@ use patchlight_sides::*;
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum patchlight_file_flags {
-    /// Material libraries beside the file and below its folder alone.
+    /// What it names, such as material libraries, beside it and below its folder alone.
     PATCHLIGHT_FILE_DEFAULT = 0,
-    /// Material libraries wherever the file says they lie.
+    /// What it names wherever it says that lies.
     PATCHLIGHT_FILE_ALLOW_ANY_PATH = 1,
 }
 
@@ -173,7 +173,7 @@ pub unsafe extern "C" fn patchlight_scene_add_faces(
     })
 }
 
-/// Adds what is in a file (`.obj` with its material libraries), for scenes of three channels. `flags` are of patchlight_file_flags. Its faces
+/// Adds what is in a file (`.obj`, `.gltf`, `.glb`, `.ply`, `.stl`), for scenes of three channels. `flags` are of patchlight_file_flags. Its faces
 /// and materials are numbered behind those of arrays.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn patchlight_scene_add_file(
@@ -193,7 +193,7 @@ pub unsafe extern "C" fn patchlight_scene_add_file(
         }
         let allow_any_path = flags & PATCHLIGHT_FILE_ALLOW_ANY_PATH as u32 != 0;
         // The sides are made when all faces are known.
-        let options = ImportOptions { sides: Sides::Front, allow_any_path };
+        let options = ImportOptions { allow_any_path, ..ImportOptions::default() };
         let imported = read_scene(Path::new(path), &options).map_err(|error| Ending::new(PATCHLIGHT_INVALID_SCENE, error))?;
         scene.change(|draft| {
             draft.files.push(imported);

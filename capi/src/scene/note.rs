@@ -67,6 +67,8 @@ pub enum patchlight_diagnostic_code {
     PATCHLIGHT_CONCAVE_FACE = 203,
     /// Two faces on the same vertices with opposite winding: the two sides of a sheet.
     PATCHLIGHT_SHEET = 204,
+    /// The file has a camera: what to give to look through it.
+    PATCHLIGHT_FILE_CAMERA = 205,
     /// A face has a vertex or a material that does not exist.
     PATCHLIGHT_BAD_INDEX = 300,
     /// A face has a vertex with a coordinate that is not finite, or too large.
@@ -141,5 +143,6 @@ fn code_of(kind: DiagnosticKind) -> Code {
         DiagnosticKind::Inside => Code::PATCHLIGHT_INSIDE,
         DiagnosticKind::ConcaveFace => Code::PATCHLIGHT_CONCAVE_FACE,
         DiagnosticKind::Sheet => Code::PATCHLIGHT_SHEET,
+        DiagnosticKind::Camera => Code::PATCHLIGHT_FILE_CAMERA,
     }
 }

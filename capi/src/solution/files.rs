@@ -4,7 +4,7 @@ use std::ffi::c_char;
 use std::path::Path;
 use std::sync::Arc;
 
-use patchlight::output::{Destination, ExportFormat, Provenance, read_solution, write_ply, write_solution};
+use patchlight::output::{Destination, ExportFormat, Provenance, export_elements, read_solution, write_solution};
 use patchlight::pipeline::Evaluator;
 
 use super::{Solution, patchlight_solution};
@@ -28,7 +28,7 @@ pub unsafe extern "C" fn patchlight_solution_save(solution: *mut patchlight_solu
     })
 }
 
-/// Writes the elements of a solution with their radiosities: `.ply`.
+/// Writes the elements of a solution with their radiosities: `.ply`, `.glb` for viewers or `.vtp` for ParaView.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn patchlight_solution_export(solution: *mut patchlight_solution, path: *const c_char) -> patchlight_status {
     enter(|| {
@@ -38,9 +38,7 @@ pub unsafe extern "C" fn patchlight_solution_export(solution: *mut patchlight_so
         let format = ExportFormat::of_path(path)?;
         let lit = solution.evaluator.solution();
         let provenance = Provenance::new(lit.options());
-        match format {
-            ExportFormat::Ply => Destination::new(path)?.write(|file| write_ply(file, lit, &provenance))?,
-        }
+        Destination::new(path)?.write(|file| export_elements(file, format, lit, &provenance))?;
         Ok(())
     })
 }

@@ -4,7 +4,7 @@ use std::ffi::c_char;
 use std::path::Path;
 
 use patchlight::mesh::LitMesh;
-use patchlight::output::{Destination, ImageFormat, PngExposure, Provenance, Quantity, write_exr, write_png};
+use patchlight::output::{Destination, ImageFormat, PngExposure, Provenance, Quantity, write_exr, write_hdr, write_png};
 use patchlight::picture::{Camera, Image};
 
 use super::{Solution, cancelled, patchlight_solution};
@@ -126,6 +126,7 @@ impl View<'_> {
         destination.write(|file| match format {
             ImageFormat::Png => write_png(file, &image, PngExposure::Auto, &provenance).map(drop),
             ImageFormat::Exr => write_exr(file, &image, Quantity::Radiance, &provenance),
+            ImageFormat::Hdr => write_hdr(file, &image, Quantity::Radiance, &provenance),
         })?;
         Ok(())
     }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::assemble::{Faces, assemble};
-use super::obj::Face;
+use super::faces::Face;
 use super::{Diagnostic, DiagnosticKind, Diagnostics};
 use crate::geometry::Polygon;
 
@@ -82,7 +82,7 @@ pub fn polygons_of_arrays(
 
     // Their polygons.
     let corners: Vec<DVec3> = corners.iter().map(|&corner| DVec3::from(corner)).collect();
-    let faces = Faces { faces: &read, corners: &corners, vertices: corners.len(), source: None };
+    let faces = Faces { faces: &read, corners: &corners, vertices: corners.len(), source: None, objects: &[] };
     let assembled = assemble(&faces, diagnostics, &|| false);
     Ok(assembled.map_or_else(Vec::new, |assembled| assembled.polygons))
 }

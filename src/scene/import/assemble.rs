@@ -11,10 +11,12 @@ use std::time::Duration;
 use glam::DVec3;
 
 use super::cut::{Cut, Pieces, convex_pieces};
-use super::obj::Face;
+use super::faces::Face;
 use super::{Diagnostic, DiagnosticKind, Diagnostics};
 use crate::geometry::{Aabb, Polygon};
 use crate::progress::Stop;
+use crate::scene::Object;
+use crate::scene::object::name_in;
 
 /// Corners off their plane by no more than this fraction of the scene's diagonal are there by rounding: files give six or seven digits.
 const PLANE_TOLERANCE: f64 = 1e-6;
@@ -40,12 +42,15 @@ pub(super) struct Faces<'a> {
     pub vertices: usize,
     /// The file that they are from, and the line of each face, from 1; `None` for faces from memory.
     pub source: Option<(&'a Path, &'a [u32])>,
+    /// The objects that they belong to; none if that is not known.
+    pub objects: &'a [Object],
 }
 
 impl Faces<'_> {
     /// A diagnostic about a face.
     fn about(&self, kind: DiagnosticKind, text: String, number: u32) -> Diagnostic {
-        let diagnostic = Diagnostic::new(kind, text).face(number + 1);
+        let mut diagnostic = Diagnostic::new(kind, text).face(number + 1);
+        diagnostic.object = name_in(self.objects, number).map(str::to_owned);
         match self.source {
             Some((file, lines)) => diagnostic.at(file, lines[number as usize]),
             None => diagnostic,
@@ -54,8 +59,10 @@ impl Faces<'_> {
 
     /// What to call a face.
     fn name(&self, number: u32) -> String {
-        let line = self.source.map_or_else(String::new, |(_, lines)| format!(" of line {}", lines[number as usize]));
-        format!("face {}{line}", number + 1)
+        match self.source.map_or(0, |(_, lines)| lines[number as usize]) {
+            0 => format!("face {}", number + 1),
+            line => format!("face {} of line {line}", number + 1),
+        }
     }
 }
 
@@ -97,9 +104,10 @@ pub(super) fn assemble(read: &Faces<'_>, diagnostics: &mut Diagnostics, stop: St
             continue;
         }
         sides[side] = Some(index);
-        if let Some(earlier) = sides[1 - side] {
-            let number = read.faces[earlier].number + 1;
-            note(DiagnosticKind::Sheet, format!("is the back of face {number}: both together are a sheet with two sides"));
+        // A face that its file calls double-sided comes as two of one number.
+        let front = sides[1 - side].map(|earlier| read.faces[earlier].number).filter(|&front| front != face.number);
+        if let Some(front) = front {
+            note(DiagnosticKind::Sheet, format!("is the back of face {}: both together are a sheet with two sides", front + 1));
         }
 
         if pieces.flattened > 0.0 {

@@ -65,6 +65,8 @@ pub enum DiagnosticKind {
     ConcaveFace,
     /// Two faces on the same vertices with opposite winding: the two sides of a sheet.
     Sheet,
+    /// The file has a camera: what to type to look through it.
+    Camera,
 }
 
 impl DiagnosticKind {
@@ -88,7 +90,7 @@ impl DiagnosticKind {
             | Self::IgnoredProperty
             | Self::UnknownKeyword
             | Self::IgnoredElement => Severity::Suspicion,
-            Self::Open | Self::Flattened | Self::Inside | Self::ConcaveFace | Self::Sheet => Severity::Note,
+            Self::Open | Self::Flattened | Self::Inside | Self::ConcaveFace | Self::Sheet | Self::Camera => Severity::Note,
         }
     }
 }
@@ -104,6 +106,8 @@ pub struct Diagnostic {
     pub line: Option<u32>,
     /// The number of the face in the file, from 1.
     pub face: Option<u32>,
+    /// The object that the face belongs to, where the file names it.
+    pub object: Option<String>,
     /// What was found and what was made of it.
     pub text: String,
 }
@@ -111,7 +115,7 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// A diagnostic about no place.
     pub fn new(kind: DiagnosticKind, text: impl Into<String>) -> Self {
-        Self { kind, file: None, line: None, face: None, text: text.into() }
+        Self { kind, file: None, line: None, face: None, object: None, text: text.into() }
     }
 
     /// The same about a line of a file.
@@ -135,7 +139,7 @@ impl Diagnostic {
     }
 }
 
-/// `file:line: face N: text`, as far as they are known.
+/// `file:line: object: face N: text`, as far as they are known.
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(file) = &self.file {
@@ -144,6 +148,9 @@ impl fmt::Display for Diagnostic {
                 write!(f, ":{line}")?;
             }
             write!(f, ": ")?;
+        }
+        if let Some(object) = &self.object {
+            write!(f, "{object}: ")?;
         }
         if let Some(face) = self.face {
             write!(f, "face {face}: ")?;

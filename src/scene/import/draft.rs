@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::{ArrayFace, Diagnostic, DiagnosticKind, Diagnostics, Imported, polygons_of_arrays};
 use crate::geometry::Polygon;
-use crate::scene::{Material, Scene, SceneError, Sides};
+use crate::scene::{Material, Object, Scene, SceneError, Sides};
 
 /// What is to become a scene. Faces of arrays come first, then those of files; the same with materials.
 pub struct Draft {
@@ -112,15 +112,19 @@ impl Draft {
         };
         let mut materials = self.materials.clone();
         let mut faces = self.faces.len() as u32;
+        let mut objects = Vec::new();
         for file in &self.files {
             append(&mut polygons, &mut materials, faces, &file.scene);
+            // What follows has no name, unless it says one.
+            objects.push(Object { name: String::new(), first_face: faces });
+            objects.extend(file.scene.objects().iter().map(|own| Object { first_face: faces + own.first_face, ..own.clone() }));
             faces += file.lines.len() as u32;
             diagnostics.items.extend(file.diagnostics.items.iter().cloned());
         }
 
         // The scene. Whether anything emits is asked of all of it, not of each file.
         let scene = match Scene::new(self.channels, materials, polygons, self.sides) {
-            Ok(scene) => scene,
+            Ok(scene) => scene.with_objects(objects),
             Err(error) => return Err(failed(error.to_string(), diagnostics)),
         };
         let is_dark = !scene.surfaces().iter().any(|surface| scene.materials()[surface.material as usize].emits());

@@ -13,7 +13,7 @@ pub enum ImportError {
     #[error("reading was cancelled")]
     Cancelled,
     /// The name ends in no extension that a reader is for.
-    #[error("{}: unknown kind of file; a scene is an .obj file", file.display())]
+    #[error("{}: unknown kind of file; a scene is an .obj, .gltf, .glb, .ply or .stl file", file.display())]
     UnknownExtension {
         /// The file.
         file: PathBuf,
@@ -43,7 +43,7 @@ pub enum ImportError {
         /// The first material that is missing.
         material: String,
     },
-    /// A statement is not what the format allows.
+    /// A statement, or a part of a file, is not what the format allows.
     #[error("{}: {reason}", place(file, *line, *face))]
     Syntax {
         /// The file.
@@ -122,7 +122,7 @@ fn allowed(index: &str, vertices: usize) -> String {
 
 fn no_faces(read: usize, dropped: usize) -> String {
     match read {
-        0 => "has no face; a scene needs at least one 'f' statement".to_owned(),
+        0 => "has no face; a scene needs at least one".to_owned(),
         _ => {
             format!("no face is left of {read}, {dropped} were dropped as degenerate or duplicate; check the vertices and the unit")
         }

@@ -10,9 +10,15 @@ mod cut;
 mod diagnostics;
 mod draft;
 mod error;
+mod faces;
+mod gltf;
+mod join;
 mod mtl;
 mod obj;
+mod options;
+mod ply;
 mod statements;
+mod stl;
 mod structure;
 mod text;
 
@@ -22,19 +28,11 @@ pub use arrays::{ArrayFace, ArraysError, polygons_of_arrays};
 pub use diagnostics::{Diagnostic, DiagnosticKind, Diagnostics, Severity};
 pub use draft::{Draft, DraftError, Mistake, MistakeKind};
 pub use error::ImportError;
+pub use options::{ImportOptions, Textures};
 
-use super::{Scene, Sides};
+use self::faces::FaceFile;
+use super::Scene;
 use crate::progress::{Observer, Progress, Silent, Stage};
-
-/// What the reader may decide.
-#[derive(Clone, Debug, Default)]
-pub struct ImportOptions {
-    /// Which sides of a face emit and receive.
-    pub sides: Sides,
-    /// Whether `mtllib` may name any file. Else a library lies beside the scene or below that folder: a scene by somebody else reads nothing
-    /// of what lies elsewhere.
-    pub allow_any_path: bool,
-}
 
 /// A scene and what was noted while reading it.
 #[derive(Clone, Debug)]
@@ -45,18 +43,22 @@ pub struct Imported {
     pub diagnostics: Diagnostics,
     /// The file that it was read from.
     pub file: PathBuf,
-    /// The material libraries that were read.
+    /// The other files that were read: material libraries, buffers, images.
     pub libraries: Vec<PathBuf>,
-    /// The line of each face in the file, dropped ones too, from 1. [`Surface::face`](super::Surface::face) is an index into it.
+    /// The line of each face in the file, dropped ones too, from 1; 0 where the format has no lines. [`Surface::face`](super::Surface::face) is an
+    /// index into it.
     pub lines: Vec<u32>,
     /// How many vertices the file has.
     pub vertices: usize,
 }
 
-/// Reads the scene at `path`, by its extension: `.obj` with its material libraries, always with three channels (linear Rec.709 RGB).
+/// Reads the scene at `path`, by its extension: `.obj` with its material libraries, `.gltf` and `.glb`, or
+/// `.ply` and `.stl` without materials; always with three channels (linear
+/// Rec.709 RGB).
 ///
-/// `Kd` is the reflectance and `pi Ke` the exitance. Polygons that are not convex and planar are cut; all pieces bear the number of
-/// their face.
+/// Of OBJ `Kd` is the reflectance and `pi Ke` the exitance; of glTF the base colour, and `pi` times factor and strength of the emission, which count as a
+/// radiance in W/m^2/sr. Polygons that are not convex and planar are cut; all pieces bear the number of their face. Triangles
+/// of a glTF primitive that lie in one plane are joined.
 ///
 /// # Errors
 /// See [`ImportError`].
@@ -70,33 +72,39 @@ pub fn read_scene(path: &Path, options: &ImportOptions) -> Result<Imported, Impo
 /// See [`ImportError`].
 pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn Observer) -> Result<Imported, ImportError> {
     let file = || path.to_owned();
-    let is_obj = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"));
-    if !is_obj {
-        return Err(ImportError::UnknownExtension { file: file() });
-    }
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default().to_ascii_lowercase();
 
     let mut diagnostics = Diagnostics::default();
     observer.progress(&Progress { stage: Stage::Read, round: 0, fraction: None, links: 0, elements: 0, error: None });
     let stop = || observer.cancelled();
-    let mut obj = obj::read(path, options.allow_any_path, &mut diagnostics, &stop)?;
-    let faces =
-        assemble::Faces { faces: &obj.faces, corners: &obj.corners, vertices: obj.vertices, source: Some((path, &obj.lines)) };
-    let assembled = assemble::assemble(&faces, &mut diagnostics, &stop).ok_or(ImportError::Cancelled)?;
+    let read = match extension.as_str() {
+        "obj" => obj::read(path, options.allow_any_path, &mut diagnostics, &stop)?,
+        "gltf" | "glb" => gltf::read(path, options, &mut diagnostics, &stop)?,
+        "ply" => ply::read(path, &mut diagnostics, &stop)?,
+        "stl" => stl::read(path, &mut diagnostics, &stop)?,
+        _ => return Err(ImportError::UnknownExtension { file: file() }),
+    };
+    if stop() {
+        return Err(ImportError::Cancelled);
+    }
+    let FaceFile { lines, vertices, faces, corners, materials, libraries, objects } = read;
+    let in_file = assemble::Faces { faces: &faces, corners: &corners, vertices, source: Some((path, &lines)), objects: &objects };
+    let assembled = assemble::assemble(&in_file, &mut diagnostics, &stop).ok_or(ImportError::Cancelled)?;
     if assembled.polygons.is_empty() {
         // Faces of fewer than three corners never came as far as the assembly.
-        let dropped = assembled.dropped + obj.lines.len() - obj.faces.len();
-        return Err(ImportError::NoFaces { file: file(), read: obj.lines.len(), dropped });
+        let dropped = assembled.dropped + lines.len().saturating_sub(faces.len());
+        return Err(ImportError::NoFaces { file: file(), read: lines.len(), dropped });
     }
 
     if stop() {
         return Err(ImportError::Cancelled);
     }
-    let materials = std::mem::take(&mut obj.materials);
     let scene = Scene::new(3, materials, assembled.polygons, options.sides)
-        .map_err(|source| ImportError::Scene { file: file(), source })?;
+        .map_err(|source| ImportError::Scene { file: file(), source })?
+        .with_objects(objects);
     if !scene.surfaces().iter().any(|surface| scene.materials()[surface.material as usize].emits()) {
-        let text = "no light: no face has a material that emits (Ke), so everything is black";
+        let text = "no light: no face has a material that emits, so everything is black";
         diagnostics.push(Diagnostic::new(DiagnosticKind::NoLight, text).at(path, 0));
     }
-    Ok(Imported { scene, diagnostics, file: file(), libraries: obj.libraries, lines: obj.lines, vertices: obj.vertices })
+    Ok(Imported { scene, diagnostics, file: file(), libraries, lines, vertices })
 }

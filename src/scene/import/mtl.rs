@@ -19,7 +19,12 @@ use crate::scene::Material;
 pub(super) const DEFAULT_REFLECTANCE: f64 = 0.5;
 
 /// What a reflectance of 1 or more becomes: light must die out.
-const LARGEST_REFLECTANCE: f64 = 0.99;
+pub(super) const LARGEST_REFLECTANCE: f64 = 0.99;
+
+/// What has no material.
+pub(super) fn grey() -> Material {
+    Material { name: String::new(), reflectance: vec![DEFAULT_REFLECTANCE; 3], exitance: vec![0.0; 3] }
+}
 
 /// Values from here on overflow in products of four.
 pub(super) const LARGEST_VALUE: f64 = 1e30;

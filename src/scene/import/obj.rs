@@ -19,40 +19,12 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+use super::faces::{Face, FaceFile};
 use super::mtl::{self, Libraries};
 use super::structure::{Structure, bad_vertex, read_structure};
-use super::text::{decode, read_regular_file};
+use super::text::{decode, lies_below, read_regular_file};
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
 use crate::progress::Stop;
-use crate::scene::Material;
-
-/// A face as it was read: three or more corners.
-pub(super) struct Face {
-    /// The 0-based number of the face in the file.
-    pub number: u32,
-    /// Index into the materials.
-    pub material: u32,
-    /// Its corners are `corners[start..end]` of [`ObjFile`].
-    pub start: usize,
-    /// See `start`.
-    pub end: usize,
-}
-
-/// An OBJ file as it was read.
-pub(super) struct ObjFile {
-    /// The line of each face in the file, from 1.
-    pub lines: Vec<u32>,
-    /// How many vertices the file has.
-    pub vertices: usize,
-    /// The faces of three or more corners.
-    pub faces: Vec<Face>,
-    /// The corners of all faces.
-    pub corners: Vec<DVec3>,
-    /// The materials that faces index.
-    pub materials: Vec<Material>,
-    /// The material libraries that were read.
-    pub libraries: Vec<PathBuf>,
-}
 
 /// Reads an OBJ file and its material libraries: those beside or below it, or any.
 pub(super) fn read(
@@ -60,7 +32,7 @@ pub(super) fn read(
     allow_any_path: bool,
     diagnostics: &mut Diagnostics,
     stop: Stop<'_>,
-) -> Result<ObjFile, ImportError> {
+) -> Result<FaceFile, ImportError> {
     let bytes = read_regular_file(file).map_err(|reason| ImportError::Unreadable { file: file.to_owned(), reason })?;
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         let reason = "the file is UTF-16; save it as UTF-8".to_owned();
@@ -100,18 +72,6 @@ fn library_files(scene: &Path, argument: &str) -> Vec<PathBuf> {
     }
 }
 
-/// Whether a library lies in the folder of the scene or below it, wherever links lead. What does not exist lies nowhere else.
-fn lies_below(library: &Path, scene: &Path) -> bool {
-    let folder = match scene.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    match (library.canonicalize(), folder.canonicalize()) {
-        (Ok(library), Ok(folder)) => library.starts_with(folder),
-        _ => !library.exists(),
-    }
-}
-
 /// A text that cannot be read any more once it is to stop.
 struct Stoppable<'a> {
     text: &'a [u8],
@@ -147,7 +107,7 @@ fn read_values(
     file: &Path,
     diagnostics: &mut Diagnostics,
     stop: Stop<'_>,
-) -> Result<ObjFile, ImportError> {
+) -> Result<FaceFile, ImportError> {
     let material_of = materials_of_names(&structure, &mut libraries, file, diagnostics)?;
     let (text, order) = prepared_text(&mut structure, &material_of);
     let prepared = libraries.prepared();
@@ -169,19 +129,20 @@ fn read_values(
     }
     let files = libraries.take_files();
     let mut materials = libraries.into_materials(&read_materials, &used, diagnostics)?;
-    let mut obj = ObjFile {
+    let mut obj = FaceFile {
         lines: structure.face_lines,
         vertices: structure.vertex_lines.len(),
         faces,
         corners,
         materials: vec![],
         libraries: files,
+        objects: vec![],
     };
 
     // Faces without a material share a grey one.
     if structure.nameless.0 > 0 {
         let grey = materials.len() as u32;
-        materials.push(Material { name: String::new(), reflectance: vec![mtl::DEFAULT_REFLECTANCE; 3], exitance: vec![0.0; 3] });
+        materials.push(mtl::grey());
         obj.faces.iter_mut().filter(|face| face.material == u32::MAX).for_each(|face| face.material = grey);
         let (count, line, face) = structure.nameless;
         let text = format!("{count} faces from here on have no material: grey {}", mtl::DEFAULT_REFLECTANCE);

@@ -1,4 +1,4 @@
-//! From a file to its text.
+//! From a file to its text, and which files a scene may name.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -13,6 +13,18 @@ pub(super) fn read_regular_file(path: &Path) -> Result<Vec<u8>, String> {
         return Err("it is not a regular file".to_owned());
     }
     std::fs::read(path).map_err(|error| error.to_string())
+}
+
+/// Whether a file that a scene names lies in the folder of the scene or below it, wherever links lead. What does not exist lies nowhere else.
+pub(super) fn lies_below(library: &Path, scene: &Path) -> bool {
+    let folder = match scene.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    match (library.canonicalize(), folder.canonicalize()) {
+        (Ok(library), Ok(folder)) => library.starts_with(folder),
+        _ => !library.exists(),
+    }
 }
 
 /// A file's bytes as text: UTF-8 with or without a byte order mark, else Latin-1. The flag says that it was not UTF-8.

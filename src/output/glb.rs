@@ -1,0 +1,171 @@
+//! The lit scene as binary glTF 2.0 (`.glb`), which shows it as it is in every viewer.
+//!
+//! A node with a mesh for each object and material, by their names. Vertices have `COLOR_0`, linear radiances times `2^EV`, at most 1, which materials show
+//! unlit (KHR_materials_unlit); and `_RADIOSITY`, in W/m^2 as it is, up to four channels a vector (numbered `_RADIOSITY_0`, ... where there are more).
+//! `asset.extras` states software, quantity, unit, options and the exposure EV: positions are floats, in metres.
+
+use std::collections::{BTreeMap, HashMap};
+use std::io::{self, Write};
+
+use serde_json::{Value, json};
+
+use super::patches::Patches;
+use super::png::KEY;
+use super::{Provenance, Quantity};
+use crate::picture::luminance;
+
+/// Accessors of glTF: their number in OpenGL.
+const FLOAT: u32 = 5126;
+const UNSIGNED_INT: u32 = 5125;
+
+/// The parts of a file while it is put together.
+#[derive(Default)]
+struct File {
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    binary: Vec<u8>,
+}
+
+impl File {
+    /// Adds an accessor: its number.
+    fn accessor(&mut self, bytes: impl IntoIterator<Item = [u8; 4]>, component: u32, width: usize, more: Value) -> usize {
+        let start = self.binary.len();
+        self.binary.extend(bytes.into_iter().flatten());
+        let length = self.binary.len() - start;
+        let target = if component == FLOAT { 34962 } else { 34963 };
+        self.views.push(json!({ "buffer": 0, "byteOffset": start, "byteLength": length, "target": target }));
+        let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][width - 1];
+        let mut accessor =
+            json!({ "bufferView": self.views.len() - 1, "componentType": component, "count": length / (4 * width), "type": kind });
+        if let (Value::Object(accessor), Value::Object(more)) = (&mut accessor, more) {
+            accessor.extend(more);
+        }
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+}
+
+/// Writes patches.
+pub(super) fn write(writer: &mut impl Write, patches: &Patches<'_>, provenance: &Provenance) -> io::Result<()> {
+    let ev = exposure(patches);
+    let scale = libm::exp2(ev) / std::f64::consts::PI;
+    let scene = patches.scene;
+
+    // Patches by object and material.
+    let mut parts: BTreeMap<(u32, u32), Vec<&[u32]>> = BTreeMap::new();
+    for (surface, corners) in patches.iter() {
+        let of = &scene.surfaces()[surface as usize];
+        let object = scene.objects().partition_point(|object| object.first_face <= of.face) as u32;
+        parts.entry((object, of.material)).or_default().push(corners);
+    }
+
+    // A mesh and a node for each, and the materials that they have.
+    let mut file = File::default();
+    let mut materials = Vec::new();
+    let mut numbers: HashMap<u32, usize> = HashMap::new();
+    let (mut meshes, mut nodes) = (Vec::new(), Vec::new());
+    for ((object, material), part) in parts {
+        let of_scene = &scene.materials()[material as usize];
+        let number = *numbers.entry(material).or_insert_with(|| {
+            materials.push(json!({
+                "name": of_scene.name, "extensions": { "KHR_materials_unlit": {} },
+                "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 1.0 },
+                "extras": { "reflectance": of_scene.reflectance, "exitance": of_scene.exitance },
+            }));
+            materials.len() - 1
+        });
+        let name = object.checked_sub(1).map_or("", |index| scene.objects()[index as usize].name.as_str());
+        let name = if name.is_empty() { &of_scene.name } else { name };
+        meshes.push(json!({ "name": name, "primitives": [primitive(&mut file, patches, &part, number, scale)] }));
+        nodes.push(json!({ "name": name, "mesh": meshes.len() - 1 }));
+    }
+
+    let statements: serde_json::Map<String, Value> =
+        provenance.statements(Quantity::Radiosity).into_iter().map(|(key, text)| (key.to_owned(), json!(text))).collect();
+    let mut extras = Value::Object(statements);
+    extras["exposure"] = json!(ev);
+    let all: Vec<usize> = (0..nodes.len()).collect();
+    let json = json!({
+        "asset": { "version": "2.0", "generator": provenance.software(), "extras": extras },
+        "extensionsUsed": ["KHR_materials_unlit"], "scene": 0, "scenes": [{ "nodes": all }], "nodes": nodes, "meshes": meshes,
+        "materials": materials, "accessors": file.accessors, "bufferViews": file.views, "buffers": [{ "byteLength": file.binary.len() }],
+    });
+    write_chunks(writer, json.to_string().into_bytes(), &file.binary)
+}
+
+/// A primitive of triangles: fans of the patches, with vertices of its own.
+fn primitive(file: &mut File, patches: &Patches<'_>, part: &[&[u32]], material: usize, scale: f64) -> Value {
+    let mut own: HashMap<u32, u32> = HashMap::new();
+    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
+    for corners in part {
+        let numbers: Vec<u32> = (corners.iter())
+            .map(|&corner| {
+                *own.entry(corner).or_insert_with(|| {
+                    vertices.push(corner);
+                    vertices.len() as u32 - 1
+                })
+            })
+            .collect();
+        indices.extend((1..numbers.len() - 1).flat_map(|k| [numbers[0], numbers[k], numbers[k + 1]]));
+    }
+
+    // Positions, with the box around them, which the format asks for.
+    let positions: Vec<[f32; 3]> = vertices.iter().map(|&vertex| patches.vertices[vertex as usize].map(|x| x as f32)).collect();
+    let bound = |pick: fn(f32, f32) -> f32| std::array::from_fn(|k| positions.iter().map(|at| at[k]).fold(positions[0][k], pick));
+    let (least, most): ([f32; 3], [f32; 3]) = (bound(f32::min), bound(f32::max));
+    let floats = |values: Vec<f32>| values.into_iter().map(f32::to_le_bytes);
+    let corners = file.accessor(floats(positions.concat()), FLOAT, 3, json!({ "min": least, "max": most }));
+
+    // Colours to look at, and numbers.
+    let colour = |&vertex: &u32| {
+        let radiosity = patches.radiosity_at(vertex);
+        let mean = [radiosity.iter().sum::<f32>() / radiosity.len() as f32; 3];
+        <[f32; 3]>::try_from(radiosity).unwrap_or(mean).map(|b| (f64::from(b) * scale).min(1.0) as f32)
+    };
+    let colours = file.accessor(floats(vertices.iter().flat_map(colour).collect()), FLOAT, 3, json!({}));
+    let mut attributes = json!({ "POSITION": corners, "COLOR_0": colours });
+    let channels = patches.scene.channels();
+    let columns =
+        |from: usize, to: usize| vertices.iter().flat_map(|&vertex| patches.radiosity_at(vertex)[from..to].to_vec()).collect();
+    if channels <= 4 {
+        attributes["_RADIOSITY"] = json!(file.accessor(floats(columns(0, channels)), FLOAT, channels, json!({})));
+    } else {
+        for k in 0..channels {
+            attributes[format!("_RADIOSITY_{k}")] = json!(file.accessor(floats(columns(k, k + 1)), FLOAT, 1, json!({})));
+        }
+    }
+    let indices = file.accessor(indices.into_iter().map(u32::to_le_bytes), UNSIGNED_INT, 1, json!({}));
+    json!({ "attributes": attributes, "indices": indices, "material": material })
+}
+
+/// The exposure value that brings the geometric mean of the luminances, over the area that reflects, to that of pictures; 0 where all is black.
+fn exposure(patches: &Patches<'_>) -> f64 {
+    let (mut sum, mut total) = (0.0, 0.0);
+    for (surface, corners) in patches.iter() {
+        let of = &patches.scene.surfaces()[surface as usize];
+        let at = |k: usize| glam::DVec3::from(patches.vertices[corners[k] as usize]);
+        let area = 0.5 * (1..corners.len() - 1).map(|k| (at(k) - at(0)).cross(at(k + 1) - at(0))).sum::<glam::DVec3>().length();
+        let light: f32 = corners.iter().map(|&corner| luminance(patches.radiosity_at(corner))).sum();
+        let light = f64::from(light) / (corners.len() as f64 * std::f64::consts::PI);
+        if patches.scene.materials()[of.material as usize].reflects() && light.is_normal() {
+            sum += area * libm::log2(light);
+            total += area;
+        }
+    }
+    if total > 0.0 { libm::log2(KEY) - sum / total } else { 0.0 }
+}
+
+/// Writes header and chunks (glTF 2.0 Specification, section 4.4).
+fn write_chunks(writer: &mut impl Write, mut json: Vec<u8>, binary: &[u8]) -> io::Result<()> {
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let length = u32::try_from(12 + 8 + json.len() + 8 + binary.len())
+        .map_err(|_| io::Error::other("the scene does not fit into the 4 GiB of a GLB file; write .vtp or .ply"))?;
+    writer.write_all(b"glTF")?;
+    [2, length].into_iter().try_for_each(|number: u32| writer.write_all(&number.to_le_bytes()))?;
+    for (kind, body) in [(b"JSON", json.as_slice()), (b"BIN\0", binary)] {
+        writer.write_all(&(body.len() as u32).to_le_bytes())?;
+        writer.write_all(kind)?;
+        writer.write_all(body)?;
+    }
+    Ok(())
+}
