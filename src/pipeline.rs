@@ -2,8 +2,11 @@
 
 mod of_mesh;
 mod pictures;
+mod workers;
 
-use std::sync::{Arc, OnceLock};
+pub use workers::Workers;
+
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use thiserror::Error;
@@ -56,37 +59,6 @@ pub enum PipelineError {
         /// What the system said.
         message: String,
     },
-}
-
-/// Worker threads. Clones are the same threads: several solves may share them, at once as well. They end with the last clone.
-#[derive(Clone)]
-pub struct Workers(Arc<rayon::ThreadPool>);
-
-impl Workers {
-    /// Starts so many threads; 0 takes one per core.
-    ///
-    /// # Errors
-    /// [`PipelineError::Threads`] if the system has none.
-    pub fn new(threads: usize) -> Result<Self, PipelineError> {
-        let failed = |error: rayon::ThreadPoolBuildError| PipelineError::Threads { threads, message: error.to_string() };
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build().map(|pool| Self(Arc::new(pool))).map_err(failed)
-    }
-
-    /// More threads than this only wait for each other: four for each core, but 256 everywhere.
-    pub fn most() -> usize {
-        const MANY: usize = 256;
-        const OF_A_CORE: usize = 4;
-        MANY.max(OF_A_CORE * std::thread::available_parallelism().map_or(1, usize::from))
-    }
-
-    /// How many there are.
-    pub fn count(&self) -> usize {
-        self.0.current_num_threads()
-    }
-
-    fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        self.0.install(work)
-    }
 }
 
 /// A solution with what is needed to look at it: visibility and a pool of threads.
