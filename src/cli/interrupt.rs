@@ -26,8 +26,10 @@ pub fn leaves_out() -> bool {
 pub type Messages = [&'static str; 2];
 
 /// While a command works on its one result.
-pub const OF_RUN: Messages =
-    ["interrupted: writing what there is (interrupt again to leave out what takes long)", "interrupted: leaving out what takes long"];
+pub const OF_RUN: Messages = [
+    "interrupted: writing what there is (interrupt again to leave out what takes long)",
+    "interrupted: leaving out what takes long",
+];
 
 /// While jobs are done.
 pub const OF_BATCH: Messages = [
@@ -51,7 +53,8 @@ pub fn listen(messages: Messages) {
     let listening = {
         use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
         signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM]).and_then(|mut signals| {
-            let handle = move || signals.forever().for_each(|signal| interrupt(if signal == SIGTERM { LEAVE_OUT } else { 1 }, messages));
+            let handle =
+                move || signals.forever().for_each(|signal| interrupt(if signal == SIGTERM { LEAVE_OUT } else { 1 }, messages));
             std::thread::Builder::new().name("interrupts".to_owned()).spawn(handle)
         })
     };

@@ -120,7 +120,8 @@ mod tests {
         let text = "scenes = 'a.obj'\n[options]\nerror = 0.05\nseed = '{s}'\n[materials.'white paint']\nreflectance = [0.1, 0.2, 0.3]\n\
                     [outputs]\nimage = ['a.png', 'a.exr']\n[parameters]\ns = [2, 1]\n";
         let file = parse(text).unwrap();
-        let said = |key: &str, text: &str, place: &str| Said { key: key.to_owned(), text: text.to_owned(), place: place.to_owned() };
+        let said =
+            |key: &str, text: &str, place: &str| Said { key: key.to_owned(), text: text.to_owned(), place: place.to_owned() };
         assert_eq!(file.scenes, [said("scenes", "a.obj", "jobs.toml:1: scenes")]);
         assert_eq!(file.options[0], said("error", "0.05", "jobs.toml:3: options.error"));
         assert_eq!(file.options[1], said("seed", "{s}", "jobs.toml:4: options.seed"));

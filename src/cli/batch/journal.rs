@@ -138,7 +138,8 @@ pub fn read_all(folder: &Path, stem: &str) -> Result<BTreeMap<String, Record>, F
     for entry in fs::read_dir(folder).map_err(failed)? {
         let entry = entry.map_err(failed)?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        if name.strip_prefix(stem).is_some_and(|rest| rest.starts_with('.') && rest.ends_with(".journal") && rest.contains("-of-")) {
+        if name.strip_prefix(stem).is_some_and(|rest| rest.starts_with('.') && rest.ends_with(".journal") && rest.contains("-of-"))
+        {
             paths.push(entry.path());
         }
     }
@@ -185,7 +186,13 @@ mod tests {
             let journal = Journal::open(path.clone(), false).unwrap();
             journal.add(&record("c", Some("3"))).unwrap();
             let names = Vec::from_iter(read_all(folder.path(), "jobs").unwrap().into_keys());
-            let expected: &[&str] = if length + 1 >= whole.len() { &["a", "b", "c"] } else if length + 1 >= first { &["a", "c"] } else { &["c"] };
+            let expected: &[&str] = if length + 1 >= whole.len() {
+                &["a", "b", "c"]
+            } else if length + 1 >= first {
+                &["a", "c"]
+            } else {
+                &["c"]
+            };
             assert_eq!(names, expected, "{length}");
         }
     }

@@ -143,7 +143,10 @@ impl Batch {
             self.write_tables(done)?;
         } else {
             let file = self.file.display();
-            self.voice.figure("shard", format_args!("{index}/{count} has ended; 'patchlight batch merge {file}' makes the tables of all"));
+            self.voice.figure(
+                "shard",
+                format_args!("{index}/{count} has ended; 'patchlight batch merge {file}' makes the tables of all"),
+            );
         }
         self.tell_end(&tasks, &records);
         Ok(if records.len() < tasks.len() { Exit::Cancelled } else { exit_of(records.values()) })
@@ -160,8 +163,12 @@ impl Batch {
         let records = lanes.run(&self.lanes(Some(1), tasks.len())?)?;
         drop(teller);
 
-        let missing: Vec<&str> =
-            tasks.iter().enumerate().filter(|(number, _)| !records.contains_key(number)).map(|(_, task)| task.job.name.as_str()).collect();
+        let missing: Vec<&str> = tasks
+            .iter()
+            .enumerate()
+            .filter(|(number, _)| !records.contains_key(number))
+            .map(|(_, task)| task.job.name.as_str())
+            .collect();
         if !missing.is_empty() {
             let (count, all, names) = (missing.len(), tasks.len(), missing[..missing.len().min(NAMED)].join(", "));
             let message = format!(
@@ -199,8 +206,8 @@ impl Batch {
         let before = tasks.iter().filter(|task| known.get(&task.job.name).is_some_and(Record::has_results)).count();
         let of_shard = if count == 1 { String::new() } else { format!(" in shard {index}/{count}") };
         let noted = if before == 0 { String::new() } else { format!("; {before} are noted as done, which is checked") };
-        let (jobs, lanes, most) = (tasks.len(), threads.len(), threads.iter().max().unwrap_or(&1));
-        self.voice.figure("plan", format_args!("{jobs} jobs{of_shard}, {lanes} at a time on up to {most} threads each{noted}"));
+        let (jobs, lanes, in_all) = (tasks.len(), threads.len(), threads.iter().sum::<usize>());
+        self.voice.figure("plan", format_args!("{jobs} jobs{of_shard}, {lanes} at a time; threads in all: {in_all}{noted}"));
         for task in tasks.iter().take(NAMED) {
             let Job { name, scene, values, .. } = &task.job;
             let values: Vec<String> =
@@ -231,7 +238,8 @@ impl Batch {
         write("results.csv", &results)?;
         write("times.csv", &Table::of_costs(done()))?;
         #[cfg(feature = "parquet")]
-        Destination::new(&self.results.join(format!("{}.results.parquet", self.stem)))?.write(|file| parquet::write(&results, file))?;
+        Destination::new(&self.results.join(format!("{}.results.parquet", self.stem)))?
+            .write(|file| parquet::write(&results, file))?;
         Ok(())
     }
 }

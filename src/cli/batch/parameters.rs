@@ -31,11 +31,7 @@ const MOST_VALUES: usize = 1_000_000;
 impl Parameter {
     /// A list, or a range: `{ from, to, step }` or `{ from, to, count }`, both ends included.
     pub fn new(entry: Entry<'_>) -> Result<Self, Failure> {
-        let values = if entry.is_table() {
-            range(entry)?
-        } else {
-            entry.list()?.into_iter().map(|said| said.text).collect()
-        };
+        let values = if entry.is_table() { range(entry)? } else { entry.list()?.into_iter().map(|said| said.text).collect() };
         if values.is_empty() {
             return Err(entry.wrong("it has no value, so there would be no job"));
         }

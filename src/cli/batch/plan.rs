@@ -44,9 +44,8 @@ pub struct Plan {
 const MOST_JOBS: usize = 1_000_000;
 
 /// Names that stand for something of the job itself, or for a column of the results.
-const TAKEN: [&str; 11] = [
-    "scene", "number", "name", "exit", "stopped_by", "norm", "requested", "claimed", "confidence", "points_missed", "message",
-];
+const TAKEN: [&str; 11] =
+    ["scene", "number", "name", "exit", "stopped_by", "norm", "requested", "claimed", "confidence", "points_missed", "message"];
 
 impl Plan {
     /// All jobs of `file`, with the rows of its table, if it has one.
@@ -83,7 +82,10 @@ impl Plan {
         for job in &self.jobs {
             if let Some(other) = names.insert(job.name.as_str(), job) {
                 let (name, what) = (&job.name, "the template 'name' must tell them apart");
-                return Err(Failure::bad_input(format_args!("two jobs are named '{name}', of {} and {}: {what}", other.scene, job.scene)));
+                return Err(Failure::bad_input(format_args!(
+                    "two jobs are named '{name}', of {} and {}: {what}",
+                    other.scene, job.scene
+                )));
             }
             for output in &job.outputs {
                 if let Some(other) = files.insert(output.text.as_str(), job) {
@@ -163,8 +165,7 @@ impl Filling<'_> {
         };
         let named = file.name.as_ref().map(|template| fill(template, known)).transpose()?;
         let name = named.map_or_else(|| self.number.clone(), |said| said.text);
-        let in_path =
-            |wanted: &str| Some(template::file_part(&if wanted == "name" { name.clone() } else { known(wanted)? }));
+        let in_path = |wanted: &str| Some(template::file_part(&if wanted == "name" { name.clone() } else { known(wanted)? }));
 
         let all = |texts: &[Said]| texts.iter().map(|said| fill(said, known)).collect::<Result<Vec<Said>, Failure>>();
         let mut changes = Vec::new();
@@ -192,7 +193,8 @@ fn fill(said: &Said, value_of: impl Fn(&str) -> Option<String>) -> Result<Said, 
 /// Results stay in the folder of results; a path has one spelling.
 fn inside(output: Said) -> Result<Said, Failure> {
     let path = Path::new(&output.text);
-    let parts: Option<Vec<&str>> = path.components().map(|part| if let Component::Normal(part) = part { part.to_str() } else { None }).collect();
+    let parts: Option<Vec<&str>> =
+        path.components().map(|part| if let Component::Normal(part) = part { part.to_str() } else { None }).collect();
     match parts.filter(|parts| !parts.is_empty() && !output.text.ends_with('/')) {
         Some(parts) => Ok(Said { text: parts.join("/"), ..output }),
         None => {
@@ -251,12 +253,17 @@ mod tests {
             ("[parameters]\nseed = [1]", "jobs.toml:3: parameters.seed: '{seed}' stands in no scene"),
             ("[parameters]\nscene = [1]", "jobs.toml:3: parameters.scene: the name 'scene' is taken"),
             ("name = 'a'\n[parameters]\ns = [1, 2]\n[options]\nseed = '{s}'", "two jobs are named 'a'"),
-            ("[parameters]\ns = [1, 2]\n[options]\nseed = '{s}'\n[outputs]\nvalues = 'a.csv'", "jobs.toml:7: outputs.values: the jobs '1' and '2'"),
+            (
+                "[parameters]\ns = [1, 2]\n[options]\nseed = '{s}'\n[outputs]\nvalues = 'a.csv'",
+                "jobs.toml:7: outputs.values: the jobs '1' and '2'",
+            ),
             ("[outputs]\nvalues = '../a.csv'", "jobs.toml:3: outputs.values: '../a.csv' must be the name of a file"),
             ("[outputs]\nvalues = '/a.csv'", "must be the name of a file"),
             ("[materials.lamp]\nexitance = 'much'", "jobs.toml:3: materials.lamp.exitance: 'much' must be one number"),
-            ("[parameters]\na = { from = 1, to = 1000, step = 1 }\nb = { from = 1, to = 2000, step = 1 }\n[options]\nseed = '{a}{b}'",
-             "jobs.toml:1: scenes: these are more than 1000000 jobs"),
+            (
+                "[parameters]\na = { from = 1, to = 1000, step = 1 }\nb = { from = 1, to = 2000, step = 1 }\n[options]\nseed = '{a}{b}'",
+                "jobs.toml:1: scenes: these are more than 1000000 jobs",
+            ),
         ] {
             let message = plan(&format!("{scenes}{text}"), None).unwrap_err();
             assert!(message.starts_with(words), "{text}: {message}");

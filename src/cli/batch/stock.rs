@@ -101,7 +101,8 @@ impl Stock {
         }
         let warnings = imported.diagnostics.warnings().len();
         if warnings > 0 {
-            self.voice.warn(format_args!("{path}: {warnings} warnings; 'patchlight info {path}' prints them", path = path.display()));
+            self.voice
+                .warn(format_args!("{path}: {warnings} warnings; 'patchlight info {path}' prints them", path = path.display()));
         }
         let digest = identity::digest(digests.as_bytes());
         Ok(Stocked { scene: imported.scene, libraries: imported.libraries, digest, visibility: Mutex::default() })

@@ -70,7 +70,8 @@ impl Teller {
 
     /// What all jobs will take, measured by the first ones.
     fn foresee(&self, counts: Counts) {
-        let memory = process::peak_resident_bytes().map_or(String::new(), |bytes| format!(", {:.2} GB so far", bytes as f64 * 1e-9));
+        let memory =
+            process::peak_resident_bytes().map_or(String::new(), |bytes| format!(", {:.2} GB so far", bytes as f64 * 1e-9));
         let left = in_words(self.left_s(counts).unwrap_or(0.0));
         let by = if counts.ended == 1 { "job".to_owned() } else { format!("{} jobs", counts.ended) };
         self.above_the_bar(|| self.voice.figure("foreseen", format_args!("{left} more, by the first {by}{memory}")));

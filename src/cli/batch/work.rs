@@ -47,7 +47,8 @@ impl<'a> Ready<'a> {
 
     /// Whether `known` is what it would come to: the same identity, and files that are as they were written.
     pub fn is_done(&self, known: &Record, results: &Path) -> bool {
-        let is_whole = |path: &str, digest: &String| identity::digest_of_file(&results.join(path)).is_ok_and(|found| found == *digest);
+        let is_whole =
+            |path: &str, digest: &String| identity::digest_of_file(&results.join(path)).is_ok_and(|found| found == *digest);
         let outputs = &self.task.job.outputs;
         known.identity.as_ref() == Some(&self.identity)
             && outputs.len() == known.files.len()
@@ -80,7 +81,8 @@ impl<'a> Ready<'a> {
         for output in &job.outputs {
             let path = results.join(&output.text);
             let digest = identity::digest_of_file(&path);
-            files.insert(output.text.clone(), digest.map_err(|error| Failure::failed(format_args!("{}: {error}", path.display())))?);
+            files
+                .insert(output.text.clone(), digest.map_err(|error| Failure::failed(format_args!("{}: {error}", path.display())))?);
         }
         let points_missed = values.map_or(String::new(), |values| values.missed.to_string());
         let figures = Figures { points_missed, ..figures_of(options, &report) };
