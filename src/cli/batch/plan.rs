@@ -258,7 +258,7 @@ mod tests {
                 "jobs.toml:7: outputs.values: the jobs '1' and '2'",
             ),
             ("[outputs]\nvalues = '../a.csv'", "jobs.toml:3: outputs.values: '../a.csv' must be the name of a file"),
-            ("[outputs]\nvalues = '/a.csv'", "must be the name of a file"),
+            ("[outputs]\nvalues = '/a.csv'", "jobs.toml:3: outputs.values: '/a.csv' must be the name of a file"),
             ("[materials.lamp]\nexitance = 'much'", "jobs.toml:3: materials.lamp.exitance: 'much' must be one number"),
             (
                 "[parameters]\na = { from = 1, to = 1000, step = 1 }\nb = { from = 1, to = 2000, step = 1 }\n[options]\nseed = '{a}{b}'",
