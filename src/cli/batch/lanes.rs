@@ -97,7 +97,7 @@ impl Lanes<'_> {
     fn end(&self, task: &Task, workers: &Workers) -> Result<Option<Record>, Failure> {
         let (start, cpu_before) = (Instant::now(), cpu_seconds(workers));
         let retries = if let Mode::Work { retries, .. } = self.mode { retries } else { 0 };
-        for attempts in 1..=retries + 1 {
+        for attempts in 1..=retries.saturating_add(1) {
             let mut record = match alone(|| self.attempt(task, workers)) {
                 Ok(Attempt::Known(record)) => {
                     self.teller.kept(&record);

@@ -117,6 +117,8 @@ impl Batch {
         let tasks = self.tasks(of_shard.collect(), &mut stock)?;
 
         // What was done before.
+        let made = fs::create_dir_all(&self.results);
+        made.map_err(|error| Failure::usage(format_args!("cannot make {}: {error}", self.results.display())))?;
         let path = self.results.join(journal::name(&self.stem, shard));
         if !how.resume && !how.anew && fs::metadata(&path).is_ok_and(|found| found.len() > 0) {
             let path = path.display();

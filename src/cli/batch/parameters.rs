@@ -123,6 +123,18 @@ mod tests {
     }
 
     #[test]
+    fn rows_are_read_with_quotes_and_without_blanks() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), "power, view\n0.5 ,\"eye=1,2,3\"\n 2,\n").unwrap();
+        let said = Said { key: String::new(), text: String::new(), place: String::new() };
+        let found = read_rows(&said, file.path()).unwrap();
+        assert_eq!(
+            (found.names, found.rows),
+            (vec!["power".into(), "view".into()], vec![vec!["0.5".into(), "eye=1,2,3".into()], vec!["2".into(), String::new()]])
+        );
+    }
+
+    #[test]
     fn what_is_no_range_is_told_with_line_and_key() {
         for (text, words) in [
             ("\na = 1", "jobs.toml:2: a: it must be a list"),
