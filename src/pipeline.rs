@@ -1,93 +1,26 @@
 //! The only place that joins the stages.
 
+mod error;
 mod of_mesh;
 mod pictures;
+mod workers;
 
-use std::sync::{Arc, OnceLock};
+pub use error::PipelineError;
+pub use workers::Workers;
+
+use std::sync::OnceLock;
 use std::time::Instant;
-
-use thiserror::Error;
 
 use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceBounds, PointBounds, RadiosityBounds};
 use crate::mesh::MeshIndex;
-use crate::picture::{self, Camera, CameraError, Image, Shown};
+use crate::picture::{self, Camera, Image, Shown};
 use crate::progress::Observer;
 use crate::scene::{Scene, SurfacePoint};
-use crate::solve::{
-    self, Bounds, InitialImportance, Interest, InterestError, OptionsError, RunOptions, Solution, SolveOptions, SolveReport,
-};
+use crate::solve::{self, Bounds, InitialImportance, Interest, RunOptions, Solution, SolveOptions, SolveReport};
 use crate::sweep::Importance;
 use crate::transmittance::Rays;
 use crate::values::{self, ShadingMethod, Values};
-use crate::visibility::{self, Backend, Visibility, VisibilityError};
-
-/// Why a stage could not start or finish.
-#[derive(Debug, Error)]
-pub enum PipelineError {
-    /// An option is out of range.
-    #[error(transparent)]
-    Options(#[from] OptionsError),
-    /// There is no such visibility backend, or it failed.
-    #[error(transparent)]
-    Visibility(#[from] VisibilityError),
-    /// The camera cannot take a picture.
-    #[error(transparent)]
-    Camera(#[from] CameraError),
-    /// The scene has nothing of what the answer is wanted for.
-    #[error(transparent)]
-    Interest(#[from] InterestError),
-    /// The memory budget is less than the solve takes at least; nothing was done.
-    #[error(
-        "the scene takes {:.3} GB at least before it is solved, and the budget is {:.3} GB: give more memory or fewer surfaces",
-        *needed as f64 * 1e-9,
-        *given as f64 * 1e-9
-    )]
-    Memory {
-        /// Bytes that are needed at least.
-        needed: u64,
-        /// Bytes of [`RunOptions::memory_bytes`].
-        given: u64,
-    },
-    /// The threads could not be started.
-    #[error("cannot start {}: {message}", if *threads == 0 { "a thread for each core".to_owned() } else { format!("{threads} threads") })]
-    Threads {
-        /// How many were asked for.
-        threads: usize,
-        /// What the system said.
-        message: String,
-    },
-}
-
-/// Worker threads. Clones are the same threads: several solves may share them, at once as well. They end with the last clone.
-#[derive(Clone)]
-pub struct Workers(Arc<rayon::ThreadPool>);
-
-impl Workers {
-    /// Starts so many threads; 0 takes one per core.
-    ///
-    /// # Errors
-    /// [`PipelineError::Threads`] if the system has none.
-    pub fn new(threads: usize) -> Result<Self, PipelineError> {
-        let failed = |error: rayon::ThreadPoolBuildError| PipelineError::Threads { threads, message: error.to_string() };
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build().map(|pool| Self(Arc::new(pool))).map_err(failed)
-    }
-
-    /// More threads than this only wait for each other: four for each core, but 256 everywhere.
-    pub fn most() -> usize {
-        const MANY: usize = 256;
-        const OF_A_CORE: usize = 4;
-        MANY.max(OF_A_CORE * std::thread::available_parallelism().map_or(1, usize::from))
-    }
-
-    /// How many there are.
-    pub fn count(&self) -> usize {
-        self.0.current_num_threads()
-    }
-
-    fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        self.0.install(work)
-    }
-}
+use crate::visibility::{self, Backend, Visibility};
 
 /// A solution with what is needed to look at it: visibility and a pool of threads.
 pub struct Evaluator {

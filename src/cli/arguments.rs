@@ -17,6 +17,7 @@ Exit codes:
     4  a limit ended the solve before the requested error was reached; results are written
     5  out of memory: the budget of --memory ended the solve, and results are written; or the budget is too small to
        begin, or the machine has no more, and nothing is written
+    6  jobs of a batch failed; the others are done, and the table tells of each
   130  interrupted; what there is, is written
 
 Messages go to stderr, only asked-for data to stdout.";
@@ -45,6 +46,9 @@ pub enum Command {
     /// Write the elements of a solution with their radiosities
     #[command(after_help = EXIT_CODES)]
     Export(ExportArguments),
+    /// Do many solves: scenes, options and changes of materials, each with each, as a file of jobs says
+    #[command(after_help = EXIT_CODES)]
+    Batch(Box<BatchArguments>),
     /// Tell what is in a scene or a solution, what was repaired and what is suspicious
     #[command(after_help = EXIT_CODES)]
     Info(InfoArguments),
@@ -84,7 +88,7 @@ pub struct SolveArguments {
 }
 
 /// Options of a solve: flags for those that are used most, `--set` for all.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub struct SettingArguments {
     #[arg(long, value_name = "E", help = option_help::of_flag("error"))]
     pub error: Option<String>,
@@ -186,6 +190,73 @@ pub struct ExportArguments {
     pub quadratic: bool,
 }
 
+/// `patchlight batch`.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct BatchArguments {
+    #[command(subcommand)]
+    pub command: Option<BatchCommand>,
+    /// The file of jobs, TOML; docs/batch.md tells what stands in it
+    #[arg(required = true)]
+    pub file: Option<PathBuf>,
+    #[command(flatten)]
+    pub place: PlaceArguments,
+    #[command(flatten)]
+    pub work: WorkArguments,
+}
+
+/// What else can be done with a file of jobs.
+#[derive(Debug, Subcommand)]
+pub enum BatchCommand {
+    /// Make the tables of what all shards have done, and check that nothing is missing
+    #[command(after_help = EXIT_CODES)]
+    Merge(MergeArguments),
+}
+
+/// `patchlight batch merge`.
+#[derive(Debug, Args)]
+pub struct MergeArguments {
+    /// The file of jobs
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub place: PlaceArguments,
+}
+
+/// Where jobs read and write.
+#[derive(Debug, Args)]
+pub struct PlaceArguments {
+    /// The folder of all results, tables and journals [default: that of the file of jobs]
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub trust: TrustArguments,
+    #[command(flatten)]
+    pub run: RunArguments,
+}
+
+/// How jobs are done.
+#[derive(Debug, Args)]
+pub struct WorkArguments {
+    /// So many jobs at a time, which share the threads; never changes a result [default: one for each thread]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<usize>,
+    /// Go on: keep what is done, if inputs, options, version and files are what they were; do what is missing, or failed
+    #[arg(long, conflicts_with = "anew")]
+    pub resume: bool,
+    /// Do all jobs again
+    #[arg(long)]
+    pub anew: bool,
+    /// Do a part of the jobs, as in 0/3, 1/3 and 2/3, each by a process of its own; 'patchlight batch merge' makes the tables
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<String>,
+    /// Try a job again so often if the machine fails in it (exit code 1)
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub retries: u32,
+    /// List all jobs on stdout, as CSV, and do none
+    #[arg(long)]
+    pub plan: bool,
+}
+
 /// `patchlight info`.
 #[derive(Debug, Args)]
 pub struct InfoArguments {
@@ -268,7 +339,7 @@ pub enum Whence {
 }
 
 /// How the run goes.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub struct RunArguments {
     /// Who answers visibility: auto, embree, obvhs, brute-force or embree4-sys [default: auto]
     #[arg(long, value_name = "NAME")]
@@ -282,9 +353,10 @@ pub struct RunArguments {
 }
 
 /// What is said while the work goes on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ProgressKind {
     /// A bar on a terminal, else only the key figures at the end
+    #[default]
     Auto,
     /// A line now and then
     Plain,

@@ -23,6 +23,8 @@ pub enum Exit {
     Limit = 4,
     /// Out of memory: the budget ended the solve, and results are written; or it was too small to begin, or the machine had no more.
     Memory = 5,
+    /// Jobs of a batch failed, or are missing; the others are done.
+    JobsFailed = 6,
     /// Interrupted. What there is, is written.
     Cancelled = 130,
 }

@@ -3,6 +3,7 @@
 //! Messages go to stderr, nothing but asked-for data to stdout. All that can be known to be wrong is found before the long work starts.
 
 mod arguments;
+mod batch;
 mod exit;
 mod files;
 mod info;
@@ -50,6 +51,7 @@ fn execute(command: Command) -> Result<Exit, Failure> {
         Command::Sample(arguments) => results::sample(request::SampleRequest::new(arguments)?),
         Command::Render(arguments) => results::render(request::RenderRequest::new(arguments)?),
         Command::Export(arguments) => results::export(request::ExportRequest::new(arguments)?),
+        Command::Batch(arguments) => batch::batch(*arguments),
         Command::Info(arguments) => info::info(&arguments),
     }
 }

@@ -13,6 +13,17 @@ pub fn cpu_seconds() -> Option<f64> {
     None
 }
 
+/// CPU seconds of the calling thread so far, where the system tells.
+pub fn thread_cpu_seconds() -> Option<f64> {
+    #[cfg(unix)]
+    {
+        let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+        Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
+    }
+    #[cfg(not(unix))]
+    None
+}
+
 /// The most memory that was resident at one time, in bytes; Linux tells it in `/proc`.
 pub fn peak_resident_bytes() -> Option<u64> {
     status_bytes("VmHWM:")

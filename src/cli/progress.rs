@@ -26,6 +26,8 @@ pub enum Voice {
     Json,
     /// Only warnings and errors.
     None,
+    /// Nothing: that of a job among others, of which the batch tells.
+    Job,
 }
 
 impl Voice {
@@ -43,7 +45,7 @@ impl Voice {
     /// Tells a key figure.
     pub fn figure(self, name: &str, text: fmt::Arguments<'_>) {
         match self {
-            Self::None => {}
+            Self::None | Self::Job => {}
             Self::Json => say(format_args!("{}", json!({ "event": "figure", "name": name, "text": text.to_string() }))),
             _ => say(format_args!("{name:<9} {text}")),
         }
@@ -52,6 +54,7 @@ impl Voice {
     /// Warns.
     pub fn warn(self, text: fmt::Arguments<'_>) {
         match self {
+            Self::Job => {}
             Self::Json => say(format_args!("{}", json!({ "event": "warning", "text": text.to_string() }))),
             _ => say(format_args!("warning: {text}")),
         }
@@ -77,14 +80,15 @@ pub struct Watcher {
 }
 
 impl Watcher {
-    /// Watches from now on; interrupts that came before were for others.
+    /// Watches from now on; interrupts that came before were for others. A job is ended by the second one alone.
     pub fn new(voice: Voice) -> Self {
         let bar = (voice == Voice::Bar).then(|| {
             let bar = ProgressBar::new(1000).with_style(style_of(None));
             bar.enable_steady_tick(Duration::from_millis(120));
             bar
         });
-        Self { voice, start: Instant::now(), last: Mutex::new(None), bar, interrupts_before: interrupt::count() }
+        let interrupts_before = if voice == Voice::Job { 1 } else { interrupt::count() };
+        Self { voice, start: Instant::now(), last: Mutex::new(None), bar, interrupts_before }
     }
 }
 

@@ -21,7 +21,7 @@ use super::request::{ExportRequest, Exported, PictureRequest, RenderRequest, Sam
 pub fn sample(request: SampleRequest) -> Result<Exit, Failure> {
     let points = files::read_points(&request.points)?;
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
-    interrupt::listen();
+    interrupt::listen(interrupt::OF_RUN);
     request.voice.figure("backend", format_args!("{}", evaluator.backend()));
     let values = match request.from {
         Whence::Gather => values_at(&evaluator, &points, request.voice),
@@ -71,7 +71,7 @@ pub fn write_values_to(sink: &Sink, points: &Points, (values, bounds): &BoundedV
 /// `patchlight render`.
 pub fn render(request: RenderRequest) -> Result<Exit, Failure> {
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
-    interrupt::listen();
+    interrupt::listen(interrupt::OF_RUN);
     request.voice.figure("backend", format_args!("{}", evaluator.backend()));
     let Some(picture) = take_picture(&evaluator, &request.picture, request.voice)? else { return Ok(Exit::Cancelled) };
     write_picture(&picture, &request.picture, &Provenance::new(evaluator.solution().options()), request.voice)?;

@@ -61,7 +61,7 @@ impl Settings {
     }
 
     /// Sets one option from text: those of the run here, all others by [`SolveOptions::set`].
-    fn set(&mut self, key: &str, value: &str) -> Result<(), Failure> {
+    pub fn set(&mut self, key: &str, value: &str) -> Result<(), Failure> {
         let positive = |unit: &str| {
             let number = value.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
             number.ok_or_else(|| Failure::usage(format_args!("{key} is '{value}', it must be a number of {unit} above 0")))

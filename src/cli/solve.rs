@@ -32,7 +32,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let (scene, warnings) = read(&request)?;
     let scene_report = SceneReport::of(&scene, request.scene.clone());
     let load_s = start.elapsed().as_secs_f64();
-    interrupt::listen();
+    interrupt::listen(interrupt::OF_RUN);
 
     // The solve. What an interrupt or a limit leaves is a solution as well, and is written.
     let cpu_before = process::cpu_seconds();
@@ -46,7 +46,8 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     // What is asked for.
     let mut ending = Ending::new(Exit::of_solve(report.stopped_by, report.converged));
     let sampling = Instant::now();
-    run_report.error.points = write_results(&request, &evaluator, points.as_ref(), &provenance, &mut ending);
+    let written = write_results(&request, &evaluator, points.as_ref(), &provenance, &mut ending);
+    run_report.error.points = written.and_then(|values| values.error);
     let sample_s = sampling.elapsed().as_secs_f64() - ending.output_s;
 
     // The report, last: it tells about all of the above.
@@ -70,7 +71,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
 }
 
 /// How the solve runs: reading took some of the time, and points and pictures take some of the memory.
-fn within_limits(request: &SolveRequest, points: Option<&Points>, load_s: f64, channels: usize) -> RunOptions {
+pub fn within_limits(request: &SolveRequest, points: Option<&Points>, load_s: f64, channels: usize) -> RunOptions {
     // Results are written from what the solution holds, one after the other: the largest counts.
     let values = points.map_or(0, |points| Values::bytes_of(points.len(), channels));
     let pictures = request.picture.as_ref().map_or(0, |picture| Image::bytes_of(picture.size.into(), channels));
@@ -95,23 +96,32 @@ fn read(request: &SolveRequest) -> Result<(Scene, Vec<String>), Failure> {
     Ok((imported.scene, warnings))
 }
 
-/// Writes what is asked for, but for the report, and tells how wrong the values at points are. The solution first: everything else can be
+/// What is known of values that were written.
+#[derive(Clone, Copy)]
+pub struct WrittenValues {
+    /// How wrong they are.
+    pub error: Option<ValuesError>,
+    /// How many points lie on no surface.
+    pub missed: usize,
+}
+
+/// Writes what is asked for, but for the report, and gives what is known of the values at points. The solution first: everything else can be
 /// made from it again.
-fn write_results(
+pub fn write_results(
     request: &SolveRequest,
     evaluator: &Evaluator,
     points: Option<&Points>,
     provenance: &Provenance,
     ending: &mut Ending,
-) -> Option<ValuesError> {
-    let (voice, mut error) = (request.voice, None);
+) -> Option<WrittenValues> {
+    let (voice, mut written) = (request.voice, None);
     if let Some(destination) = &request.solution {
         ending.write(|| results::write_solution_to(destination, evaluator, voice));
     }
     if let (Some((_, sink)), Some(points)) = (&request.points, points) {
         match results::values_at(evaluator, points, voice) {
             Some(values) => {
-                error = values.0.error;
+                written = Some(WrittenValues { error: values.0.error, missed: values.0.missed });
                 ending.write(|| results::write_values_to(sink, points, &values, voice));
             }
             None => ending.cancel(voice, &sink.name()),
@@ -131,7 +141,7 @@ fn write_results(
             Err(failure) => ending.note(Err(failure)),
         }
     }
-    error
+    written
 }
 
 fn available_threads() -> usize {
@@ -222,7 +232,7 @@ fn claim_in_words(error: &ErrorReport, norm: Norm) -> String {
 }
 
 /// The name that the report uses.
-fn stopped_by_name(report: &SolveReport) -> String {
+pub fn stopped_by_name(report: &SolveReport) -> String {
     serde_json::to_value(report.stopped_by).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
@@ -243,7 +253,7 @@ fn tell_time(voice: Voice, run: &RunReport) {
 }
 
 /// How the run ends: one failure does not keep the other results from being written.
-struct Ending {
+pub struct Ending {
     exit: Exit,
     failures: Vec<Failure>,
     /// Seconds that writing took.
@@ -251,7 +261,8 @@ struct Ending {
 }
 
 impl Ending {
-    fn new(exit: Exit) -> Self {
+    /// Nothing has failed yet.
+    pub fn new(exit: Exit) -> Self {
         Self { exit, failures: Vec::new(), output_s: 0.0 }
     }
 
@@ -271,7 +282,8 @@ impl Ending {
         self.exit = Exit::Cancelled;
     }
 
-    fn finish(mut self) -> Result<Exit, Failure> {
+    /// The exit code, or the last failure; others are told of.
+    pub fn finish(mut self) -> Result<Exit, Failure> {
         let last = self.failures.pop();
         self.failures.iter().for_each(|failure| say(format_args!("error: {}", failure.message)));
         last.map_or(Ok(self.exit), Err)

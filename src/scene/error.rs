@@ -30,6 +30,14 @@ pub enum SceneError {
         /// What is wrong with it.
         reason: String,
     },
+    /// Other materials than the scene has surfaces of.
+    #[error("there are {given} materials for a scene that has {needed}")]
+    Materials {
+        /// How many are given.
+        given: usize,
+        /// How many there must be.
+        needed: usize,
+    },
     /// More than 2^31 surfaces.
     #[error("too many surfaces")]
     TooLarge,

@@ -120,6 +120,20 @@ impl Scene {
         Ok(scene)
     }
 
+    /// The same surfaces of other materials, in the order of [`Scene::materials`].
+    ///
+    /// # Errors
+    /// [`SceneError::Materials`] for more or fewer of them, and what [`Scene::new`] says of materials.
+    pub fn with_materials(&self, materials: Vec<Material>) -> Result<Self, SceneError> {
+        if materials.len() != self.materials.len() {
+            return Err(SceneError::Materials { given: materials.len(), needed: self.materials.len() });
+        }
+        let Self { channels, ref surfaces, sides, .. } = *self;
+        let scene = Self { channels, materials, surfaces: surfaces.clone(), sides };
+        scene.check_materials()?;
+        Ok(scene)
+    }
+
     /// Every material must have as many channels as the scene, of which there must be some, with values in range.
     fn check_materials(&self) -> Result<(), SceneError> {
         if !(1..=MOST_CHANNELS).contains(&self.channels) {
@@ -231,6 +245,15 @@ mod tests {
         let (reflectance, exitance) = (vec![reflectance; channels], vec![exitance; channels]);
         let material = Material { name: "a".to_owned(), reflectance, exitance };
         Scene::new(channels, vec![material], vec![(polygon, 0, 0)], Sides::Front)
+    }
+
+    #[test]
+    fn other_materials_are_checked_like_the_first() {
+        let grey = scene(1, 0.5, 1.0).unwrap();
+        assert_eq!(grey.with_materials(scene(1, 0.7, 2.0).unwrap().materials), scene(1, 0.7, 2.0));
+        let bad = Material { reflectance: vec![1.0], ..grey.materials[0].clone() };
+        assert!(matches!(grey.with_materials(vec![bad]), Err(SceneError::BadMaterial { .. })));
+        assert_eq!(grey.with_materials(Vec::new()), Err(SceneError::Materials { given: 0, needed: 1 }));
     }
 
     #[test]

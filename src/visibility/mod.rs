@@ -35,6 +35,8 @@ mod near;
 mod obvhs;
 mod occluders;
 
+use std::sync::Arc;
+
 pub use backend::{Backend, VisibilityError};
 pub(crate) use box_tree::{BoxTree, HalfSpace};
 pub use build::build;
@@ -89,4 +91,19 @@ pub trait Visibility: Send + Sync {
 
     /// Sets `hits[i]` to the first triangle that blocks `rays[i]`, a segment without a far end. Lengths as in [`Self::occluded`].
     fn first_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]);
+}
+
+/// Several solves of the same geometry ask one structure.
+impl<V: Visibility + ?Sized> Visibility for Arc<V> {
+    fn description(&self) -> String {
+        (**self).description()
+    }
+
+    fn occluded(&self, segments: &[Segment], occluded: &mut [bool]) {
+        (**self).occluded(segments, occluded);
+    }
+
+    fn first_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        (**self).first_hits(rays, hits);
+    }
 }

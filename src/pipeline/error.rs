@@ -1,0 +1,44 @@
+//! Why a stage could not start or finish.
+
+use thiserror::Error;
+
+use crate::picture::CameraError;
+use crate::solve::{InterestError, OptionsError};
+use crate::visibility::VisibilityError;
+
+/// Why a stage could not start or finish.
+#[derive(Debug, Error)]
+pub enum PipelineError {
+    /// An option is out of range.
+    #[error(transparent)]
+    Options(#[from] OptionsError),
+    /// There is no such visibility backend, or it failed.
+    #[error(transparent)]
+    Visibility(#[from] VisibilityError),
+    /// The camera cannot take a picture.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// The scene has nothing of what the answer is wanted for.
+    #[error(transparent)]
+    Interest(#[from] InterestError),
+    /// The memory budget is less than the solve takes at least; nothing was done.
+    #[error(
+        "the scene takes {:.3} GB at least before it is solved, and the budget is {:.3} GB: give more memory or fewer surfaces",
+        *needed as f64 * 1e-9,
+        *given as f64 * 1e-9
+    )]
+    Memory {
+        /// Bytes that are needed at least.
+        needed: u64,
+        /// Bytes of [`RunOptions::memory_bytes`].
+        given: u64,
+    },
+    /// The threads could not be started.
+    #[error("cannot start {}: {message}", if *threads == 0 { "a thread for each core".to_owned() } else { format!("{threads} threads") })]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// What the system said.
+        message: String,
+    },
+}
