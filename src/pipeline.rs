@@ -2,6 +2,7 @@
 
 mod of_mesh;
 mod pictures;
+mod sensors;
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;

@@ -32,6 +32,8 @@ pub(crate) const MESH_TESTS: u64 = kind(9);
 pub(crate) const MESH_JUDGED: u64 = kind(10);
 /// Light at these points taken again.
 pub(crate) const MESH_AGAIN: u64 = kind(11);
+/// Gathers at sensors; add the number of the replicate.
+pub(crate) const SENSORS: u64 = kind(12);
 
 // Of the seed of a node's exposure.
 /// Rays from points that seem hidden; add the round.

@@ -1,5 +1,6 @@
 //! Values at points: the radiosity equation evaluated once more at the point itself, over links (`over_links`) or over cells
-//! (`final_gather`, with an `irradiance_cache` where many points lie close). `shading` has older methods, to compare.
+//! (`final_gather`, with an `irradiance_cache` where many points lie close). `sensors` gather off
+//! surfaces. `shading` has older methods, to compare.
 
 mod budget;
 mod error_bars;
@@ -10,6 +11,7 @@ mod irradiance_cache;
 mod link_sources;
 mod over_links;
 mod sample;
+mod sensors;
 mod shading;
 mod source_piece;
 mod variation;
@@ -22,5 +24,7 @@ pub(crate) use indirect::IndirectGather;
 pub(crate) use over_links::LinkGather;
 pub use sample::{Values, ValuesError};
 pub(crate) use sample::{tolerance, values_at};
+pub use sensors::Irradiances;
+pub(crate) use sensors::irradiances_at;
 pub(crate) use shading::Shading;
 pub use shading::ShadingMethod;
