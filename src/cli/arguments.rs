@@ -34,13 +34,13 @@ pub enum Command {
     /// Light a scene, and write what is asked for
     #[command(after_help = EXIT_CODES, after_long_help = format!("{}\n{EXIT_CODES}", option_help::of_set()))]
     Solve(Box<SolveArguments>),
-    /// Evaluate a solution at points
+    /// Evaluate a solution at points, or by sensors in space
     #[command(after_help = EXIT_CODES)]
     Sample(SampleArguments),
     /// Take a picture of a solution
     #[command(after_help = EXIT_CODES)]
     Render(RenderArguments),
-    /// Write the elements of a solution with their radiosities
+    /// Write the elements of a solution with their radiosities, or the power that surfaces emit and absorb
     #[command(after_help = EXIT_CODES)]
     Export(ExportArguments),
     /// Tell what is in a scene or a solution, what was repaired and what is suspicious
@@ -140,8 +140,25 @@ impl SettingArguments {
 pub struct SampleArguments {
     /// A solution that 'patchlight solve -o' wrote
     pub solution: PathBuf,
-    /// Points: a CSV file with the columns x,y,z,nx,ny,nz, '-' for stdin
-    pub points: PathBuf,
+    /// Points on surfaces: a CSV file with the columns x,y,z,nx,ny,nz, '-' for stdin; their radiosities are written
+    pub points: Option<PathBuf>,
+    /// Sensors anywhere in space: a CSV file with the columns x,y,z,nx,ny,nz, '-' for stdin; their irradiance is written, in W/m^2 and in lx, with
+    /// its standard errors
+    #[arg(long, value_name = "S.csv", conflicts_with_all = ["points", "plane", "from"])]
+    pub sensors: Option<PathBuf>,
+    /// A grid of sensors, whose mean, extremes and uniformity are told: 'height=0.75', horizontal over the floor, with spacing=0.5 and up=z if wanted
+    /// (metres; if not given, the spacing of EN 12464-1, and y up); or 'origin=x,y,z u=x,y,z v=x,y,z counts=NxM', looking along u x v
+    #[arg(long, value_name = "PLANE", conflicts_with_all = ["points", "from"], allow_hyphen_values = true)]
+    pub plane: Option<String>,
+    /// Take a picture of the plane: .png, its illuminance in false colours with a legend
+    #[arg(long, value_name = "FILE.png", conflicts_with = "points")]
+    pub image: Option<PathBuf>,
+    /// The false colours go from LOW to HIGH lx, as in 0..500 [default: to the largest value]
+    #[arg(long, value_name = "LOW..HIGH", requires = "image", allow_hyphen_values = true)]
+    pub scale: Option<String>,
+    /// Sensors: stop after this many seconds; what was measured by then is written
+    #[arg(long, value_name = "S", conflicts_with = "points")]
+    pub time: Option<String>,
     /// Write the values, '-' for stdout
     #[arg(short, long, value_name = "V.csv", default_value = "-")]
     pub output: PathBuf,
@@ -173,14 +190,18 @@ pub struct ExportArguments {
     /// A solution that 'patchlight solve -o' wrote
     pub solution: PathBuf,
     /// The file: .ply, with the lit mesh where the solution has one, else with the elements of the solver
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "flux")]
+    pub output: Option<PathBuf>,
+    /// Write the power in W that is emitted, arrives and is absorbed, and the net of it, by face, object, group and material and of the whole scene:
+    /// from the lit mesh where the solution has one, else from the elements of the solver, which are coarse over cells; '-' for stdout
+    #[arg(long, value_name = "FLUX.csv")]
+    pub flux: Option<PathBuf>,
     /// Write the elements of the solver, whether there is a lit mesh or not
-    #[arg(long, conflicts_with = "quadratic")]
+    #[arg(long, conflicts_with = "quadratic", requires = "output")]
     pub elements: bool,
     /// Write each element of the lit mesh as one face of six vertices, around it: every second one is a corner, the others are middles of edges. If
     /// not given, it is written as four triangles
-    #[arg(long)]
+    #[arg(long, requires = "output")]
     pub quadratic: bool,
 }
 

@@ -13,6 +13,7 @@ mod process;
 mod progress;
 mod request;
 mod results;
+mod sensors;
 mod settings;
 mod solve;
 mod stderr;

@@ -1,6 +1,6 @@
 //! What is asked for, validated: names known, numbers in range, outputs writable.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use patchlight::output::{Destination, ExportFormat, ImageFormat, LEAST_SIZE_WITH_LEGEND, Look, PngExposure, Quantity, Scale};
 use patchlight::picture::{Camera, CameraRequest};
@@ -11,6 +11,7 @@ use super::arguments::{ExportArguments, PictureArguments, RenderArguments, Sampl
 use super::exit::Failure;
 use super::files::{Outputs, Sink};
 use super::progress::Voice;
+use super::sensors::SensorRequest;
 use super::settings::{Settings, run_options};
 
 /// Width and height of a picture that nobody gave a size.
@@ -224,19 +225,35 @@ fn parse_quantity(text: &str) -> Result<Quantity, Failure> {
 #[derive(Debug)]
 pub struct SampleRequest {
     pub solution: PathBuf,
-    pub points: PathBuf,
+    pub what: Sampled,
     pub output: Sink,
-    pub from: Whence,
     pub run: RunOptions,
     pub voice: Voice,
+}
+
+/// What is evaluated.
+#[derive(Debug)]
+pub enum Sampled {
+    /// Radiosities at the points of a file.
+    Points(PathBuf, Whence),
+    /// Irradiances in space.
+    Sensors(SensorRequest),
 }
 
 impl SampleRequest {
     /// Validates what was typed.
     pub fn new(typed: SampleArguments) -> Result<Self, Failure> {
-        let output = Outputs::beside(&[&typed.solution, &typed.points]).sink(&typed.output)?;
+        let read = [Some(&typed.solution), typed.points.as_ref(), typed.sensors.as_ref()];
+        let read: Vec<&Path> = read.into_iter().flatten().map(PathBuf::as_path).collect();
+        let mut outputs = Outputs::beside(&read);
+        let output = outputs.sink(&typed.output)?;
+        let what = match (SensorRequest::new(&typed, &mut outputs)?, typed.points) {
+            (Some(sensors), _) => Sampled::Sensors(sensors),
+            (None, Some(points)) => Sampled::Points(points, typed.from),
+            (None, None) => return Err(Failure::usage("say where: POINTS, --sensors or --plane")),
+        };
         let (run, voice) = (run_options(&typed.run)?, Voice::new(typed.run.progress));
-        Ok(Self { solution: typed.solution, points: typed.points, output, from: typed.from, run, voice })
+        Ok(Self { solution: typed.solution, what, output, run, voice })
     }
 }
 
@@ -262,9 +279,9 @@ impl RenderRequest {
 #[derive(Debug)]
 pub struct ExportRequest {
     pub solution: PathBuf,
-    pub destination: Destination,
-    pub format: ExportFormat,
+    pub elements: Option<(Destination, ExportFormat)>,
     pub what: Exported,
+    pub flux: Option<Sink>,
 }
 
 /// What is exported.
@@ -281,13 +298,18 @@ pub enum Exported {
 impl ExportRequest {
     /// Validates what was typed.
     pub fn new(typed: ExportArguments) -> Result<Self, Failure> {
-        let format = ExportFormat::of_path(&typed.output).map_err(Failure::usage)?;
-        let destination = Outputs::beside(&[&typed.solution]).file(&typed.output)?;
+        let mut outputs = Outputs::beside(&[&typed.solution]);
+        let elements = |path: &PathBuf| {
+            let format = ExportFormat::of_path(path).map_err(Failure::usage)?;
+            Ok::<_, Failure>((outputs.file(path)?, format))
+        };
+        let elements = typed.output.as_ref().map(elements).transpose()?;
+        let flux = typed.flux.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let what = match (typed.elements, typed.quadratic) {
             (true, _) => Exported::Elements,
             (_, true) => Exported::Quadratic,
             _ => Exported::Best,
         };
-        Ok(Self { solution: typed.solution, destination, format, what })
+        Ok(Self { solution: typed.solution, elements, what, flux })
     }
 }

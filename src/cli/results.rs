@@ -1,13 +1,16 @@
 //! What is made from a solution: values at points, pictures, exports.
 
+use std::time::Instant;
+
 use patchlight::bounds::PointBounds;
 use patchlight::mesh::LitMesh;
 use patchlight::output::{
     Destination, Display, ExportFormat, ImageFormat, Look, Points, Provenance, Quantity, write_bounded_values, write_display,
-    write_mesh_ply, write_ply, write_quadratic_mesh_ply, write_solution, write_values,
+    write_fluxes, write_mesh_ply, write_ply, write_quadratic_mesh_ply, write_solution, write_values,
 };
 use patchlight::picture::{Image, Marks};
 use patchlight::pipeline::Evaluator;
+use patchlight::solve::Solution;
 use patchlight::values::Values;
 
 use super::arguments::Whence;
@@ -15,15 +18,24 @@ use super::exit::{Exit, Failure};
 use super::files::{self, Sink};
 use super::interrupt;
 use super::progress::{Voice, Watcher};
-use super::request::{ExportRequest, Exported, PictureRequest, RenderRequest, SampleRequest, Show};
+use super::request::{ExportRequest, Exported, PictureRequest, RenderRequest, SampleRequest, Sampled, Show};
+use super::sensors;
 
 /// `patchlight sample`.
 pub fn sample(request: SampleRequest) -> Result<Exit, Failure> {
-    let points = files::read_points(&request.points)?;
+    let start = Instant::now();
+    let (path, from) = match &request.what {
+        Sampled::Points(path, from) => (path, from),
+        Sampled::Sensors(sensors) => {
+            let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
+            return sensors::measure(&evaluator, (sensors, start), &request.output, request.voice);
+        }
+    };
+    let points = files::read_points(path)?;
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
     interrupt::listen();
     request.voice.figure("backend", format_args!("{}", evaluator.backend()));
-    let values = match request.from {
+    let values = match from {
         Whence::Gather => values_at(&evaluator, &points, request.voice),
         Whence::Mesh => Some(values_of_mesh(&evaluator, &points)?),
     };
@@ -192,16 +204,25 @@ pub fn write_solution_to(destination: &Destination, evaluator: &Evaluator, voice
 /// `patchlight export`.
 pub fn export(request: ExportRequest) -> Result<Exit, Failure> {
     let solution = files::read_solution(&request.solution)?;
-    let provenance = Provenance::new(solution.options());
-    let scene = solution.scene();
-    let ExportFormat::Ply = request.format;
-    match (request.what, solution.mesh()) {
-        (Exported::Quadratic, None) => return Err(no_mesh("--quadratic")),
-        (Exported::Quadratic, Some(mesh)) => {
-            request.destination.write(|file| write_quadratic_mesh_ply(file, scene, mesh, &provenance))?;
-        }
-        (Exported::Best, Some(mesh)) => request.destination.write(|file| write_mesh_ply(file, scene, mesh, &provenance))?,
-        _ => request.destination.write(|file| write_ply(file, &solution, &provenance))?,
+    if let Some((destination, ExportFormat::Ply)) = &request.elements {
+        export_elements(destination, request.what, &solution)?;
+    }
+    if let Some(sink) = &request.flux {
+        sink.write(|mut writer| write_fluxes(&mut writer, &solution))?;
     }
     Ok(Exit::Done)
+}
+
+/// Writes the lit mesh, or the elements of the solver.
+fn export_elements(destination: &Destination, what: Exported, solution: &Solution) -> Result<(), Failure> {
+    let (scene, provenance) = (solution.scene(), Provenance::new(solution.options()));
+    match (what, solution.mesh()) {
+        (Exported::Quadratic, None) => return Err(no_mesh("--quadratic")),
+        (Exported::Quadratic, Some(mesh)) => {
+            destination.write(|file| write_quadratic_mesh_ply(file, scene, mesh, &provenance))?;
+        }
+        (Exported::Best, Some(mesh)) => destination.write(|file| write_mesh_ply(file, scene, mesh, &provenance))?,
+        _ => destination.write(|file| write_ply(file, solution, &provenance))?,
+    }
+    Ok(())
 }

@@ -13,13 +13,17 @@
 //! | `.ply` | [`write_ply`] | the leaves of the hierarchy with float radiosities |
 //! | solution | [`write_solution`] | everything, to be read back by [`read_solution`] |
 //! | `.csv` | [`write_values`] | radiosities at the points that [`read_points`] read |
+//! | `.csv` | [`write_irradiances`] | irradiances and illuminances at sensors |
+//! | `.csv` | [`write_fluxes`] | emitted, incident, absorbed and net power by face, object, group and material |
 //! | `.json` | [`write_report`] | what the run tells about itself |
 
 mod atomic;
 pub mod exr;
 pub mod false_colours;
+pub mod flux;
 mod format;
 mod glyphs;
+pub mod irradiances;
 mod legend;
 pub mod mesh_ply;
 #[cfg(feature = "openexr")]
@@ -36,7 +40,9 @@ pub mod values;
 pub use atomic::{Destination, DestinationError};
 pub use exr::write_exr;
 pub use false_colours::{Scale, ScaleError};
+pub use flux::write_fluxes;
 pub use format::{ExportFormat, ImageFormat, UnknownExtension};
+pub use irradiances::{Illuminances, write_irradiances};
 pub use legend::LEAST_SIZE_WITH_LEGEND;
 pub use mesh_ply::{write_mesh_ply, write_quadratic_mesh_ply};
 #[cfg(feature = "openexr")]

@@ -2,6 +2,7 @@
 
 mod distinct_channels;
 mod error;
+mod face_names;
 pub mod import;
 mod largest;
 mod material;
@@ -12,6 +13,7 @@ mod twins;
 
 pub(crate) use distinct_channels::DistinctChannels;
 pub use error::SceneError;
+pub use face_names::FaceNames;
 pub(crate) use largest::largest;
 pub use material::Material;
 pub use point::{PointError, SurfacePoint};
@@ -81,6 +83,8 @@ pub struct Scene {
     materials: Vec<Material>,
     surfaces: Vec<Surface>,
     sides: Sides,
+    objects: FaceNames,
+    groups: FaceNames,
 }
 
 impl Scene {
@@ -109,11 +113,17 @@ impl Scene {
 
         let surfaces =
             faces.into_iter().map(|(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None }).collect();
-        let mut scene = Self { channels, materials, surfaces, sides };
+        let (objects, groups) = (FaceNames::default(), FaceNames::default());
+        let mut scene = Self { channels, materials, surfaces, sides, objects, groups };
         scene.check_materials()?;
         scene.add_twins();
         scene.group_planes();
         Ok(scene)
+    }
+
+    /// The same with the objects and groups that the faces of its input belong to.
+    pub(crate) fn with_names(self, objects: FaceNames, groups: FaceNames) -> Self {
+        Self { objects, groups, ..self }
     }
 
     /// Every material must have as many channels as the scene, of which there must be some, with values in range.
@@ -153,6 +163,9 @@ impl Scene {
                 return Err(format!("surface {index}: its twin does not exist"));
             }
         }
+        if !self.objects.is_valid() || !self.groups.is_valid() {
+            return Err("a face is in an object or a group that does not exist".to_owned());
+        }
         if count == 0 { Err("there is no surface".to_owned()) } else { Ok(()) }
     }
 
@@ -185,6 +198,16 @@ impl Scene {
     pub(crate) fn side_towards(&self, id: SurfaceId, direction: DVec3) -> Option<SurfaceId> {
         let surface = self.surface(id);
         if surface.polygon.facet().normal.dot(direction) > 0.0 { Some(id) } else { surface.twin }
+    }
+
+    /// The objects that faces of the input belong to; a face is [`Surface::face`].
+    pub fn objects(&self) -> &FaceNames {
+        &self.objects
+    }
+
+    /// The groups that they belong to.
+    pub fn groups(&self) -> &FaceNames {
+        &self.groups
     }
 
     /// Which sides of the input faces emit and receive.

@@ -1,6 +1,5 @@
 //! Values at points: the radiosity equation evaluated once more at the point itself, over links (`over_links`) or over cells
-//! (`final_gather`, with an `irradiance_cache` where many points lie close). `sensors` gather off
-//! surfaces. `shading` has older methods, to compare.
+//! (`final_gather`, with an `irradiance_cache` where many points lie close). `sensors` gather off surfaces. `shading` has older methods, to compare.
 
 mod budget;
 mod error_bars;
@@ -14,6 +13,7 @@ mod sample;
 mod sensors;
 mod shading;
 mod source_piece;
+mod summary;
 mod variation;
 
 pub(crate) use budget::{NOISE_POWER, RayBudget};
@@ -28,3 +28,4 @@ pub use sensors::Irradiances;
 pub(crate) use sensors::irradiances_at;
 pub(crate) use shading::Shading;
 pub use shading::ShadingMethod;
+pub use summary::Summary;

@@ -46,26 +46,31 @@ const BATCH: usize = 32;
 pub struct Irradiances {
     /// Channels of each.
     pub channels: usize,
-    /// `channels` irradiances for each sensor in W/m^2, sensor after sensor.
+    /// `channels` irradiances for each sensor in W/m^2, sensor after sensor; NaN at those that were not measured.
     pub irradiance: Vec<f32>,
     /// The standard error of each, in W/m^2: noise, and what is known of bias. NaN in solutions whose error was not estimated.
     pub standard_error: Vec<f32>,
 }
 
 impl Irradiances {
+    /// How many sensors were not measured.
+    pub fn missing(&self) -> usize {
+        self.irradiance.chunks(self.channels.max(1)).filter(|of_sensor| of_sensor[0].is_nan()).count()
+    }
+
     /// Bytes that so many take, with all that is needed to take them.
     pub fn bytes_of(sensors: usize, channels: usize) -> u64 {
         (sensors * (size_of::<Receiver>() + 2 * channels * size_of::<[f32; 2]>())) as u64
     }
 }
 
-/// The irradiance at `sensors`, in their order; `None` if the observer cancels. An irradiance does not depend on the other sensors.
+/// The irradiance at `sensors`, in their order. An irradiance does not depend on the other sensors. Once the observer cancels, no more are measured.
 pub(crate) fn irradiances_at(
     gather: &Gather<'_>,
     error_bars: Option<ErrorBars>,
     sensors: &[SurfacePoint],
     observer: &dyn Observer,
-) -> Option<Irradiances> {
+) -> Irradiances {
     let channels = gather.scene.channels();
     let mut numbers = vec![[f32::NAN; 2]; channels * sensors.len()];
     let (done, total) = (AtomicUsize::new(0), sensors.len());
@@ -82,11 +87,8 @@ pub(crate) fn irradiances_at(
             observer.progress(&Progress { stage: Stage::Sample, round: 0, fraction, links: 0, elements: 0, error: None });
         },
     );
-    if observer.cancelled() {
-        return None;
-    }
     let (irradiance, standard_error) = numbers.into_iter().map(|[irradiance, error]| (irradiance, error)).unzip();
-    Some(Irradiances { channels, irradiance, standard_error })
+    Irradiances { channels, irradiance, standard_error }
 }
 
 /// Fills in the irradiance of some sensors and its standard error, by sensor and channel.

@@ -4,6 +4,7 @@ mod commands;
 mod hostile;
 mod lit_mesh;
 mod pictures;
+mod sensors;
 mod solve;
 #[path = "../support/mod.rs"]
 mod support;

@@ -11,6 +11,7 @@ mod diagnostics;
 mod draft;
 mod error;
 mod mtl;
+mod names;
 mod obj;
 mod statements;
 mod structure;
@@ -92,8 +93,10 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
         return Err(ImportError::Cancelled);
     }
     let materials = std::mem::take(&mut obj.materials);
+    let [objects, groups] = std::mem::take(&mut obj.names);
     let scene = Scene::new(3, materials, assembled.polygons, options.sides)
-        .map_err(|source| ImportError::Scene { file: file(), source })?;
+        .map_err(|source| ImportError::Scene { file: file(), source })?
+        .with_names(objects, groups);
     if !scene.surfaces().iter().any(|surface| scene.materials()[surface.material as usize].emits()) {
         let text = "no light: no face has a material that emits (Ke), so everything is black";
         diagnostics.push(Diagnostic::new(DiagnosticKind::NoLight, text).at(path, 0));

@@ -20,11 +20,12 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::mtl::{self, Libraries};
+use super::names::NamesReader;
 use super::structure::{Structure, bad_vertex, read_structure};
 use super::text::{decode, read_regular_file};
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
 use crate::progress::Stop;
-use crate::scene::Material;
+use crate::scene::{FaceNames, Material};
 
 /// A face as it was read: three or more corners.
 pub(super) struct Face {
@@ -42,6 +43,8 @@ pub(super) struct Face {
 pub(super) struct ObjFile {
     /// The line of each face in the file, from 1.
     pub lines: Vec<u32>,
+    /// The objects and the groups that faces are in.
+    pub names: [FaceNames; 2],
     /// How many vertices the file has.
     pub vertices: usize,
     /// The faces of three or more corners.
@@ -171,6 +174,7 @@ fn read_values(
     let mut materials = libraries.into_materials(&read_materials, &used, diagnostics)?;
     let mut obj = ObjFile {
         lines: structure.face_lines,
+        names: [structure.objects, structure.groups].map(NamesReader::finish),
         vertices: structure.vertex_lines.len(),
         faces,
         corners,
