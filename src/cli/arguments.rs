@@ -43,6 +43,9 @@ pub enum Command {
     /// Write the elements of a solution with their radiosities, or the power that surfaces emit and absorb
     #[command(after_help = EXIT_CODES)]
     Export(ExportArguments),
+    /// Write a solution as a page for browsers: the lit scene in 3D, and what is known of it
+    #[command(after_help = EXIT_CODES)]
+    Report(ReportArguments),
     /// Tell what is in a scene or a solution, what was repaired and what is suspicious
     #[command(after_help = EXIT_CODES)]
     Info(InfoArguments),
@@ -74,6 +77,9 @@ pub struct SolveArguments {
     /// Write the values at the points, '-' for stdout
     #[arg(long, value_name = "V.csv", requires = "points")]
     pub values: Option<PathBuf>,
+    /// Write a page for browsers: the lit scene in 3D, and what the run tells about itself; it loads nothing from anywhere
+    #[arg(long, value_name = "FILE.html")]
+    pub html: Option<PathBuf>,
     /// Write what the run tells about itself as JSON, '-' for stdout
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,
@@ -203,6 +209,18 @@ pub struct ExportArguments {
     /// not given, it is written as four triangles
     #[arg(long, requires = "output")]
     pub quadratic: bool,
+}
+
+/// `patchlight report`.
+#[derive(Debug, Args)]
+pub struct ReportArguments {
+    /// A solution that 'patchlight solve -o' wrote; with --lit-mesh it is shown without steps
+    pub solution: PathBuf,
+    /// The page: one .html file that loads nothing from anywhere
+    #[arg(short, long, value_name = "FILE.html")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub run: RunArguments,
 }
 
 /// `patchlight info`.

@@ -51,6 +51,7 @@ fn execute(command: Command) -> Result<Exit, Failure> {
         Command::Sample(arguments) => results::sample(request::SampleRequest::new(arguments)?),
         Command::Render(arguments) => results::render(request::RenderRequest::new(arguments)?),
         Command::Export(arguments) => results::export(request::ExportRequest::new(arguments)?),
+        Command::Report(arguments) => results::report(request::ReportRequest::new(arguments)?),
         Command::Info(arguments) => info::info(&arguments),
     }
 }

@@ -7,7 +7,9 @@ use patchlight::picture::{Camera, CameraRequest};
 use patchlight::scene::import::ImportOptions;
 use patchlight::solve::{Bounds, Interest, RunOptions, SolveOptions};
 
-use super::arguments::{ExportArguments, PictureArguments, RenderArguments, SampleArguments, SolveArguments, Whence};
+use super::arguments::{
+    ExportArguments, PictureArguments, RenderArguments, ReportArguments, SampleArguments, SolveArguments, Whence,
+};
 use super::exit::Failure;
 use super::files::{Outputs, Sink};
 use super::progress::Voice;
@@ -75,6 +77,7 @@ pub struct SolveRequest {
     pub mesh: Option<Destination>,
     pub points: Option<(PathBuf, Sink)>,
     pub report: Option<Sink>,
+    pub html: Option<Destination>,
     /// All of these, to be held against what the scene turns out to read.
     pub outputs: Outputs,
 }
@@ -95,6 +98,7 @@ impl SolveRequest {
         let mesh = Self::mesh(&typed, &mut outputs)?;
         let values = typed.values.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
+        let html = typed.html.as_deref().map(|path| page_file(path, "--html", &mut outputs)).transpose()?;
         Ok(Self {
             scene: typed.scene,
             import: ImportOptions { sides: settings.sides, allow_any_path: typed.trust.allow_any_path },
@@ -106,6 +110,7 @@ impl SolveRequest {
             mesh,
             points: typed.points.zip(values),
             report,
+            html,
             outputs,
         })
     }
@@ -219,6 +224,32 @@ fn parse_quantity(text: &str) -> Result<Quantity, Failure> {
         "illuminance" => Ok(Quantity::Illuminance),
         _ => Err(Failure::usage(format_args!("quantity is '{text}', it must be one of {}", Quantity::NAMES.join(", ")))),
     }
+}
+
+/// `patchlight report`.
+#[derive(Debug)]
+pub struct ReportRequest {
+    pub solution: PathBuf,
+    pub page: Destination,
+    pub run: RunOptions,
+    pub voice: Voice,
+}
+
+impl ReportRequest {
+    /// Validates what was typed.
+    pub fn new(typed: ReportArguments) -> Result<Self, Failure> {
+        let page = page_file(&typed.output, "report", &mut Outputs::beside(&[&typed.solution]))?;
+        let (run, voice) = (run_options(&typed.run)?, Voice::new(typed.run.progress));
+        Ok(Self { solution: typed.solution, page, run, voice })
+    }
+}
+
+/// The file of a page, by its extension.
+fn page_file(path: &Path, flag: &str, outputs: &mut Outputs) -> Result<Destination, Failure> {
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
+        return Err(Failure::usage(format_args!("{flag} writes HTML: name the file {}", path.with_extension("html").display())));
+    }
+    outputs.file(path)
 }
 
 /// `patchlight sample`.

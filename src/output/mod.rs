@@ -15,6 +15,7 @@
 //! | `.csv` | [`write_values`] | radiosities at the points that [`read_points`] read |
 //! | `.csv` | [`write_irradiances`] | irradiances and illuminances at sensors |
 //! | `.csv` | [`write_fluxes`] | emitted, incident, absorbed and net power by face, object, group and material |
+//! | `.html` | [`write_page`] | the lit scene in 3D, and what is known of it, in a page that loads nothing |
 //! | `.json` | [`write_report`] | what the run tells about itself |
 
 mod atomic;
@@ -28,6 +29,7 @@ mod legend;
 pub mod mesh_ply;
 #[cfg(feature = "openexr")]
 pub mod openexr;
+pub mod page;
 mod ply;
 pub mod png;
 pub mod points;
@@ -47,6 +49,7 @@ pub use legend::LEAST_SIZE_WITH_LEGEND;
 pub use mesh_ply::{write_mesh_ply, write_quadratic_mesh_ply};
 #[cfg(feature = "openexr")]
 pub use openexr::write_openexr;
+pub use page::{Page, write_page};
 pub use ply::write_ply;
 pub use png::{Display, Look, PngExposure, auto_exposure, write_display, write_png};
 pub use points::{Points, PointsError, read_points};

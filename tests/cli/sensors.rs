@@ -1,4 +1,4 @@
-//! `sample --sensors` and `--plane`, and `export --flux`.
+//! `sample --sensors` and `--plane`, `export --flux`, and pages.
 
 use std::fs;
 
@@ -132,4 +132,20 @@ fn export_writes_power_by_face() {
     place.run("export room.solution").failed(2, &["--output"]);
     place.run("export room.solution --flux F.csv --quadratic").failed(2, &["--output"]);
     place.run("export room.solution --flux room.solution").failed(2, &["room.solution is read by this command"]);
+}
+
+#[test]
+fn a_page_is_written_from_a_solution_and_by_a_solve() {
+    let place = Place::new();
+    place.run("report room.solution -o page.html").succeeded();
+    assert!(place.read("page.html").starts_with("<!DOCTYPE html>"));
+    let ran = place.run("solve room.obj --error 0.3 --html solved.HTML");
+    assert!(ran.code == 0 && ran.stderr.contains("solved.HTML"), "{}", ran.stderr);
+    let page = place.read("solved.HTML");
+    for words in ["\"title\":\"room.obj\"", "patchlight solve room.obj --set error=0.3", "\"time_s\":{", "\"converged\":true"] {
+        assert!(page.contains(words), "'{words}' is not in the page");
+    }
+    place.run("report room.solution -o page.png").failed(2, &["name the file page.html"]);
+    place.run("solve room.obj --html page").failed(2, &["name the file page.html"]);
+    place.run("report room.solution -o room.solution").failed(2, &["name the file room.html"]);
 }
