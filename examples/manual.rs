@@ -1,5 +1,8 @@
 //! Writes the man pages of the program and completions for shells into a folder: `cargo run --example manual -- FOLDER`.
 
+#[path = "../src/cli/argument_groups.rs"]
+#[allow(dead_code, reason = "as below")]
+mod argument_groups;
 #[path = "../src/cli/arguments.rs"]
 #[allow(dead_code, reason = "the program looks at the arguments, this only at their names and help")]
 mod arguments;

@@ -3,6 +3,7 @@
 mod error;
 mod of_mesh;
 mod pictures;
+mod sensors;
 mod workers;
 
 pub use error::PipelineError;

@@ -7,14 +7,16 @@ use patchlight::output::{ExportFormat, Provenance, Quantity, export_elements, ex
 use patchlight::picture::Image;
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
-use patchlight::scene::Object;
+use patchlight::scene::FaceNames;
 use patchlight::solve::{Bounds, RunOptions, SolveOptions};
 use serde_json::Value;
 
 /// The small room with names for its walls and its lamp, as a mesh and with bounds.
 fn lit_room() -> Evaluator {
-    let object = |name: &str, first_face| Object { name: name.to_owned(), first_face };
-    let scene = support::small_room(3).with_objects(vec![object("walls", 0), object("lamp", 6)]);
+    let mut objects = FaceNames::default();
+    objects.push_run("walls", 6);
+    objects.push_run("lamp", 1);
+    let scene = support::small_room(3).with_names(objects, FaceNames::default());
     let options = SolveOptions { error: 0.2, lit_mesh: true, bounds: Bounds::Guaranteed, ..SolveOptions::default() };
     pipeline::solve(scene, &options, &RunOptions::default(), &Silent).unwrap().0
 }

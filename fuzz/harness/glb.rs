@@ -20,7 +20,7 @@ pub fn read_glb(bytes: &[u8]) {
         match read_scene(&file, &ImportOptions::default()) {
             Ok(imported) => {
                 check(&imported);
-                assert!(imported.scene.surfaces().iter().all(|surface| imported.scene.object_of(surface.face).is_some()));
+                assert!(imported.scene.surfaces().iter().all(|surface| imported.scene.objects().name_of(surface.face).is_some()));
             }
             Err(error) => assert!(!error.to_string().is_empty()),
         }

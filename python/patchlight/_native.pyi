@@ -210,6 +210,9 @@ class Mesh:
 @final
 class Solution:
     def values(self, points: npt.ArrayLike, normals: npt.ArrayLike, *, progress: _Progress = None) -> Values: ...
+    def irradiances(
+        self, points: npt.ArrayLike, normals: npt.ArrayLike, *, progress: _Progress = None
+    ) -> tuple[_Singles, _Singles]: ...
     def camera(
         self,
         *,

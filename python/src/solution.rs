@@ -9,6 +9,7 @@ use patchlight::solve::SolveOptions;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::arrays::array;
 use crate::camera::CameraView;
 use crate::errors::{Failure, warn_of_limit};
 use crate::links::Links;
@@ -49,6 +50,32 @@ impl Solution {
         let work = |observer: &dyn Observer| evaluator.bounded_values_at(&points, observer);
         let (values, bounds) = watched(py, &listener, work)?.ok_or_else(Failure::cancelled)?;
         Values::new(py, values, bounds, &shape)
+    }
+
+    /// What sensors measure: points anywhere in space, on surfaces or off them.
+    ///
+    /// points: float array (..., 3), in metres.
+    /// normals: unit normals of the sides that light arrives at: float array of the same shape, or (3,) for all sensors.
+    /// progress: as in `solve`; returns it True, `Cancelled` is raised.
+    ///
+    /// Returns irradiances and their standard errors: two float32 arrays (..., C) in W/m^2; errors are NaN where they are not known.
+    #[pyo3(signature = (points, normals, *, progress=None))]
+    fn irradiances<'py>(
+        &self,
+        points: &Bound<'py, PyAny>,
+        normals: &Bound<'py, PyAny>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (py, evaluator) = (points.py(), self.lit.evaluator()?);
+        let listener = Listener::new(progress)?;
+        let (sensors, mut shape) = self::points(points, normals)?;
+        shape.push(evaluator.solution().scene().channels());
+        let found = watched(py, &listener, |observer: &dyn Observer| evaluator.irradiances_at(&sensors, observer))?;
+        if found.missing() > 0 {
+            return Err(Failure::cancelled().into());
+        }
+        let numbers = |numbers: Vec<f32>| Ok::<_, PyErr>(array(py, numbers, &shape)?.into_any());
+        Ok((numbers(found.irradiance)?, numbers(found.standard_error)?))
     }
 
     /// A camera that shows the scene. What is given is kept, what is left out is chosen.

@@ -180,3 +180,13 @@ def test_a_solution_is_the_same_when_it_is_read_again(cornell, tmp_path):
         patchlight.load(tmp_path / "missing")
     with pytest.raises(patchlight.OptionError):
         patchlight.load(file, backend="gpu")
+
+
+def test_sensors_measure_in_the_air(cornell):
+    above = np.array([[0.28, 0.45, 0.28], [0.28, 9.0, 0.28]])
+    irradiance, error = cornell.irradiances(above, UP)
+    assert irradiance.shape == error.shape == (2, 3) and irradiance.dtype == np.float32
+    assert (irradiance[0] > 0).all() and (error[0] > 0).all() and (error[0] < irradiance[0]).all()
+    assert (irradiance[1] == 0).all()
+    with pytest.raises(patchlight.Cancelled):
+        cornell.irradiances(np.tile(above, (200, 1)), UP, progress=lambda _: True)

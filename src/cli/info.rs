@@ -34,7 +34,7 @@ fn describe_scene(path: &Path, options: &ImportOptions) -> Result<String, Failur
     let visibility = visibility::build(Backend::Auto, &mesh).map_err(PipelineError::from)?;
     let inspection = inspect(&imported.scene, visibility.as_ref(), DEFAULT_POINTS);
     for mut found in inspection.suspicions(&imported.file, &imported.lines) {
-        found.object = found.face.and_then(|face| imported.scene.object_of(face - 1)).map(str::to_owned);
+        found.object = found.face.and_then(|face| imported.scene.objects().name_of(face - 1)).map(str::to_owned);
         imported.diagnostics.push(found);
     }
     Ok(format!("{}: scene\n{}", path.display(), SceneSummary::new(&imported.scene, &imported.diagnostics)))

@@ -2,6 +2,7 @@
 //!
 //! Messages go to stderr, nothing but asked-for data to stdout. All that can be known to be wrong is found before the long work starts.
 
+mod argument_groups;
 mod arguments;
 mod batch;
 mod exit;
@@ -14,6 +15,7 @@ mod process;
 mod progress;
 mod request;
 mod results;
+mod sensors;
 mod settings;
 mod solve;
 mod stderr;
@@ -51,6 +53,7 @@ fn execute(command: Command) -> Result<Exit, Failure> {
         Command::Sample(arguments) => results::sample(request::SampleRequest::new(arguments)?),
         Command::Render(arguments) => results::render(request::RenderRequest::new(arguments)?),
         Command::Export(arguments) => results::export(request::ExportRequest::new(arguments)?),
+        Command::Report(arguments) => results::report(request::ReportRequest::new(arguments)?),
         Command::Batch(arguments) => batch::batch(*arguments),
         Command::Info(arguments) => info::info(&arguments),
     }

@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use patchlight::progress::{Observer, Progress, Stage};
 use serde_json::json;
 
-use super::arguments::ProgressKind;
+use super::argument_groups::ProgressKind;
 use super::interrupt;
 use super::stderr::say;
 

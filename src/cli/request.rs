@@ -1,16 +1,18 @@
 //! What is asked for, validated: names known, numbers in range, outputs writable.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use patchlight::output::{Destination, ExportFormat, ImageFormat, LEAST_SIZE_WITH_LEGEND, Look, PngExposure, Quantity, Scale};
 use patchlight::picture::{Camera, CameraRequest};
 use patchlight::scene::import::ImportOptions;
 use patchlight::solve::{Bounds, Interest, RunOptions, SolveOptions};
 
-use super::arguments::{ExportArguments, PictureArguments, RenderArguments, SampleArguments, SolveArguments, Whence};
+use super::argument_groups::{PictureArguments, Whence};
+use super::arguments::{ExportArguments, RenderArguments, ReportArguments, SampleArguments, SolveArguments};
 use super::exit::Failure;
 use super::files::{Outputs, Sink};
 use super::progress::Voice;
+use super::sensors::SensorRequest;
 use super::settings::{Settings, run_options};
 
 /// Width and height of a picture that nobody gave a size.
@@ -74,6 +76,7 @@ pub struct SolveRequest {
     pub mesh: Option<(Destination, ExportFormat)>,
     pub points: Option<(PathBuf, Sink)>,
     pub report: Option<Sink>,
+    pub html: Option<Destination>,
     /// All of these, to be held against what the scene turns out to read.
     pub outputs: Outputs,
 }
@@ -94,6 +97,7 @@ impl SolveRequest {
         let mesh = Self::mesh(&typed, &mut outputs)?;
         let values = typed.values.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
+        let html = typed.html.as_deref().map(|path| page_file(path, "--html", &mut outputs)).transpose()?;
         Ok(Self {
             scene: typed.scene,
             import: typed.trust.import(settings.sides),
@@ -105,6 +109,7 @@ impl SolveRequest {
             mesh,
             points: typed.points.zip(values),
             report,
+            html,
             outputs,
         })
     }
@@ -221,23 +226,65 @@ fn parse_quantity(text: &str) -> Result<Quantity, Failure> {
     }
 }
 
+/// `patchlight report`.
+#[derive(Debug)]
+pub struct ReportRequest {
+    pub solution: PathBuf,
+    pub page: Destination,
+    pub run: RunOptions,
+    pub voice: Voice,
+}
+
+impl ReportRequest {
+    /// Validates what was typed.
+    pub fn new(typed: ReportArguments) -> Result<Self, Failure> {
+        let page = page_file(&typed.output, "report", &mut Outputs::beside(&[&typed.solution]))?;
+        let (run, voice) = (run_options(&typed.run)?, Voice::new(typed.run.progress));
+        Ok(Self { solution: typed.solution, page, run, voice })
+    }
+}
+
+/// The file of a page, by its extension.
+fn page_file(path: &Path, flag: &str, outputs: &mut Outputs) -> Result<Destination, Failure> {
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
+        return Err(Failure::usage(format_args!("{flag} writes HTML: name the file {}", path.with_extension("html").display())));
+    }
+    outputs.file(path)
+}
+
 /// `patchlight sample`.
 #[derive(Debug)]
 pub struct SampleRequest {
     pub solution: PathBuf,
-    pub points: PathBuf,
+    pub what: Sampled,
     pub output: Sink,
-    pub from: Whence,
     pub run: RunOptions,
     pub voice: Voice,
+}
+
+/// What is evaluated.
+#[derive(Debug)]
+pub enum Sampled {
+    /// Radiosities at the points of a file.
+    Points(PathBuf, Whence),
+    /// Irradiances in space.
+    Sensors(SensorRequest),
 }
 
 impl SampleRequest {
     /// Validates what was typed.
     pub fn new(typed: SampleArguments) -> Result<Self, Failure> {
-        let output = Outputs::beside(&[&typed.solution, &typed.points]).sink(&typed.output)?;
+        let read = [Some(&typed.solution), typed.points.as_ref(), typed.sensors.as_ref()];
+        let read: Vec<&Path> = read.into_iter().flatten().map(PathBuf::as_path).collect();
+        let mut outputs = Outputs::beside(&read);
+        let output = outputs.sink(&typed.output)?;
+        let what = match (SensorRequest::new(&typed, &mut outputs)?, typed.points) {
+            (Some(sensors), _) => Sampled::Sensors(sensors),
+            (None, Some(points)) => Sampled::Points(points, typed.from),
+            (None, None) => return Err(Failure::usage("say where: POINTS, --sensors or --plane")),
+        };
         let (run, voice) = (run_options(&typed.run)?, Voice::new(typed.run.progress));
-        Ok(Self { solution: typed.solution, points: typed.points, output, from: typed.from, run, voice })
+        Ok(Self { solution: typed.solution, what, output, run, voice })
     }
 }
 
@@ -263,9 +310,9 @@ impl RenderRequest {
 #[derive(Debug)]
 pub struct ExportRequest {
     pub solution: PathBuf,
-    pub destination: Destination,
-    pub format: ExportFormat,
+    pub elements: Option<(Destination, ExportFormat)>,
     pub what: Exported,
+    pub flux: Option<Sink>,
 }
 
 /// What is exported.
@@ -282,16 +329,21 @@ pub enum Exported {
 impl ExportRequest {
     /// Validates what was typed.
     pub fn new(typed: ExportArguments) -> Result<Self, Failure> {
-        let format = ExportFormat::of_path(&typed.output).map_err(Failure::usage)?;
-        if typed.quadratic && format != ExportFormat::Ply {
-            return Err(Failure::usage("--quadratic is for .ply; other formats have flat triangles"));
-        }
-        let destination = Outputs::beside(&[&typed.solution]).file(&typed.output)?;
+        let mut outputs = Outputs::beside(&[&typed.solution]);
+        let elements = |path: &PathBuf| {
+            let format = ExportFormat::of_path(path).map_err(Failure::usage)?;
+            if typed.quadratic && format != ExportFormat::Ply {
+                return Err(Failure::usage("--quadratic is for .ply; other formats have flat triangles"));
+            }
+            Ok((outputs.file(path)?, format))
+        };
+        let elements = typed.output.as_ref().map(elements).transpose()?;
+        let flux = typed.flux.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let what = match (typed.elements, typed.quadratic) {
             (true, _) => Exported::Elements,
             (_, true) => Exported::Quadratic,
             _ => Exported::Best,
         };
-        Ok(Self { solution: typed.solution, destination, format, what })
+        Ok(Self { solution: typed.solution, elements, what, flux })
     }
 }

@@ -1,29 +1,42 @@
 //! What is made from a solution: values at points, pictures, exports.
 
+use std::time::Instant;
+
 use patchlight::bounds::PointBounds;
 use patchlight::mesh::LitMesh;
 use patchlight::output::{
-    Destination, Display, ExportFormat, ImageFormat, Look, Points, Provenance, Quantity, export_elements, export_mesh,
-    write_bounded_values, write_display, write_hdr, write_quadratic_mesh_ply, write_solution, write_values,
+    Destination, Display, ExportFormat, ImageFormat, Look, Page, Points, Provenance, Quantity, RunReport, export_elements,
+    export_mesh, write_bounded_values, write_display, write_fluxes, write_hdr, write_page, write_quadratic_mesh_ply,
+    write_solution, write_values,
 };
 use patchlight::picture::{Image, Marks};
 use patchlight::pipeline::Evaluator;
+use patchlight::solve::Solution;
 use patchlight::values::Values;
 
-use super::arguments::Whence;
+use super::argument_groups::Whence;
 use super::exit::{Exit, Failure};
 use super::files::{self, Sink};
 use super::interrupt;
 use super::progress::{Voice, Watcher};
-use super::request::{ExportRequest, Exported, PictureRequest, RenderRequest, SampleRequest, Show};
+use super::request::{ExportRequest, Exported, PictureRequest, RenderRequest, ReportRequest, SampleRequest, Sampled, Show};
+use super::sensors;
 
 /// `patchlight sample`.
 pub fn sample(request: SampleRequest) -> Result<Exit, Failure> {
-    let points = files::read_points(&request.points)?;
+    let start = Instant::now();
+    let (path, from) = match &request.what {
+        Sampled::Points(path, from) => (path, from),
+        Sampled::Sensors(sensors) => {
+            let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
+            return sensors::measure(&evaluator, (sensors, start), &request.output, request.voice);
+        }
+    };
+    let points = files::read_points(path)?;
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
     interrupt::listen(interrupt::OF_RUN);
     request.voice.figure("backend", format_args!("{}", evaluator.backend()));
-    let values = match request.from {
+    let values = match from {
         Whence::Gather => values_at(&evaluator, &points, request.voice),
         Whence::Mesh => Some(values_of_mesh(&evaluator, &points)?),
     };
@@ -176,6 +189,31 @@ pub fn write_picture(
     Ok(())
 }
 
+/// `patchlight report`.
+pub fn report(request: ReportRequest) -> Result<Exit, Failure> {
+    let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
+    let name = request.solution.file_name().unwrap_or_default().to_string_lossy();
+    write_page_to(&request.page, &evaluator, (&name, None), request.voice)?;
+    Ok(Exit::Done)
+}
+
+/// Writes a page under a title, with the report of the run if there is one.
+pub fn write_page_to(
+    destination: &Destination,
+    evaluator: &Evaluator,
+    (title, report): (&str, Option<&RunReport>),
+    voice: Voice,
+) -> Result<(), Failure> {
+    let (solution, camera) = (evaluator.solution(), evaluator.default_camera(PAGE_VIEW[0], PAGE_VIEW[1]));
+    let page = Page { title, solution, camera: &camera, report };
+    destination.write(|mut file| write_page(&mut file, &page, &Provenance::new(solution.options())))?;
+    voice.figure("wrote", format_args!("{}", destination.path().display()));
+    Ok(())
+}
+
+/// The first view of a page shows the scene in a picture of these sides.
+const PAGE_VIEW: [u32; 2] = [960, 720];
+
 /// Writes the lit mesh.
 pub fn write_mesh_to(
     (destination, format): &(Destination, ExportFormat),
@@ -201,18 +239,25 @@ pub fn write_solution_to(destination: &Destination, evaluator: &Evaluator, voice
 /// `patchlight export`.
 pub fn export(request: ExportRequest) -> Result<Exit, Failure> {
     let solution = files::read_solution(&request.solution)?;
-    let provenance = Provenance::new(solution.options());
-    let scene = solution.scene();
-    let format = request.format;
-    match (request.what, solution.mesh()) {
-        (Exported::Quadratic, None) => return Err(no_mesh("--quadratic")),
-        (Exported::Quadratic, Some(mesh)) => {
-            request.destination.write(|file| write_quadratic_mesh_ply(file, scene, mesh, &provenance))?;
-        }
-        (Exported::Best, Some(mesh)) => {
-            request.destination.write(|file| export_mesh(file, format, &solution, mesh, &provenance))?
-        }
-        _ => request.destination.write(|file| export_elements(file, format, &solution, &provenance))?,
+    if let Some((destination, format)) = &request.elements {
+        export_as(destination, (request.what, *format), &solution)?;
+    }
+    if let Some(sink) = &request.flux {
+        sink.write(|mut writer| write_fluxes(&mut writer, &solution))?;
     }
     Ok(Exit::Done)
+}
+
+/// Writes the lit mesh, or the elements of the solver.
+fn export_as(destination: &Destination, (what, format): (Exported, ExportFormat), solution: &Solution) -> Result<(), Failure> {
+    let (scene, provenance) = (solution.scene(), Provenance::new(solution.options()));
+    match (what, solution.mesh()) {
+        (Exported::Quadratic, None) => return Err(no_mesh("--quadratic")),
+        (Exported::Quadratic, Some(mesh)) => {
+            destination.write(|file| write_quadratic_mesh_ply(file, scene, mesh, &provenance))?;
+        }
+        (Exported::Best, Some(mesh)) => destination.write(|file| export_mesh(file, format, solution, mesh, &provenance))?,
+        _ => destination.write(|file| export_elements(file, format, solution, &provenance))?,
+    }
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use patchlight::scene::Sides;
 use patchlight::solve::{Interest, RunOptions, SolveOptions};
 
-use super::arguments::{RunArguments, SettingArguments};
+use super::argument_groups::{RunArguments, SettingArguments};
 use super::exit::Failure;
 use super::stderr::say;
 

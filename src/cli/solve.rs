@@ -65,6 +65,10 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     if let Some(sink) = &request.report {
         ending.note(sink.write(|mut writer| write_report(&mut writer, &run_report)));
     }
+    if let Some(page) = &request.html {
+        let name = request.scene.file_name().unwrap_or_default().to_string_lossy();
+        ending.note(results::write_page_to(page, &evaluator, (&name, Some(&run_report)), voice));
+    }
     // The program ends: the system takes all memory back at once, where freeing a large scene piece by piece takes a while.
     std::mem::forget(evaluator);
     ending.finish()

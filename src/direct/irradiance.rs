@@ -25,7 +25,7 @@ use super::view::View;
 use super::visible_part::VisiblePart;
 use crate::form_factor::point_to_polygon;
 use crate::geometry::{Facet, sampling, streams};
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{Scene, Surface, SurfaceId};
 use crate::transmittance::Rays;
 
 /// Work on the visible part, in corners held against planes, that takes as long as a ray: some 2 ns each, and 0.12 us. What both cost is told by
@@ -56,13 +56,23 @@ pub struct DirectEffort {
     pub method: Method,
 }
 
-/// Where light arrives.
+/// Where light arrives: a point on a surface, or a sensor in space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Receiver {
     pub point: DVec3,
-    pub surface: SurfaceId,
+    /// Unit normal of the side that light arrives at.
+    pub normal: DVec3,
+    /// The number of the plane that it lies in, [`NO_PLANE`](crate::visibility::NO_PLANE) in space.
+    pub plane: u32,
     /// Of the random numbers of its rays.
     pub seed: u64,
+}
+
+impl Receiver {
+    /// A point on a surface.
+    pub fn on(surface: &Surface, point: DVec3, seed: u64) -> Self {
+        Self { point, normal: surface.polygon.facet().normal, plane: surface.plane(), seed }
+    }
 }
 
 /// The direct light of some emitters.
@@ -146,8 +156,8 @@ impl DirectLight<'_> {
     }
 
     fn view<'v>(&self, receiver: &Receiver, source: Facet<'v>, source_plane: u32) -> View<'v> {
-        let surface = self.scene.surface(receiver.surface);
-        View { point: receiver.point, normal: surface.polygon.facet().normal, plane: surface.plane(), source, source_plane }
+        let &Receiver { point, normal, plane, .. } = receiver;
+        View { point, normal, plane, source, source_plane }
     }
 
     fn view_of(&self, receiver: &Receiver, emitter: SurfaceId) -> View<'_> {
@@ -156,21 +166,19 @@ impl DirectLight<'_> {
     }
 
     fn is_clear(&self, receiver: &Receiver, emitter: SurfaceId) -> bool {
-        self.rays.is_clear_between([receiver.surface, emitter].map(|surface| self.scene.surface(surface).plane()))
+        self.rays.is_clear_between([receiver.plane, self.scene.surface(emitter).plane()])
     }
 
     /// Lists the emitters that the point would see with nothing in between; gives what they would bring together.
     fn see_unoccluded(&self, receiver: &Receiver, seen: &mut Vec<Seen>) -> f64 {
         seen.clear();
-        let surface = self.scene.surface(receiver.surface);
-        let normal = surface.polygon.facet().normal;
         let mut total = 0.0;
         for &emitter in self.emitters {
             let of = self.scene.surface(emitter);
-            if of.plane() == surface.plane() {
+            if of.plane() == receiver.plane {
                 continue;
             }
-            let form_factor = point_to_polygon(receiver.point, normal, &of.polygon.facet());
+            let form_factor = point_to_polygon(receiver.point, receiver.normal, &of.polygon.facet());
             let brightest = self.scene.material_of(emitter).exitance.iter().copied().fold(0.0, f64::max);
             if form_factor > 0.0 {
                 seen.push(Seen { emitter, form_factor, unoccluded: form_factor * brightest });

@@ -61,7 +61,7 @@ pub fn direct_irradiance(
     let sums = irradiance.par_chunks_mut(channels).zip(variance.par_chunks_mut(channels));
     points.par_iter().zip(sums).for_each_init(DirectScratch::default, |scratch, (&(surface, point), (irradiance, variance))| {
         let point = DVec3::from(point);
-        let receiver = Receiver { point, surface, seed: sampling::seed_at(point, seed) };
+        let receiver = Receiver::on(scene.surface(surface), point, sampling::seed_at(point, seed));
         light.add_irradiance(&receiver, effort, scratch, irradiance, variance);
     });
     DirectIrradiance { irradiance, variance, rays: rays.segments().count() }

@@ -8,9 +8,9 @@ use crate::geometry::Facet;
 #[derive(Clone, Copy)]
 pub(super) struct View<'a> {
     pub point: DVec3,
-    /// The unit normal of the point's surface.
+    /// The unit normal of the side of the point that looks.
     pub normal: DVec3,
-    /// The number of its plane.
+    /// The number of the point's plane.
     pub plane: u32,
     pub source: Facet<'a>,
     pub source_plane: u32,

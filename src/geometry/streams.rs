@@ -34,6 +34,8 @@ pub(crate) const MESH_JUDGED: u64 = kind(10);
 pub(crate) const MESH_AGAIN: u64 = kind(11);
 /// Points at which the noise of a mesh's light is measured.
 pub(crate) const MESH_PILOT: u64 = kind(12);
+/// Gathers at sensors; add the number of the replicate.
+pub(crate) const SENSORS: u64 = kind(13);
 
 // Of the seed of a node's exposure.
 /// Rays from points that seem hidden; add the round.

@@ -1,8 +1,8 @@
 //! What meshes hold: first indirect light alone, which is smooth and dear, then all light.
 
 use super::lit_mesh::MeshReader;
-use crate::direct::{DirectEffort, DirectLight, DirectScratch, Method, Receiver};
-use crate::paths::Place;
+use crate::direct::{DirectEffort, DirectLight, DirectScratch, Method};
+use crate::paths::{Place, Receives};
 use crate::scene::Scene;
 use crate::values::{IndirectGather, RayBudget, Scratch};
 
@@ -69,7 +69,7 @@ impl Direct<'_> {
         numbers.clear();
         numbers.resize(2 * found.len(), 0.0);
         let (irradiance, variance) = numbers.split_at_mut(found.len());
-        let receiver = Receiver { point: place.point, surface: place.surface, seed: place.seed };
+        let receiver = place.receiver(self.scene);
         self.light.add_irradiance(&receiver, effort, scratch, irradiance, variance);
         let reflectance = &self.scene.material_of(place.surface).reflectance;
         for (channel, [value, noise]) in found.iter_mut().enumerate() {

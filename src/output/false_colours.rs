@@ -51,6 +51,14 @@ impl FromStr for Scale {
 }
 
 impl Scale {
+    /// From 0 to the least 1, 2 or 5 times a power of ten that is not below `largest`; to 1 if that is not above 0.
+    pub fn up_to(largest: f64) -> Self {
+        let largest = if largest > 0.0 { largest.clamp(1e-29, 1e29) } else { 1.0 };
+        let power = 10_f64.powi(largest.log10().floor() as i32);
+        let high = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power).into_iter().find(|&high| high >= largest);
+        Self { low: 0.0, high: high.unwrap_or(largest) }
+    }
+
     /// The lowest value.
     pub fn low(&self) -> f64 {
         self.low
@@ -133,6 +141,13 @@ mod tests {
         assert_eq!(scale.colour(0.0), other.colour(1.0));
         let colours: std::collections::HashSet<[u8; 3]> = along().map(|position| other.colour(4.0 * position)).collect();
         assert!(colours.len() > STEPS * 9 / 10);
+    }
+
+    #[test]
+    fn a_scale_ends_at_a_round_number() {
+        let high = [0.3, 1.0, 180.0, 449.0, 501.0, 0.0, -3.0, f64::NAN].map(|largest| Scale::up_to(largest).high());
+        assert_eq!(high, [0.5, 1.0, 200.0, 500.0, 1000.0, 1.0, 1.0, 1.0]);
+        assert!(Scale::up_to(f64::INFINITY).high() >= 1e29 && Scale::up_to(1e-300).high() > 0.0);
     }
 
     #[test]

@@ -52,11 +52,10 @@ pub(super) fn write(writer: &mut impl Write, patches: &Patches<'_>, provenance: 
     let scene = patches.scene;
 
     // Patches by object and material.
-    let mut parts: BTreeMap<(u32, u32), Vec<&[u32]>> = BTreeMap::new();
+    let mut parts: BTreeMap<(Option<usize>, u32), Vec<&[u32]>> = BTreeMap::new();
     for (surface, corners) in patches.iter() {
         let of = &scene.surfaces()[surface as usize];
-        let object = scene.objects().partition_point(|object| object.first_face <= of.face) as u32;
-        parts.entry((object, of.material)).or_default().push(corners);
+        parts.entry((scene.objects().of(of.face), of.material)).or_default().push(corners);
     }
 
     // A mesh and a node for each, and the materials that they have.
@@ -74,8 +73,7 @@ pub(super) fn write(writer: &mut impl Write, patches: &Patches<'_>, provenance: 
             }));
             materials.len() - 1
         });
-        let name = object.checked_sub(1).map_or("", |index| scene.objects()[index as usize].name.as_str());
-        let name = if name.is_empty() { &of_scene.name } else { name };
+        let name = object.map_or(&of_scene.name, |object| &scene.objects().names()[object]);
         meshes.push(json!({ "name": name, "primitives": [primitive(&mut file, patches, &part, number, scale)] }));
         nodes.push(json!({ "name": name, "mesh": meshes.len() - 1 }));
     }

@@ -15,20 +15,26 @@
 //! | `.glb`, `.vtp` | [`export_mesh`], [`export_elements`] | the same for viewers and for ParaView |
 //! | solution | [`write_solution`] | everything, to be read back by [`read_solution`] |
 //! | `.csv` | [`write_values`] | radiosities at the points that [`read_points`] read |
+//! | `.csv` | [`write_irradiances`] | irradiances and illuminances at sensors |
+//! | `.csv` | [`write_fluxes`] | emitted, incident, absorbed and net power by face, object, group and material |
+//! | `.html` | [`write_page`] | the lit scene in 3D, and what is known of it, in a page that loads nothing |
 //! | `.json` | [`write_report`] | what the run tells about itself |
 
 mod atomic;
 mod export;
 pub mod exr;
 pub mod false_colours;
+pub mod flux;
 mod format;
 mod glb;
 mod glyphs;
 mod hdr;
+pub mod irradiances;
 mod legend;
 pub mod mesh_ply;
 #[cfg(feature = "openexr")]
 pub mod openexr;
+pub mod page;
 mod patches;
 mod ply;
 pub mod png;
@@ -44,12 +50,15 @@ pub use atomic::{Destination, DestinationError};
 pub use export::{export_elements, export_mesh};
 pub use exr::write_exr;
 pub use false_colours::{Scale, ScaleError};
+pub use flux::write_fluxes;
 pub use format::{ExportFormat, ImageFormat, UnknownExtension};
 pub use hdr::write_hdr;
+pub use irradiances::{Illuminances, write_irradiances};
 pub use legend::LEAST_SIZE_WITH_LEGEND;
 pub use mesh_ply::{write_mesh_ply, write_quadratic_mesh_ply};
 #[cfg(feature = "openexr")]
 pub use openexr::write_openexr;
+pub use page::{Page, write_page};
 pub use ply::write_ply;
 pub use png::{Display, Look, PngExposure, auto_exposure, write_display, write_png};
 pub use points::{Points, PointsError, read_points};

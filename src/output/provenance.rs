@@ -49,7 +49,7 @@ impl Quantity {
 
     /// What the number of a picture is multiplied by to get this quantity: it holds a radiosity, a width or an irradiance over pi, of illuminance its
     /// luminance.
-    pub(super) const fn per_radiance(self) -> f32 {
+    pub const fn per_radiance(self) -> f32 {
         match self {
             Self::Radiance => 1.0,
             Self::Radiosity | Self::Width | Self::Irradiance => std::f32::consts::PI,

@@ -13,14 +13,14 @@ use crate::bounds::PointBounds;
 use crate::values::Values;
 
 /// What columns of values are called.
-const VALUE_COLUMNS: [&str; 4] = ["B", "se", "lower", "upper"];
+const VALUE_COLUMNS: [&str; 5] = ["B", "H", "se", "lower", "upper"];
 
 /// Writes points with their values, in the order of the points.
 ///
 /// # Errors
 /// What the writer says, and [`io::ErrorKind::InvalidInput`] if there are not `channels` values per point.
 pub fn write_values(writer: &mut impl Write, points: &Points, values: &Values) -> io::Result<()> {
-    write_columns(writer, points, values.channels, &[("B", &values.radiosity), ("se", &values.standard_error)])
+    write_groups(writer, points, values.channels, &[("B", &values.radiosity), ("se", &values.standard_error)])
 }
 
 /// Writes points with their values, and the bounds of these: `lower_r`, ... and `upper_r`, ... after the values.
@@ -30,15 +30,28 @@ pub fn write_values(writer: &mut impl Write, points: &Points, values: &Values) -
 pub fn write_bounded_values(writer: &mut impl Write, points: &Points, values: &Values, bounds: &PointBounds) -> io::Result<()> {
     let columns: [(&str, &[f32]); 4] =
         [("B", &values.radiosity), ("se", &values.standard_error), ("lower", &bounds.lower), ("upper", &bounds.upper)];
-    write_columns(writer, points, values.channels, &columns)
+    write_groups(writer, points, values.channels, &columns)
 }
 
-/// Writes points, and after them groups of columns, each with a number per point and channel; empty where it is not known.
-fn write_columns(writer: &mut impl Write, points: &Points, channels: usize, groups: &[(&str, &[f32])]) -> io::Result<()> {
-    if channels == 0 || groups.iter().any(|(_, numbers)| numbers.len() != channels * points.len()) {
+/// Writes points, and after them groups of columns, each with a number per point and channel.
+fn write_groups(writer: &mut impl Write, points: &Points, channels: usize, groups: &[(&str, &[f32])]) -> io::Result<()> {
+    let columns = |&(name, numbers)| Columns { names: channel_columns(name, channels), numbers };
+    write_columns(writer, points, &groups.iter().map(columns).collect::<Vec<Columns<'_>>>())
+}
+
+/// Columns that belong together.
+pub(super) struct Columns<'a> {
+    pub names: Vec<String>,
+    /// By point and column; NaN where it is not known.
+    pub numbers: &'a [f32],
+}
+
+/// Writes points, and after them columns, empty where a number is not known.
+pub(super) fn write_columns(writer: &mut impl Write, points: &Points, columns: &[Columns<'_>]) -> io::Result<()> {
+    if columns.iter().any(|of| of.names.is_empty() || of.numbers.len() != of.names.len() * points.len()) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "there are more or fewer values than points and channels"));
     }
-    let names: Vec<String> = groups.iter().flat_map(|(name, _)| channel_columns(name, channels)).collect();
+    let names: Vec<&str> = columns.iter().flat_map(|of| &of.names).map(String::as_str).collect();
     let is_kept: Vec<bool> = points.others.names.iter().map(|other| !is_value(other)).collect();
     let others = || points.others.names.iter().zip(&is_kept).filter(|(_, is_kept)| **is_kept);
     write!(writer, "{},{}", COLUMNS.join(","), names.join(","))?;
@@ -51,7 +64,7 @@ fn write_columns(writer: &mut impl Write, points: &Points, channels: usize, grou
             write_number(writer, *number, number.abs())?;
             separator = ",";
         }
-        for number in groups.iter().flat_map(|(_, numbers)| &numbers[index * channels..][..channels]) {
+        for number in columns.iter().flat_map(|of| &of.numbers[index * of.names.len()..][..of.names.len()]) {
             write!(writer, ",")?;
             if !number.is_nan() {
                 write_number(writer, *number, f64::from(number.abs()))?;
@@ -68,8 +81,9 @@ fn write_columns(writer: &mut impl Write, points: &Points, channels: usize, grou
 
 /// Whether a column bears the name of values, whatever the channel.
 fn is_value(name: &str) -> bool {
-    let channel = VALUE_COLUMNS.iter().find_map(|value| name.trim_matches('"').strip_prefix(value)?.strip_prefix('_'));
-    channel.is_some_and(|channel| matches!(channel, "r" | "g" | "b") || channel.parse::<u32>().is_ok())
+    let name = name.trim_matches('"');
+    let channel = VALUE_COLUMNS.iter().find_map(|value| name.strip_prefix(value)?.strip_prefix('_'));
+    name == "lux" || channel.is_some_and(|channel| matches!(channel, "r" | "g" | "b" | "lux") || channel.parse::<u32>().is_ok())
 }
 
 /// The shortest decimal number that reads back to the same value, with an exponent where there would be many zeros.
@@ -82,7 +96,7 @@ pub(super) fn radiosity_columns(channels: usize) -> Vec<String> {
     channel_columns("B", channels)
 }
 
-fn channel_columns(name: &str, channels: usize) -> Vec<String> {
+pub(super) fn channel_columns(name: &str, channels: usize) -> Vec<String> {
     if channels == 3 {
         ["r", "g", "b"].map(|channel| format!("{name}_{channel}")).to_vec()
     } else {

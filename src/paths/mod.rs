@@ -23,7 +23,7 @@ pub(crate) use batch_sums::{BATCHES, BatchSums};
 pub(crate) use ends::{Continuation, Ends};
 pub(crate) use grid::{CellSize, Grid, NO_CELL, Resolution, cell_count};
 pub(crate) use particles::{Illumination, Landing};
-pub(crate) use place::{Directions, Place, place_at};
+pub(crate) use place::{Directions, Place, Receives, place_at};
 pub(crate) use reflector_rays::SeenCell;
 pub(crate) use reflectors::Brightness;
 #[cfg(test)]

@@ -15,15 +15,14 @@
 //! with beta the part of the place's other rays that see emitters, which does not depend on this ray, so that there is no bias. Where nothing
 //! is occluded it is F, without noise; where everything is, it is 0.
 
-use glam::DVec3;
-
 use super::batch_sums::BatchSums;
 use super::emitters::{Emitters, brightest};
 use super::light_tree::Draws;
-use super::place::Place;
+use super::place::Receives;
+use crate::direct::Receiver;
 use crate::form_factor::{kernel, point_to_polygon};
 use crate::geometry::{Facet, Part, for_each_piece, sampling, streams};
-use crate::scene::{Surface, SurfaceId};
+use crate::scene::SurfaceId;
 use crate::visibility::Segment;
 
 /// A piece is small if its radius is at most this part of its distance.
@@ -71,7 +70,7 @@ impl Emitters<'_> {
     /// `together` places in a row draw emitters as one place with all of their rays would.
     pub fn add_sampled_irradiance(
         &self,
-        places: &[Place],
+        places: &[impl Receives],
         together: usize,
         count: u32,
         memory: &mut EmitterRays,
@@ -85,13 +84,13 @@ impl Emitters<'_> {
         for (first, places) in places.chunks(together).enumerate().map(|(group, places)| (group * together, places)) {
             // Systematic sampling: numbers at even steps from a random start, dealt to the places in turn. `start` is the offset of
             // the first place, in steps.
-            let random = sampling::hash(places[0].seed, streams::EMITTERS);
+            let random = sampling::hash(places[0].receiver(self.scene).seed, streams::EMITTERS);
             let start = (sampling::hash(random, streams::SECOND) % places.len() as u64) as f64 + sampling::unit(random);
             if count as usize >= self.surfaces.len() {
                 for (number, place) in places.iter().enumerate() {
                     let start = (number as f64 + start) / places.len() as f64 % 1.0;
                     let numbers = (0..count).map(|ray| (ray, (f64::from(ray) + start) / f64::from(count)));
-                    self.cast_to_all(place, first + number, numbers, memory);
+                    self.cast_to_all(&place.receiver(self.scene), first + number, numbers, memory);
                 }
             } else {
                 self.cast_to_drawn(places, first, count, start, memory);
@@ -123,48 +122,48 @@ impl Emitters<'_> {
     /// `index` is the number of the place.
     fn cast_to_all(
         &self,
-        place: &Place,
+        receiver: &Receiver,
         index: usize,
         numbers: impl ExactSizeIterator<Item = (u32, f64)>,
         memory: &mut EmitterRays,
     ) {
         memory.pieces.clear();
-        let receiver = self.scene.surface(place.surface);
         for &emitter in &self.surfaces {
-            self.cut(place.point, receiver, emitter, None, &mut memory.pieces);
+            self.cut(receiver, emitter, None, &mut memory.pieces);
         }
-        self.cast_to_pieces(place, index, 1.0 / numbers.len() as f64, numbers, memory);
+        self.cast_to_pieces(receiver, index, 1.0 / numbers.len() as f64, numbers, memory);
     }
 
     /// Draws an emitter from the light tree for each of the `count` rays of each place, and casts a ray to a piece of it. The
     /// places share a normal; `first` is the number of the first one, and `start` its offset in steps.
-    fn cast_to_drawn(&self, places: &[Place], first: usize, count: u32, start: f64, memory: &mut EmitterRays) {
+    fn cast_to_drawn(&self, places: &[impl Receives], first: usize, count: u32, start: f64, memory: &mut EmitterRays) {
         let Some(tree) = &self.tree else { return };
-        let receiver = self.scene.surface(places[0].surface);
+        let receivers = places.iter().map(|place| place.receiver(self.scene));
+        let normal = places[0].receiver(self.scene).normal;
         let rays = count * places.len() as u32;
         let numbers = (0..rays).map(|ray| (f64::from(ray) + start.fract()) / f64::from(rays));
-        let points = places.iter().map(|place| place.point);
+        let points = receivers.clone().map(|receiver| receiver.point);
         let unoccluded = |number: u32| {
             let emitter = SurfaceId(number);
             let facet = self.scene.surface(emitter).polygon.facet();
-            let form_factors = points.clone().map(|point| self.form_factor(point, receiver, emitter, &facet)).sum::<f64>();
+            let form_factors = receivers.clone().map(|receiver| self.form_factor(&receiver, emitter, &facet)).sum::<f64>();
             form_factors / places.len() as f64 * brightest(self.scene, emitter)
         };
         let mut draws = std::mem::take(&mut memory.draws);
-        tree.draw(points.clone(), receiver.polygon.facet().normal, unoccluded, numbers, &mut draws);
+        tree.draw(points.clone(), normal, unoccluded, numbers, &mut draws);
 
         // Rays that drew the same emitter come one after the other; it is cut once for all such rays of a place.
         for same in draws.drawn.chunk_by(|a, b| a.number == b.number) {
             let weight = 1.0 / (f64::from(count) * same[0].probability);
-            for (number, place) in places.iter().enumerate() {
+            for (number, receiver) in receivers.clone().enumerate() {
                 let own = same.iter().filter(|drawn| drawn.ray as usize % places.len() == (number + start as usize) % places.len());
                 if own.clone().next().is_none() {
                     continue;
                 }
                 memory.pieces.clear();
-                self.cut(place.point, self.scene.surface(place.surface), SurfaceId(same[0].number), None, &mut memory.pieces);
+                self.cut(&receiver, SurfaceId(same[0].number), None, &mut memory.pieces);
                 let numbers = own.map(|drawn| (drawn.ray / places.len() as u32, drawn.rest));
-                self.cast_to_pieces(place, first + number, weight, numbers, memory);
+                self.cast_to_pieces(&receiver, first + number, weight, numbers, memory);
             }
         }
         memory.draws = draws;
@@ -174,15 +173,14 @@ impl Emitters<'_> {
     /// stands for the part `weight` of all light.
     fn cast_to_pieces(
         &self,
-        place: &Place,
+        receiver: &Receiver,
         index: usize,
         weight: f64,
         numbers: impl Iterator<Item = (u32, f64)>,
         memory: &mut EmitterRays,
     ) {
         let EmitterRays { pieces, segments, drawn, .. } = memory;
-        let receiver = self.scene.surface(place.surface);
-        let normal = receiver.polygon.facet().normal;
+        let &Receiver { point, normal, plane: from_plane, seed } = receiver;
         let total: f64 = pieces.iter().map(|piece| piece.unoccluded).sum();
         if total <= 0.0 {
             return;
@@ -201,44 +199,44 @@ impl Emitters<'_> {
             let emitter = self.scene.surface(piece.emitter);
             let whole = emitter.polygon.facet();
             let facet = piece.part.as_ref().map_or(whole, |part| part.facet(whole.normal));
-            let of_emitter = sampling::hash(place.seed, streams::EMITTER_PIECES + u64::from(piece.emitter.0));
+            let of_emitter = sampling::hash(seed, streams::EMITTER_PIECES + u64::from(piece.emitter.0));
             let sobol = sampling::shifted_sobol_2d(sampling::hash(of_emitter, number as u64));
             let own = std::iter::from_fn(|| wanted.next_if(is_in_share));
             for (sample, (ray, _)) in (0..).zip(own) {
                 let [u, v] = sobol(sample);
                 let y = facet.point_at(u, v);
-                let (from, to) = (place.point.to_array(), y.to_array());
-                segments.push(Segment { from, to, from_plane: receiver.plane, to_plane: emitter.plane });
+                let (from, to) = (point.to_array(), y.to_array());
+                segments.push(Segment { from, to, from_plane, to_plane: emitter.plane });
                 drawn.push(Drawn {
                     place: index,
                     ray,
                     emitter: piece.emitter,
                     form_factor: piece.form_factor,
-                    sampled: facet.area * kernel(place.point, normal, y, facet.normal),
+                    sampled: facet.area * kernel(point, normal, y, facet.normal),
                     share: weight * total / piece.unoccluded,
                 });
             }
         }
     }
 
-    /// The form factor of an emitter, or a piece of one, at a point of `receiver`. None comes from the receiver's own plane, such as from the back of
+    /// The form factor of an emitter, or a piece of one, at a receiver. None comes from the receiver's own plane, such as from the back of
     /// the same sheet: by rounding the point may lie in front of that, and would see nothing else.
-    fn form_factor(&self, point: DVec3, receiver: &Surface, emitter: SurfaceId, facet: &Facet<'_>) -> f64 {
+    fn form_factor(&self, receiver: &Receiver, emitter: SurfaceId, facet: &Facet<'_>) -> f64 {
         let is_coplanar = self.scene.surface(emitter).plane == receiver.plane;
-        if is_coplanar { 0.0 } else { point_to_polygon(point, receiver.polygon.facet().normal, facet) }
+        if is_coplanar { 0.0 } else { point_to_polygon(receiver.point, receiver.normal, facet) }
     }
 
-    /// Cuts an emitter, or a part of one, into pieces that are small as seen from `point`; appends those in front of it.
-    fn cut(&self, point: DVec3, receiver: &Surface, emitter: SurfaceId, part: Option<Part>, pieces: &mut Vec<EmitterPiece>) {
+    /// Cuts an emitter, or a part of one, into pieces that are small as seen from a receiver; appends those in front of it.
+    fn cut(&self, receiver: &Receiver, emitter: SurfaceId, part: Option<Part>, pieces: &mut Vec<EmitterPiece>) {
         let whole = self.scene.surface(emitter).polygon.facet();
         let facet: Facet<'_> = part.as_ref().map_or(whole, |part| part.facet(whole.normal));
-        let form_factor = self.form_factor(point, receiver, emitter, &facet);
+        let form_factor = self.form_factor(receiver, emitter, &facet);
         if form_factor <= 0.0 {
             return;
         }
         let splits = part.map_or(0, |part| part.splits);
-        if facet.radius * facet.radius > SMALL * SMALL * point.distance_squared(facet.centroid) && splits < MAX_SPLITS {
-            for_each_piece(&facet, |corners| self.cut(point, receiver, emitter, Some(Part::new(corners, splits + 1)), pieces));
+        if facet.radius * facet.radius > SMALL * SMALL * receiver.point.distance_squared(facet.centroid) && splits < MAX_SPLITS {
+            for_each_piece(&facet, |corners| self.cut(receiver, emitter, Some(Part::new(corners, splits + 1)), pieces));
             return;
         }
         pieces.push(EmitterPiece { emitter, part, form_factor, unoccluded: form_factor * brightest(self.scene, emitter) });

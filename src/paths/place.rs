@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
+use crate::direct::Receiver;
 use crate::geometry::sampling;
-use crate::scene::SurfaceId;
+use crate::scene::{Scene, SurfaceId};
 
 /// A point on a surface, and the seed of all random numbers of the rays from there.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +12,35 @@ pub(crate) struct Place {
     pub point: DVec3,
     pub surface: SurfaceId,
     pub seed: u64,
+}
+
+/// Where light is gathered: a place on a surface, or a sensor in space.
+pub(crate) trait Receives: Copy {
+    /// The point, which way it faces, and the seed of its rays.
+    fn receiver(&self, scene: &Scene) -> Receiver;
+
+    /// The surface that it lies on.
+    fn surface(&self) -> Option<SurfaceId>;
+}
+
+impl Receives for Place {
+    fn receiver(&self, scene: &Scene) -> Receiver {
+        Receiver::on(scene.surface(self.surface), self.point, self.seed)
+    }
+
+    fn surface(&self) -> Option<SurfaceId> {
+        Some(self.surface)
+    }
+}
+
+impl Receives for Receiver {
+    fn receiver(&self, _: &Scene) -> Receiver {
+        *self
+    }
+
+    fn surface(&self) -> Option<SurfaceId> {
+        None
+    }
 }
 
 /// The directions that a seed gives, from number `first` on.

@@ -10,9 +10,10 @@ use glam::DVec3;
 use super::grid::{Grid, Grids};
 use super::light_tree::{Draws, LightTree, Source};
 use super::particles::Landing;
-use super::place::Place;
+use super::place::Receives;
 use super::reflectors::Reflector;
 use super::spots::spot_cells;
+use crate::direct::Receiver;
 use crate::form_factor::kernel;
 use crate::geometry::{Aabb, sampling, streams};
 use crate::scene::{Scene, SurfaceId};
@@ -109,10 +110,10 @@ impl<'a> Reflectors<'a> {
 
     /// Samples the reflectors by `count` rays from each place for which `is_on` does not say that it is on one. The sum of weight times radiosity over what a
     /// place has seen estimates the irradiance from all cells that are small as seen from there, without bias.
-    pub fn see(
+    pub fn see<P: Receives>(
         &self,
-        places: &[Place],
-        is_on: impl Fn(&Place) -> bool,
+        places: &[P],
+        is_on: impl Fn(&P) -> bool,
         count: u32,
         memory: &mut ReflectorRays,
         seen: &mut Vec<SeenCell>,
@@ -123,7 +124,7 @@ impl<'a> Reflectors<'a> {
         }
         memory.segments.clear();
         for (by, place) in places.iter().enumerate().filter(|(_, place)| !is_on(place)) {
-            self.cast(place, by, count, memory, seen);
+            self.cast(&place.receiver(self.scene), by, count, memory, seen);
         }
         self.rays.occluded(&memory.segments, &mut memory.occluded);
         let mut occluded = memory.occluded.iter();
@@ -131,17 +132,16 @@ impl<'a> Reflectors<'a> {
     }
 
     /// Draws a cell for each ray of a place by systematic sampling, and a point of the cell.
-    fn cast(&self, place: &Place, by: usize, count: u32, memory: &mut ReflectorRays, seen: &mut Vec<SeenCell>) {
+    fn cast(&self, receiver: &Receiver, by: usize, count: u32, memory: &mut ReflectorRays, seen: &mut Vec<SeenCell>) {
         let Some(tree) = &self.tree else { return };
-        let receiver = self.scene.surface(place.surface);
-        let normal = receiver.polygon.facet().normal;
+        let &Receiver { point: from, normal, plane: from_plane, seed } = receiver;
 
         // The cells.
-        let seed = sampling::hash(place.seed, streams::REFLECTORS);
+        let seed = sampling::hash(seed, streams::REFLECTORS);
         let start = sampling::unit(seed);
         let numbers = (0..count).map(|ray| (f64::from(ray) + start) / f64::from(count));
-        let unoccluded = |number: u32| self.bound_brought(&self.targets[number as usize], place.point, normal);
-        tree.draw(std::iter::once(place.point), normal, unoccluded, numbers, &mut memory.draws);
+        let unoccluded = |number: u32| self.bound_brought(&self.targets[number as usize], from, normal);
+        tree.draw(std::iter::once(from), normal, unoccluded, numbers, &mut memory.draws);
 
         // A point in each.
         let sobol = sampling::shifted_sobol_2d(seed);
@@ -153,13 +153,13 @@ impl<'a> Reflectors<'a> {
             // Beside the surface, behind the place, or so near that the cell is not small it brings nothing.
             let source = self.scene.surface(target.surface);
             let facet = source.polygon.facet();
-            let kernel = kernel(place.point, normal, point, facet.normal);
-            let is_small = point.distance(place.point) >= self.small_from * target.size();
+            let kernel = kernel(from, normal, point, facet.normal);
+            let is_small = point.distance(from) >= self.small_from * target.size();
             if kernel <= 0.0 || !is_small || !facet.contains(point) {
                 continue;
             }
-            let (from, to) = (place.point.to_array(), point.to_array());
-            memory.segments.push(Segment { from, to, from_plane: receiver.plane, to_plane: source.plane });
+            let (from, to) = (from.to_array(), point.to_array());
+            memory.segments.push(Segment { from, to, from_plane, to_plane: source.plane });
             let weight = target.area() * kernel / (f64::from(count) * drawn.probability);
             seen.push(SeenCell { by, ray: drawn.ray, cell: target.cell, surface: target.surface, point, weight });
         }
@@ -204,7 +204,7 @@ mod tests {
     use super::*;
     use crate::form_factor::point_to_polygon;
     use crate::geometry::Polygon;
-    use crate::paths::{Brightness, CellSize};
+    use crate::paths::{Brightness, CellSize, Place};
     use crate::scene::{Material, Sides};
     use crate::visibility::{Backend, OccluderMesh, build};
 

@@ -21,10 +21,10 @@ use super::grid::{CellSize, Grid, Grids, NO_CELL};
 use super::next_event::EmitterRays;
 use super::open_parts::OpenParts;
 use super::particles::Landing;
-use super::place::{Directions, Place};
+use super::place::{Directions, Place, Receives};
 use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
 use super::reflectors::Brightness;
-use crate::direct::{Blockers, DirectLight};
+use crate::direct::{Blockers, DirectLight, Receiver};
 use crate::geometry::{Frame, sampling, streams};
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
@@ -112,7 +112,7 @@ impl<'a> LightPaths<'a> {
     /// is seen of reflectors. Each `together` places in a row draw emitters as one place with all of their rays would.
     pub fn add_next_event(
         &self,
-        places: &[Place],
+        places: &[impl Receives],
         together: usize,
         count: u32,
         scratch: &mut PathScratch,
@@ -124,7 +124,7 @@ impl<'a> LightPaths<'a> {
 
     /// Adds the direct irradiance from emitters at each place, and fills `scratch.seen` with what is seen of reflectors, by as many rays as
     /// [`Self::add_next_event`] takes: emitters are seen exactly where that is worth it.
-    pub fn add_direct(&self, places: &[Place], count: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
+    pub fn add_direct(&self, places: &[impl Receives], count: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
         // To look at all emitters costs less than the rays where there are as many of these.
         if self.emitters.surfaces.len() > count as usize {
             return self.add_next_event(places, 1, count, scratch, irradiance);
@@ -136,20 +136,21 @@ impl<'a> LightPaths<'a> {
     }
 
     /// Fills `scratch.seen` by the rays to reflectors that go with `count` rays to emitters.
-    pub fn see_reflectors(&self, places: &[Place], count: u32, scratch: &mut PathScratch) {
+    pub fn see_reflectors(&self, places: &[impl Receives], count: u32, scratch: &mut PathScratch) {
         let to_reflectors = (f64::from(count) * REFLECTOR_RAYS).ceil() as u32;
         self.see(places, to_reflectors, &mut scratch.reflector_rays, &mut scratch.seen);
     }
 
     /// Casts rays to reflectors; points where cells have no value are left to paths.
-    fn see(&self, places: &[Place], count: u32, memory: &mut ReflectorRays, seen: &mut Vec<SeenCell>) {
+    fn see(&self, places: &[impl Receives], count: u32, memory: &mut ReflectorRays, seen: &mut Vec<SeenCell>) {
         self.reflectors.see(places, |place| self.is_on_target(place), count, memory, seen);
         seen.retain(|seen| self.cell_at(seen.surface, seen.point).is_some());
     }
 
     /// Whether a place lies in a cell to which next-event rays go. From there none goes to others: they are too close.
-    fn is_on_target(&self, place: &Place) -> bool {
-        self.grids.of(place.surface).is_some_and(|grid| self.reflectors.is_target(grid.cell_at(place.point)))
+    fn is_on_target(&self, place: &impl Receives) -> bool {
+        let grid = place.surface().and_then(|surface| self.grids.of(surface));
+        grid.is_some_and(|grid| self.reflectors.is_target(grid.cell_at(place.receiver(self.scene).point)))
     }
 
     /// The cell that has a value at a point.
@@ -180,20 +181,27 @@ impl<'a> LightPaths<'a> {
             let to = DVec3::from(ray.origin) + within * DVec3::from(ray.direction);
             Segment { from: ray.origin, to: to.to_array(), from_plane: ray.origin_plane, to_plane: NO_PLANE }
         };
-        let segments: Vec<Segment> = self.cosine_rays(place, 0..count).map(to_end).collect();
+        let segments: Vec<Segment> = cosine_rays(&place.receiver(self.scene), 0..count).map(to_end).collect();
         let mut occluded = Vec::new();
         self.rays.occluded(&segments, &mut occluded);
         occluded.iter().filter(|&&occluded| occluded).count() as f64 / f64::from(count)
     }
 
     /// Follows `count` paths from each place, each with at least `bounces` bounces; fills `scratch.ends`.
-    pub fn follow(&self, places: &[Place], count: u32, bounces: u32, scratch: &mut PathScratch) {
-        let alone = |place: &Place| Directions { seed: place.seed, first: 0 };
+    pub fn follow<P: Receives>(&self, places: &[P], count: u32, bounces: u32, scratch: &mut PathScratch) {
+        let alone = |place: &P| Directions { seed: place.receiver(self.scene).seed, first: 0 };
         self.follow_towards(places, &places.iter().map(alone).collect::<Vec<_>>(), count, bounces, scratch);
     }
 
     /// The same, with the first directions of each place's paths given.
-    pub fn follow_towards(&self, places: &[Place], directions: &[Directions], count: u32, bounces: u32, scratch: &mut PathScratch) {
+    pub fn follow_towards(
+        &self,
+        places: &[impl Receives],
+        directions: &[Directions],
+        count: u32,
+        bounces: u32,
+        scratch: &mut PathScratch,
+    ) {
         self.leave(places, directions, count, bounces > 0, scratch);
 
         // Bounce by bounce: direct light where the paths are, then the next ray.
@@ -213,7 +221,7 @@ impl<'a> LightPaths<'a> {
     }
 
     /// Casts the first rays of all paths. With `beyond` no path may end yet.
-    fn leave(&self, places: &[Place], directions: &[Directions], count: u32, beyond: bool, scratch: &mut PathScratch) {
+    fn leave(&self, places: &[impl Receives], directions: &[Directions], count: u32, beyond: bool, scratch: &mut PathScratch) {
         let PathScratch { ends, order, rays, heads, continuation_of, .. } = scratch;
         ends.clear(places.len() * count as usize);
         heads.clear();
@@ -225,7 +233,8 @@ impl<'a> LightPaths<'a> {
         }
         rays.clear();
         for (place, &Directions { seed, first }) in places.iter().zip(directions) {
-            rays.extend(self.cosine_rays(&Place { seed, ..*place }, order.iter().map(|ray| first + ray)));
+            let receiver = Receiver { seed, ..place.receiver(self.scene) };
+            rays.extend(cosine_rays(&receiver, order.iter().map(|ray| first + ray)));
         }
         self.rays.first_hits(rays, &mut scratch.hits);
         let closeness = |hits: &[Option<Hit>]| hits.iter().flatten().map(|hit| 1.0 / hit.distance).sum::<f64>();
@@ -239,11 +248,11 @@ impl<'a> LightPaths<'a> {
                 Arrival::Cell(cell, point) => {
                     let from = &places[path / count as usize];
                     (ends.cell[path], ends.point[path]) = (cell, point);
-                    ends.form_factor[path] = hit.map_or(0.0, |hit| self.form_factor(from, ray, hit));
+                    ends.form_factor[path] = hit.map_or(0.0, |hit| self.form_factor(&from.receiver(self.scene), ray, hit));
                 }
                 Arrival::Onward(point, surface, small) => {
                     let (place, ray) = (path / count as usize, path % count as usize);
-                    let seed = sampling::hash(places[place].seed, streams::PATHS_ONWARD + ray as u64);
+                    let seed = sampling::hash(places[place].receiver(self.scene).seed, streams::PATHS_ONWARD + ray as u64);
                     heads.push(Place { point, surface, seed });
                     continuation_of.push(ends.continued.len());
                     ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: small.unwrap_or(NO_CELL) });
@@ -253,11 +262,11 @@ impl<'a> LightPaths<'a> {
     }
 
     /// The form factor of the cell where a ray from a place arrives, about: by the kernel there.
-    fn form_factor(&self, from: &Place, ray: &Ray, hit: Hit) -> f64 {
+    fn form_factor(&self, from: &Receiver, ray: &Ray, hit: Hit) -> f64 {
         let surface = SurfaceId(hit.surface);
         let direction = DVec3::from(ray.direction);
-        let normal = |surface: SurfaceId| self.scene.surface(surface).polygon.facet().normal;
-        let cosines = normal(from.surface).dot(direction).abs() * normal(surface).dot(direction).abs();
+        let normal = self.scene.surface(surface).polygon.facet().normal;
+        let cosines = from.normal.dot(direction).abs() * normal.dot(direction).abs();
         let area = self.grids.of(surface).map_or(0.0, |grid| grid.size().powi(2));
         (cosines * area / (PI * hit.distance.powi(2))).min(1.0)
     }
@@ -297,7 +306,7 @@ impl<'a> LightPaths<'a> {
     fn go_on(&self, scratch: &mut PathScratch, beyond: bool) {
         let PathScratch { ends, rays, hits, heads, continuation_of, .. } = scratch;
         rays.clear();
-        heads.iter().for_each(|head| rays.extend(self.cosine_rays(head, 0..1)));
+        heads.iter().for_each(|head| rays.extend(cosine_rays(&head.receiver(self.scene), 0..1)));
         self.rays.first_hits(rays, hits);
 
         // Those that do not end stay in the lists, moved to the front.
@@ -324,7 +333,7 @@ impl<'a> LightPaths<'a> {
     }
 
     /// What a ray from a place finds. With `beyond` no path may end yet.
-    fn arrival(&self, from: &Place, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
+    fn arrival(&self, from: &impl Receives, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
         let Some(hit) = hit else { return Arrival::Nothing };
         let direction = DVec3::from(ray.direction);
         let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { return Arrival::Nothing };
@@ -338,16 +347,14 @@ impl<'a> LightPaths<'a> {
             small => Arrival::Onward(point, surface, small),
         }
     }
+}
 
-    /// Cosine-distributed rays from a place, by the Sobol points of these indices.
-    fn cosine_rays(&self, place: &Place, indices: impl Iterator<Item = u32>) -> impl Iterator<Item = Ray> {
-        let surface = self.scene.surface(place.surface);
-        let frame = Frame::around(surface.polygon.facet().normal);
-        let (origin, origin_plane, seed) = (place.point.to_array(), surface.plane, place.seed);
-        let sobol = sampling::shifted_sobol_2d(seed);
-        indices.map(move |index| {
-            let [u, v] = sobol(index);
-            Ray { origin, direction: frame.sampled_by_cosine(u, v).to_array(), origin_plane }
-        })
-    }
+/// Cosine-distributed rays from a receiver, by the Sobol points of these indices.
+fn cosine_rays<I: Iterator<Item = u32>>(receiver: &Receiver, indices: I) -> impl Iterator<Item = Ray> + use<I> {
+    let &Receiver { point, normal, plane: origin_plane, seed } = receiver;
+    let (frame, origin, sobol) = (Frame::around(normal), point.to_array(), sampling::shifted_sobol_2d(seed));
+    indices.map(move |index| {
+        let [u, v] = sobol(index);
+        Ray { origin, direction: frame.sampled_by_cosine(u, v).to_array(), origin_plane }
+    })
 }

@@ -255,7 +255,7 @@ impl FromStr for CameraRequest {
 }
 
 /// Three finite numbers separated by commas.
-fn parse_vector(text: &str) -> Option<[f64; 3]> {
+pub(super) fn parse_vector(text: &str) -> Option<[f64; 3]> {
     let mut numbers = text.split(',').map(|number| number.parse::<f64>().ok().filter(|x| x.is_finite()));
     let vector = [numbers.next()??, numbers.next()??, numbers.next()??];
     numbers.next().is_none().then_some(vector)

@@ -32,6 +32,11 @@ struct Dot {
 }
 
 impl Marks {
+    /// Of pixels, row after row from the top left, with their colours.
+    pub(super) fn of(pixels: Vec<(usize, [u8; 3])>) -> Self {
+        Self { pixels }
+    }
+
     /// The number of each pixel, row after row from the top left, and its colour; of a pixel that comes again the last counts.
     pub fn pixels(&self) -> impl Iterator<Item = (usize, [u8; 3])> {
         self.pixels.iter().copied()

@@ -1,10 +1,12 @@
-//! Pictures: cameras, views that show a scene, and the values at what each pixel sees.
+//! Pictures: cameras, views that show a scene, and the values at what each pixel sees; measuring planes.
 
 mod camera;
 mod default_view;
 mod image;
 mod lines;
+mod measuring_plane;
 mod of_mesh;
+mod plane_picture;
 mod render;
 mod shown;
 mod width;
@@ -14,6 +16,7 @@ pub use image::Image;
 pub(crate) use image::luminance;
 pub use lines::Marks;
 pub(crate) use lines::{Line, draw_lines};
+pub use measuring_plane::{MeasuringPlane, PlaneError, PlaneRequest};
 pub(crate) use of_mesh::render_mesh;
 pub(crate) use render::render;
 pub(crate) use shown::Shown;

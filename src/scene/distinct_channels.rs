@@ -49,13 +49,7 @@ impl DistinctChannels {
             Material { name: name.clone(), reflectance: pick(reflectance), exitance: pick(exitance) }
         };
         let materials = scene.materials.iter().map(pick_of).collect();
-        let scene = Scene {
-            channels: solved.len(),
-            materials,
-            surfaces: scene.surfaces.clone(),
-            sides: scene.sides,
-            objects: scene.objects.clone(),
-        };
+        let scene = Scene { channels: solved.len(), materials, ..scene.clone() };
         Some(Self { scene, copies, of })
     }
 

@@ -2,10 +2,10 @@
 
 mod distinct_channels;
 mod error;
+mod face_names;
 pub mod import;
 mod largest;
 mod material;
-mod object;
 mod planes;
 mod point;
 mod summary;
@@ -13,9 +13,9 @@ mod twins;
 
 pub(crate) use distinct_channels::DistinctChannels;
 pub use error::SceneError;
+pub use face_names::FaceNames;
 pub(crate) use largest::largest;
 pub use material::Material;
-pub use object::Object;
 pub use point::{PointError, SurfacePoint};
 pub use summary::SceneSummary;
 
@@ -84,7 +84,8 @@ pub struct Scene {
     surfaces: Vec<Surface>,
     sides: Sides,
     /// What their faces belong to.
-    objects: Vec<Object>,
+    objects: FaceNames,
+    groups: FaceNames,
 }
 
 impl Scene {
@@ -113,7 +114,8 @@ impl Scene {
 
         let surfaces =
             faces.into_iter().map(|(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None }).collect();
-        let mut scene = Self { channels, materials, surfaces, sides, objects: Vec::new() };
+        let (objects, groups) = (FaceNames::default(), FaceNames::default());
+        let mut scene = Self { channels, materials, surfaces, sides, objects, groups };
         scene.check_materials()?;
         scene.add_twins();
         scene.group_planes();
@@ -128,10 +130,15 @@ impl Scene {
         if materials.len() != self.materials.len() {
             return Err(SceneError::Materials { given: materials.len(), needed: self.materials.len() });
         }
-        let Self { channels, ref surfaces, sides, .. } = *self;
-        let scene = Self { channels, materials, surfaces: surfaces.clone(), sides };
+        let scene = Self { materials, ..self.clone() };
         scene.check_materials()?;
         Ok(scene)
+    }
+
+    /// The same with the objects and groups that the faces of its input belong to.
+    #[must_use]
+    pub fn with_names(self, objects: FaceNames, groups: FaceNames) -> Self {
+        Self { objects, groups, ..self }
     }
 
     /// Every material must have as many channels as the scene, of which there must be some, with values in range.
@@ -171,8 +178,8 @@ impl Scene {
                 return Err(format!("surface {index}: its twin does not exist"));
             }
         }
-        if !self.objects.is_sorted_by_key(|object| object.first_face) {
-            return Err("its objects are not in the order of their faces".to_owned());
+        if !self.objects.is_valid() || !self.groups.is_valid() {
+            return Err("a face is in an object or a group that does not exist".to_owned());
         }
         if count == 0 { Err("there is no surface".to_owned()) } else { Ok(()) }
     }
@@ -208,25 +215,19 @@ impl Scene {
         if surface.polygon.facet().normal.dot(direction) > 0.0 { Some(id) } else { surface.twin }
     }
 
-    /// Which sides of the input faces emit and receive.
-    pub fn sides(&self) -> Sides {
-        self.sides
-    }
-
-    /// The same scene with names for its faces; the objects in the order of their first faces.
-    #[must_use]
-    pub fn with_objects(self, objects: Vec<Object>) -> Self {
-        Self { objects, ..self }
-    }
-
-    /// The objects in the order of their faces; none where the input does not name any.
-    pub fn objects(&self) -> &[Object] {
+    /// The objects that faces of the input belong to; a face is [`Surface::face`].
+    pub fn objects(&self) -> &FaceNames {
         &self.objects
     }
 
-    /// The name of the object that a face belongs to, by the 0-based number of the face.
-    pub fn object_of(&self, face: u32) -> Option<&str> {
-        object::name_in(&self.objects, face)
+    /// The groups that they belong to.
+    pub fn groups(&self) -> &FaceNames {
+        &self.groups
+    }
+
+    /// Which sides of the input faces emit and receive.
+    pub fn sides(&self) -> Sides {
+        self.sides
     }
 
     /// The box around all surfaces.

@@ -8,6 +8,7 @@ mod choice;
 mod cuts;
 mod effort;
 mod finish;
+mod flux;
 mod interest;
 mod job;
 mod judge;
@@ -29,6 +30,7 @@ mod work;
 mod worthwhile_cells;
 
 pub use crate::links::Skips;
+pub use flux::Flux;
 pub(crate) use interest::InitialImportance;
 pub use interest::InterestError;
 pub use options::{

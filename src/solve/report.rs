@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::bounds::{BoundsReport, Certainty};
-use crate::hierarchy::Hierarchy;
+use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::scene::{Scene, SurfaceId};
 use crate::sweep::{self, Closure, Exposure, Radiosity};
@@ -304,26 +304,33 @@ pub(super) struct Powers<'a> {
 }
 
 impl Powers<'_> {
-    /// Where the power goes in one more gather, as sweeps close it: what arrives nowhere has escaped, if anything can.
-    pub fn energy(&self) -> Energy {
+    /// Visits all leaves with their exposed areas and the irradiance there in one more gather, by channel.
+    pub fn for_each_leaf(&self, mut visit: impl FnMut(NodeId, f64, &[f64])) {
         let Self { scene, hierarchy, links, exposure, closure, radiosity } = *self;
         let channels = scene.channels();
         let mut irradiance = sweep::push(hierarchy, sweep::gather(hierarchy, links, exposure, radiosity), channels);
-        let (mut energy, mut arrived) = (Energy::default(), 0.0);
         for leaf in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
-            let material = scene.material_of(SurfaceId(hierarchy.node(leaf).surface));
-            let exposed = hierarchy.area(leaf) * exposure.of(leaf);
             let arriving = &mut irradiance[leaf.index() * channels..][..channels];
             if let Some(closure) = closure {
                 closure.close(leaf, arriving);
             }
+            visit(leaf, hierarchy.area(leaf) * exposure.of(leaf), arriving);
+        }
+    }
+
+    /// Where the power goes in one more gather, as sweeps close it: what arrives nowhere has escaped, if anything can.
+    pub fn energy(&self) -> Energy {
+        let Self { scene, hierarchy, exposure, radiosity, .. } = *self;
+        let (mut energy, mut arrived) = (Energy::default(), 0.0);
+        self.for_each_leaf(|leaf, exposed, arriving| {
+            let material = scene.material_of(SurfaceId(hierarchy.node(leaf).surface));
             for (channel, arriving) in arriving.iter().enumerate() {
                 energy.emitted += exposed * material.exitance[channel];
                 energy.absorbed += (1.0 - material.reflectance[channel]) * exposed * arriving;
                 energy.sent += exposed * radiosity.of(leaf)[channel];
             }
             arrived += exposed * arriving.iter().sum::<f64>();
-        }
+        });
         energy.escaped = if exposure.is_closed() { 0.0 } else { (energy.sent - arrived).max(0.0) };
         energy.unaccounted = energy.emitted - energy.absorbed - energy.escaped;
         energy.imbalance = (exposure.is_closed() && energy.sent > 0.0).then(|| 1.0 - arrived / energy.sent);

@@ -5,7 +5,7 @@
 
 use crate::cells::CellRadiosities;
 use crate::geometry::{sampling, streams};
-use crate::paths::{BatchSums, Continuation, LightPaths, NO_CELL, PathScratch, Place, SeenCell};
+use crate::paths::{BatchSums, Continuation, LightPaths, NO_CELL, PathScratch, Place, Receives, SeenCell};
 
 /// Next-event rays for each path. Empirical.
 const EMITTER_RAYS: f64 = 0.5;
@@ -41,7 +41,13 @@ impl FinalGather<'_> {
 
     /// Adds the direct irradiance from emitters and bright reflectors at each place: exactly, or by the next-event rays that go with `rays`
     /// paths.
-    pub fn add_sampled_direct(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
+    pub fn add_sampled_direct(
+        &self,
+        places: &[impl Receives],
+        rays: u32,
+        scratch: &mut PathScratch,
+        irradiance: &mut BatchSums<'_>,
+    ) {
         let emitter_rays = emitter_rays(rays);
         let together = (BATCH / emitter_rays as usize).max(1);
         let batches = places.chunks(together).zip(irradiance.chunks(together));
@@ -71,7 +77,7 @@ impl FinalGather<'_> {
 
     /// Adds the light of reflectors that rays have seen: by the radiosities of their cells, or by gathers at the points that were
     /// seen.
-    fn add_seen(&self, places: &[Place], scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
+    fn add_seen(&self, places: &[impl Receives], scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
         let channels = self.paths.scene.channels();
         let mut add = |seen: &SeenCell, sent: &mut dyn Iterator<Item = f64>| {
             let irradiance = irradiance.in_turn(seen.by, seen.ray as usize);
@@ -90,11 +96,11 @@ impl FinalGather<'_> {
 
     /// The radiosities of reflectors at the points that rays from `places` have `seen`, by channel: a gather of one path and one
     /// next-event ray at each.
-    pub(crate) fn sampled_sent(&self, places: &[Place], seen: &[SeenCell], scratch: &mut PathScratch) -> Vec<f64> {
+    pub(crate) fn sampled_sent(&self, places: &[impl Receives], seen: &[SeenCell], scratch: &mut PathScratch) -> Vec<f64> {
         let channels = self.paths.scene.channels();
         // The irradiance at these points.
         let there = |(number, seen): (usize, &SeenCell)| {
-            let seed = sampling::hash(places[seen.by].seed, streams::ON_REFLECTORS + number as u64);
+            let seed = sampling::hash(places[seen.by].receiver(self.paths.scene).seed, streams::ON_REFLECTORS + number as u64);
             Place { point: seen.point, surface: seen.surface, seed }
         };
         let there: Vec<Place> = seen.iter().enumerate().map(there).collect();
@@ -115,7 +121,13 @@ impl FinalGather<'_> {
     }
 
     /// Adds the indirect irradiance at each place, by `rays` paths.
-    pub fn add_sampled_indirect(&self, places: &[Place], rays: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
+    pub fn add_sampled_indirect(
+        &self,
+        places: &[impl Receives],
+        rays: u32,
+        scratch: &mut PathScratch,
+        irradiance: &mut BatchSums<'_>,
+    ) {
         let count = rays.max(1);
         let together = (BATCH / count as usize).max(1);
         let batches = places.chunks(together).zip(irradiance.chunks(together));
@@ -124,7 +136,7 @@ impl FinalGather<'_> {
 
     fn add_sampled_indirect_of_batch(
         &self,
-        places: &[Place],
+        places: &[impl Receives],
         count: u32,
         scratch: &mut PathScratch,
         irradiance: &mut BatchSums<'_>,

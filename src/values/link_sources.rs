@@ -22,10 +22,13 @@ const LEAST_SHOWN: f64 = 0.05;
 const MAX_SPLITS: u32 = 8;
 
 impl LinkGather<'_> {
-    /// Collects the sources of all links above the point.
+    /// Collects the sources of all links above the point; in space, where there are none, the whole scene is the source.
     pub(super) fn collect_sources(&self, receiver: &Receiver<'_>, scratch: &mut LinkScratch) {
         scratch.pieces.clear();
-        let mut node = Some(receiver.leaf);
+        if receiver.leaf.is_none() {
+            self.collect(receiver, NodeId::ROOT, Expected::UNKNOWN, &mut scratch.pieces);
+        }
+        let mut node = receiver.leaf;
         while let Some(above) = node {
             for link in self.links.of(above) {
                 let transmittance = f64::from(0.5 * (link.seen + link.transmittance)).clamp(0.0, 1.0);

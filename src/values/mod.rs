@@ -1,5 +1,5 @@
 //! Values at points: the radiosity equation evaluated once more at the point itself, over links (`over_links`) or over cells
-//! (`final_gather`, with an `irradiance_cache` where many points lie close). `shading` has older methods, to compare.
+//! (`final_gather`, with an `irradiance_cache` where many points lie close). `sensors` gather off surfaces. `shading` has older methods, to compare.
 
 mod budget;
 mod error_bars;
@@ -10,8 +10,10 @@ mod irradiance_cache;
 mod link_sources;
 mod over_links;
 mod sample;
+mod sensors;
 mod shading;
 mod source_piece;
+mod summary;
 mod variation;
 
 pub(crate) use budget::{NOISE_POWER, RayBudget};
@@ -22,5 +24,8 @@ pub(crate) use indirect::IndirectGather;
 pub(crate) use over_links::LinkGather;
 pub use sample::{Values, ValuesError};
 pub(crate) use sample::{tolerance, values_at};
+pub use sensors::Irradiances;
+pub(crate) use sensors::irradiances_at;
 pub(crate) use shading::Shading;
 pub use shading::ShadingMethod;
+pub use summary::Summary;

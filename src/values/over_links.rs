@@ -40,6 +40,10 @@ pub(super) const MAX_RAYS: f64 = 8.0;
 /// Rays that end on a leaf that is exposed only in part gather there if the form factor of the source is above this. Empirical.
 const CLOSE: f64 = 0.1;
 
+/// In space a point of a near piece is drawn so often at most until it is above the horizon: there is no control variate that would stand for points below
+/// it. Of a piece of which a third or more is above, two in a thousand are missed: (2/3)^16.
+const MOST_DRAWS: u32 = 16;
+
 /// Rays to what is undecided of emitters, as a part of those to reflected light: fewer, since their noise falls faster, see `direct`. A choice, not
 /// fitted: between 0 and 1 it shifts time from one to the other.
 const DIRECT_RAYS: f64 = 0.5;
@@ -84,14 +88,15 @@ pub(crate) struct LinkScratch {
     beyond: Option<Box<LinkScratch>>,
 }
 
-/// A point on a surface, with what the gather reads often.
+/// Where light is gathered, with what the gather reads often.
 pub(super) struct Receiver<'a> {
     pub point: DVec3,
     pub normal: DVec3,
-    pub surface: SurfaceId,
     pub plane: u32,
+    /// What counts of the light, by channel: the part that is reflected on a surface, in space all of it.
     pub reflectance: &'a [f64],
-    pub leaf: NodeId,
+    /// The leaf that it lies on; `None` in space.
+    pub leaf: Option<NodeId>,
     pub seed: u64,
 }
 
@@ -143,8 +148,25 @@ impl<'a> LinkGather<'a> {
     fn receiver(&self, leaf: NodeId, place: &Place) -> Receiver<'a> {
         let surface = self.scene.surface(place.surface);
         let (normal, reflectance) = (surface.polygon.facet().normal, &self.scene.material_of(place.surface).reflectance);
-        let &Place { point, surface: id, seed } = place;
-        Receiver { point, normal, surface: id, plane: surface.plane, reflectance, leaf, seed }
+        let &Place { point, seed, .. } = place;
+        Receiver { point, normal, plane: surface.plane, reflectance, leaf: Some(leaf), seed }
+    }
+
+    /// The irradiance H at a sensor, by channel, in W/m^2; `scratch` tells then what its error may be. There are no links above it, so all surfaces are
+    /// sources, and rays alone tell what is seen of them.
+    pub fn irradiance_in_space(
+        &self,
+        sensor: &direct::Receiver,
+        budget: RayBudget,
+        scratch: &mut LinkScratch,
+        irradiance: &mut [f64],
+    ) {
+        scratch.beyond.get_or_insert_default();
+        let &direct::Receiver { point, normal, plane, seed } = sensor;
+        let all_of_it = vec![1.0; irradiance.len()];
+        let receiver = Receiver { point, normal, plane, reflectance: &all_of_it, leaf: None, seed };
+        self.irradiance(&receiver, budget, scratch, irradiance);
+        irradiance.iter_mut().for_each(|h| *h = h.max(0.0));
     }
 
     /// The radiosity at a place, by channel, in W/m^2; `scratch` tells then what its error may be.
@@ -197,8 +219,8 @@ impl<'a> LinkGather<'a> {
         let blockers = self.blockers.of(self.scene);
         let light = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters };
         let rays = (DIRECT_RAYS * f64::from(budget.rays)).ceil() as u32;
-        let &Receiver { point, surface, seed, .. } = receiver;
-        let receiver = direct::Receiver { point, surface, seed };
+        let &Receiver { point, normal, plane, seed, .. } = receiver;
+        let receiver = direct::Receiver { point, normal, plane, seed };
         let effort = DirectEffort { rays, method: Method::Cheaper };
         light.add_irradiance(&receiver, effort, &mut scratch.direct, irradiance, &mut scratch.variance);
     }
@@ -287,16 +309,22 @@ impl<'a> LinkGather<'a> {
             let area = part.map_or_else(|| self.hierarchy.area(piece.node), |part| part.area);
             let sobol = sampling::shifted_sobol_2d(seed);
             let first = weights.len();
-            for ray in 0..piece.rays {
-                let [u, v] = sobol(ray);
+            let point = |draw: u32| {
+                let [u, v] = sobol(draw);
                 let (leaf, y) = match part {
                     None => self.hierarchy.point_in_leaf(piece.node, u, v),
                     Some(part) => (piece.node, part.point_at(u, v)),
                 };
+                (leaf, y, kernel(receiver.point, receiver.normal, y, self.hierarchy.normal(leaf)))
+            };
+            let draws = if piece.near && receiver.leaf.is_none() { MOST_DRAWS } else { 1 };
+            for ray in 0..piece.rays {
+                let mut drawn = (0..draws).map(|again| point(ray + again * piece.rays));
+                let (leaf, y, kernel) = drawn.find(|(.., kernel)| *kernel > 0.0).unwrap_or_else(|| point(ray));
                 let to_plane = self.scene.surface(SurfaceId(self.hierarchy.node(leaf).surface)).plane;
                 let (from, to) = (receiver.point.to_array(), y.to_array());
                 segments.push(Segment { from, to, from_plane: receiver.plane, to_plane });
-                weights.push(kernel(receiver.point, receiver.normal, y, self.hierarchy.normal(leaf)));
+                weights.push(kernel);
                 met.push(leaf);
             }
 

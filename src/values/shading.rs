@@ -7,11 +7,11 @@
 //!
 //! The thesis has no clusters; here a cluster as source is all surfaces below it, with the visibility of its link where the method takes that.
 
-use crate::direct::{DirectLight, DirectScratch, Receiver};
+use crate::direct::{DirectLight, DirectScratch};
 use crate::form_factor::point_to_polygon;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
-use crate::paths::Place;
+use crate::paths::{Place, Receives};
 use crate::scene::Scene;
 use crate::sweep::Radiosity;
 
@@ -69,7 +69,7 @@ impl Shading<'_> {
             return self.hierarchy.children(source).for_each(|child| self.add(place, child, transmittance, scratch, irradiance));
         };
         let facet = self.hierarchy.facet(source);
-        let receiver = Receiver { point: place.point, surface: place.surface, seed: place.seed };
+        let receiver = place.receiver(self.scene);
         let is_seen_anew = match self.method {
             ShadingMethod::Leaf | ShadingMethod::FormFactors => false,
             ShadingMethod::Visibility => true,

@@ -55,6 +55,9 @@ impl SourcePiece {
 }
 
 impl Expected {
+    /// Where no link tells: it may be seen or not.
+    pub const UNKNOWN: Self = Self { transmittance: 0.5, control: 0.0 };
+
     /// The uncertainty of the visibility of the source: the standard deviation of a yes or no, in halves, and a least uncertainty between
     /// [`DOUBT_OF_HIDDEN`] and [`DOUBT_OF_SEEN`].
     pub fn doubt(self) -> f64 {

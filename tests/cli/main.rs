@@ -5,6 +5,7 @@ mod commands;
 mod hostile;
 mod lit_mesh;
 mod pictures;
+mod sensors;
 mod solve;
 #[path = "../support/mod.rs"]
 mod support;
@@ -155,7 +156,7 @@ impl Ran {
 #[test]
 fn help_goes_to_stdout_and_lists_the_exit_codes() {
     let place = Place::new();
-    for arguments in ["--help", "solve --help", "sample --help", "render --help", "export --help", "info --help"] {
+    for arguments in ["--help", "solve --help", "sample --help", "render --help", "export --help", "report --help", "info --help"] {
         let ran = place.run(arguments);
         ran.succeeded();
         assert!(ran.stdout.contains("130  interrupted") && ran.stderr.is_empty(), "{arguments}: {}", ran.stdout);

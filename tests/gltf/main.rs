@@ -47,9 +47,10 @@ fn a_room_has_its_surfaces_materials_and_names() {
     let scene = &imported.scene;
     assert_eq!(texts(&imported), []);
     assert_eq!(scene.surfaces().len(), 7);
-    let names: Vec<(&str, u32)> = imported.scene.objects().iter().map(|object| (object.name.as_str(), object.first_face)).collect();
-    assert_eq!(names, [("room (wall)", 0), ("floor (floor)", 10), ("lamp (lamp)", 12)]);
-    assert_eq!((scene.object_of(9), scene.object_of(13)), (Some("room (wall)"), Some("lamp (lamp)")));
+    assert_eq!(scene.objects().names(), ["room (wall)", "floor (floor)", "lamp (lamp)"]);
+    let of: Vec<Option<usize>> = (0..15).map(|face| scene.objects().of(face)).collect();
+    assert_eq!(of, [[Some(0); 10].as_slice(), &[Some(1); 2], &[Some(2); 2], &[None]].concat());
+    assert_eq!(scene.objects().name_of(13), Some("lamp (lamp)"));
     assert_eq!(imported.lines.len(), 14);
 
     // Base colour is reflectance, of a texture half white and half black the half; emission is a radiance, times pi.

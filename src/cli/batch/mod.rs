@@ -113,7 +113,7 @@ impl Batch {
         let shard = how.shard.as_deref().map_or(Ok(WHOLE), parse_shard)?;
         let [index, count] = shard;
         let of_shard = self.plan.jobs.iter().enumerate().filter(|(number, _)| number % count == index).map(|(_, job)| job.clone());
-        let mut stock = Stock::new(self.place.trust.allow_any_path, self.voice);
+        let mut stock = Stock::new(self.place.trust, self.voice);
         let tasks = self.tasks(of_shard.collect(), &mut stock)?;
 
         // What was done before.
@@ -156,7 +156,7 @@ impl Batch {
 
     /// Makes the tables of what all shards have done, and checks that nothing is missing.
     fn merge(self) -> Result<Exit, Failure> {
-        let mut stock = Stock::new(self.place.trust.allow_any_path, self.voice);
+        let mut stock = Stock::new(self.place.trust, self.voice);
         let tasks = self.tasks(self.plan.jobs.clone(), &mut stock)?;
         let known = journal::read_all(&self.results, &self.stem)?;
         let teller = Teller::new(self.voice, tasks.len(), 1);
@@ -187,8 +187,7 @@ impl Batch {
 
     fn tasks(&self, jobs: Vec<Job>, stock: &mut Stock) -> Result<Vec<Task>, Failure> {
         let PlaceArguments { trust, run, .. } = &self.place;
-        let (backend, allow_any_path) = (run.backend.clone(), trust.allow_any_path);
-        Common { inputs: &self.inputs, results: &self.results, backend, allow_any_path }.tasks(jobs, stock)
+        Common { inputs: &self.inputs, results: &self.results, backend: run.backend.clone(), trust: *trust }.tasks(jobs, stock)
     }
 
     /// The threads of each lane: if not told otherwise, there is a lane for each thread.

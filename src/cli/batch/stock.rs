@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use patchlight::pipeline::PipelineError;
-use patchlight::scene::import::{ImportOptions, read_scene};
+use patchlight::scene::import::read_scene;
 use patchlight::scene::{Scene, Sides};
 use patchlight::visibility::{self, Backend, OccluderMesh, Visibility};
 
+use super::super::argument_groups::TrustArguments;
 use super::super::exit::{Exit, Failure};
 use super::super::progress::Voice;
 use super::identity;
@@ -40,7 +41,7 @@ pub struct Wanted {
 pub struct Stock {
     slots: Vec<Mutex<Slot>>,
     wanted: Vec<Wanted>,
-    allow_any_path: bool,
+    trust: TrustArguments,
     voice: Voice,
 }
 
@@ -53,8 +54,8 @@ struct Slot {
 
 impl Stock {
     /// Nothing is read yet. Scenes read libraries wherever they lie, if so allowed.
-    pub fn new(allow_any_path: bool, voice: Voice) -> Self {
-        Self { slots: Vec::new(), wanted: Vec::new(), allow_any_path, voice }
+    pub fn new(trust: TrustArguments, voice: Voice) -> Self {
+        Self { slots: Vec::new(), wanted: Vec::new(), trust, voice }
     }
 
     /// One more job wants this scene; its number.
@@ -92,8 +93,7 @@ impl Stock {
     /// Reads a scene; that it was repaired is told once.
     fn read(&self, wanted: &Wanted) -> Result<Stocked, Failure> {
         let Wanted { path, sides, .. } = wanted;
-        let import = ImportOptions { sides: *sides, allow_any_path: self.allow_any_path };
-        let imported = read_scene(path, &import).map_err(Failure::bad_input)?;
+        let imported = read_scene(path, &self.trust.import(*sides)).map_err(Failure::bad_input)?;
         let mut digests = String::new();
         for file in [path].into_iter().chain(&imported.libraries) {
             let bytes = fs::read(file).map_err(|error| Failure::bad_input(format_args!("{}: {error}", file.display())))?;

@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::super::arguments::{PictureArguments, RunArguments, SettingArguments, SolveArguments, TrustArguments};
+use super::super::argument_groups::{PictureArguments, RunArguments, SettingArguments, TrustArguments};
+use super::super::arguments::SolveArguments;
 use super::super::exit::Failure;
 use super::super::progress::Voice;
 use super::super::request::SolveRequest;
@@ -30,8 +31,8 @@ pub struct Common<'a> {
     pub results: &'a Path,
     /// The backend, if it was named.
     pub backend: Option<String>,
-    /// Whether scenes read libraries wherever they lie.
-    pub allow_any_path: bool,
+    /// How scenes are read.
+    pub trust: TrustArguments,
 }
 
 impl Common<'_> {
@@ -82,7 +83,7 @@ impl Common<'_> {
                 set: job.options.iter().map(|said| format!("{}={}", said.key, said.text)).collect(),
                 ..SettingArguments::default()
             },
-            trust: TrustArguments { allow_any_path: self.allow_any_path },
+            trust: self.trust,
             image: outputs("image"),
             picture: PictureArguments {
                 camera: flag("camera"),
@@ -97,6 +98,8 @@ impl Common<'_> {
             points,
             values,
             report: None,
+            // It tells the times of the run, and results are the same bytes.
+            html: None,
             run: RunArguments { backend: self.backend.clone(), ..RunArguments::default() },
         })
     }
@@ -118,6 +121,6 @@ fn place_of<'a>(texts: &'a [Said], key: &str) -> &'a str {
     texts.iter().find(|said| said.key == key).map_or("", |said| &said.place)
 }
 
-fn parse_from(said: &Said) -> Result<super::super::arguments::Whence, Failure> {
+fn parse_from(said: &Said) -> Result<super::super::argument_groups::Whence, Failure> {
     clap::ValueEnum::from_str(&said.text, false).map_err(|_| said.wrong(format_args!("'{}' must be mesh or gather", said.text)))
 }

@@ -1,7 +1,10 @@
 //! Next-event estimation against what all emitters bring, and how much a single ray may weigh.
 
+use glam::DVec3;
+
 use super::*;
 use crate::geometry::Polygon;
+use crate::paths::Place;
 use crate::scene::{Material, Scene, Sides};
 use crate::transmittance::Rays;
 use crate::visibility::{Backend, OccluderMesh, build};

@@ -7,6 +7,7 @@ use super::assemble::{Faces, assemble};
 use super::faces::Face;
 use super::{Diagnostic, DiagnosticKind, Diagnostics};
 use crate::geometry::Polygon;
+use crate::scene::FaceNames;
 
 /// A face; its corners follow those of the face before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,7 +83,7 @@ pub fn polygons_of_arrays(
 
     // Their polygons.
     let corners: Vec<DVec3> = corners.iter().map(|&corner| DVec3::from(corner)).collect();
-    let faces = Faces { faces: &read, corners: &corners, vertices: corners.len(), source: None, objects: &[] };
+    let faces = Faces { faces: &read, corners: &corners, vertices: corners.len(), source: None, objects: &FaceNames::default() };
     let assembled = assemble(&faces, diagnostics, &|| false);
     Ok(assembled.map_or_else(Vec::new, |assembled| assembled.polygons))
 }

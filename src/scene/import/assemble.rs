@@ -15,8 +15,7 @@ use super::faces::Face;
 use super::{Diagnostic, DiagnosticKind, Diagnostics};
 use crate::geometry::{Aabb, Polygon};
 use crate::progress::Stop;
-use crate::scene::Object;
-use crate::scene::object::name_in;
+use crate::scene::FaceNames;
 
 /// Corners off their plane by no more than this fraction of the scene's diagonal are there by rounding: files give six or seven digits.
 const PLANE_TOLERANCE: f64 = 1e-6;
@@ -42,15 +41,15 @@ pub(super) struct Faces<'a> {
     pub vertices: usize,
     /// The file that they are from, and the line of each face, from 1; `None` for faces from memory.
     pub source: Option<(&'a Path, &'a [u32])>,
-    /// The objects that they belong to; none if that is not known.
-    pub objects: &'a [Object],
+    /// The objects that they belong to, where that is known.
+    pub objects: &'a FaceNames,
 }
 
 impl Faces<'_> {
     /// A diagnostic about a face.
     fn about(&self, kind: DiagnosticKind, text: String, number: u32) -> Diagnostic {
         let mut diagnostic = Diagnostic::new(kind, text).face(number + 1);
-        diagnostic.object = name_in(self.objects, number).map(str::to_owned);
+        diagnostic.object = self.objects.name_of(number).map(str::to_owned);
         match self.source {
             Some((file, lines)) => diagnostic.at(file, lines[number as usize]),
             None => diagnostic,

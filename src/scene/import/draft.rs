@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::{ArrayFace, Diagnostic, DiagnosticKind, Diagnostics, Imported, polygons_of_arrays};
 use crate::geometry::Polygon;
-use crate::scene::{Material, Object, Scene, SceneError, Sides};
+use crate::scene::{FaceNames, Material, Scene, SceneError, Sides};
 
 /// What is to become a scene. Faces of arrays come first, then those of files; the same with materials.
 pub struct Draft {
@@ -112,19 +112,18 @@ impl Draft {
         };
         let mut materials = self.materials.clone();
         let mut faces = self.faces.len() as u32;
-        let mut objects = Vec::new();
+        let [mut objects, mut groups] = [FaceNames::default(), FaceNames::default()];
         for file in &self.files {
             append(&mut polygons, &mut materials, faces, &file.scene);
-            // What follows has no name, unless it says one.
-            objects.push(Object { name: String::new(), first_face: faces });
-            objects.extend(file.scene.objects().iter().map(|own| Object { first_face: faces + own.first_face, ..own.clone() }));
+            objects.append(faces, file.scene.objects());
+            groups.append(faces, file.scene.groups());
             faces += file.lines.len() as u32;
             diagnostics.items.extend(file.diagnostics.items.iter().cloned());
         }
 
         // The scene. Whether anything emits is asked of all of it, not of each file.
         let scene = match Scene::new(self.channels, materials, polygons, self.sides) {
-            Ok(scene) => scene.with_objects(objects),
+            Ok(scene) => scene.with_names(objects, groups),
             Err(error) => return Err(failed(error.to_string(), diagnostics)),
         };
         let is_dark = !scene.surfaces().iter().any(|surface| scene.materials()[surface.material as usize].emits());

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use crate::scene::{Material, Object};
+use crate::scene::{FaceNames, Material};
 
 /// A face as it was read: three or more corners.
 pub(super) struct Face {
@@ -33,8 +33,9 @@ pub(super) struct FaceFile {
     pub materials: Vec<Material>,
     /// The other files that were read.
     pub libraries: Vec<PathBuf>,
-    /// Objects in the order of their faces; none where the format has no names for them.
-    pub objects: Vec<Object>,
+    /// The objects and the groups that faces are in, where the format has names for them.
+    pub objects: FaceNames,
+    pub groups: FaceNames,
 }
 
 impl FaceFile {

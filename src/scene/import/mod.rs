@@ -14,6 +14,7 @@ mod faces;
 mod gltf;
 mod join;
 mod mtl;
+mod names;
 mod obj;
 mod options;
 mod ply;
@@ -87,7 +88,7 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     if stop() {
         return Err(ImportError::Cancelled);
     }
-    let FaceFile { lines, vertices, faces, corners, materials, libraries, objects } = read;
+    let FaceFile { lines, vertices, faces, corners, materials, libraries, objects, groups } = read;
     let in_file = assemble::Faces { faces: &faces, corners: &corners, vertices, source: Some((path, &lines)), objects: &objects };
     let assembled = assemble::assemble(&in_file, &mut diagnostics, &stop).ok_or(ImportError::Cancelled)?;
     if assembled.polygons.is_empty() {
@@ -101,7 +102,7 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     }
     let scene = Scene::new(3, materials, assembled.polygons, options.sides)
         .map_err(|source| ImportError::Scene { file: file(), source })?
-        .with_objects(objects);
+        .with_names(objects, groups);
     if !scene.surfaces().iter().any(|surface| scene.materials()[surface.material as usize].emits()) {
         let text = "no light: no face has a material that emits, so everything is black";
         diagnostics.push(Diagnostic::new(DiagnosticKind::NoLight, text).at(path, 0));

@@ -136,7 +136,8 @@ fn read_values(
         corners,
         materials: vec![],
         libraries: files,
-        objects: vec![],
+        objects: structure.objects.finish(),
+        groups: structure.groups.finish(),
     };
 
     // Faces without a material share a grey one.

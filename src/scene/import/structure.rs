@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 use super::mtl;
+use super::names::NamesReader;
 use super::statements::{Statement, statements};
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
 use crate::progress::Stop;
@@ -19,6 +20,8 @@ pub(super) struct Structure<'a> {
     pub corners: Vec<u64>,
     pub faces: Vec<PreparedFace>,
     pub face_lines: Vec<u32>,
+    pub objects: NamesReader,
+    pub groups: NamesReader,
     pub libraries: Vec<(u32, String)>,
     /// Names in the order of their first use, each with the line of that.
     pub names: Vec<(Cow<'a, str>, u32)>,
@@ -58,9 +61,11 @@ pub(super) fn read_structure<'a>(
             "f" | "fo" => structure.face(&statement, name, &mut highest, file, diagnostics)?,
             "usemtl" => name = structure.name(statement),
             "mtllib" => structure.libraries.push((line, statement.arguments.into_owned())),
-            // Names, smoothing, texture coordinates and normals: a planar polygon does not need them.
-            "vn" | "vt" | "vp" | "g" | "o" | "s" | "mg" | "lod" | "usemap" | "maplib" | "bevel" | "c_interp" | "d_interp"
-            | "shadow_obj" | "trace_obj" => {}
+            "o" => structure.objects.start(&statement.arguments),
+            "g" => structure.groups.start(&statement.arguments),
+            // Smoothing, texture coordinates and normals: a planar polygon does not need them.
+            "vn" | "vt" | "vp" | "s" | "mg" | "lod" | "usemap" | "maplib" | "bevel" | "c_interp" | "d_interp" | "shadow_obj"
+            | "trace_obj" => {}
             key @ ("p" | "l" | "curv" | "curv2" | "surf") => mtl::count(&mut structure.ignored, key, file, line),
             // What belongs to curves and curved surfaces is mentioned with them.
             "parm" | "trim" | "hole" | "scrv" | "sp" | "end" | "con" | "cstype" | "deg" | "bmat" | "step" | "ctech" | "stech" => {}
@@ -129,6 +134,8 @@ impl<'a> Structure<'a> {
         let defined = self.vertex_lines.len();
         let start = self.corners.len();
         self.face_lines.push(line);
+        self.objects.face();
+        self.groups.face();
 
         for word in statement.arguments.split_whitespace() {
             let mut parts = word.split('/');

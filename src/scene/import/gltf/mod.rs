@@ -30,7 +30,6 @@ use super::join::{Joined, joined};
 use super::text::read_regular_file;
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError, ImportOptions, Textures};
 use crate::progress::Stop;
-use crate::scene::Object;
 use accessors::Accessors;
 use buffers::{Buffers, Place};
 use colours::Colours;
@@ -169,7 +168,7 @@ impl Reader<'_> {
 
         let of_material = self.materials.source_of(primitive.material).name.clone();
         let name = if of_material.is_empty() { name.to_owned() } else { format!("{name} ({of_material})") };
-        self.read.objects.push(Object { name, first_face: first_face as u32 });
+        self.read.objects.push_run(&name, triangles.len());
         Ok(())
     }
 

@@ -1,0 +1,373 @@
+"use strict";
+// The page of a solution: the lit scene in 3D, and what is known of it. Data stand in the elements above, see `output/page.rs`.
+(() => {
+  const byId = (id) => document.getElementById(id);
+  const data = JSON.parse(byId("facts-data").textContent);
+  const bytes = (id) => Uint8Array.from(atob(byId(id).textContent.trim()), (c) => c.charCodeAt(0));
+  const floats = (id) => new Float32Array(bytes(id).buffer);
+  const numbers = (id) => new Uint32Array(bytes(id).buffer);
+
+  // Nodes, elements of six nodes, polygons as triangles, and the surfaces that they are on, as runs of (surface, count).
+  const positions = floats("positions");
+  const radiosity = floats("radiosity");
+  const elements = numbers("elements");
+  const triangles = numbers("triangles");
+  const surfaceData = numbers("surfaces"); // by surface: face, material
+  const channels = data.shown_channels;
+  const nodeCount = positions.length / 3;
+
+  const ofRuns = (runs, length) => {
+    const of = new Uint32Array(length);
+    let next = 0;
+    for (let k = 0; k < runs.length; k += 2) {
+      of.fill(runs[k], next, next + runs[k + 1]);
+      next += runs[k + 1];
+    }
+    return of;
+  };
+  const elementSurface = ofRuns(numbers("element-runs"), elements.length / 6);
+  const triangleSurface = ofRuns(numbers("triangle-runs"), triangles.length / 3);
+
+  // Four triangles for each element: corners 0 to 2, middles 3 to 5 behind them.
+  const PIECES = [0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5];
+  const index = new Uint32Array(2 * elements.length + triangles.length);
+  const surfaceOfNode = new Uint32Array(nodeCount);
+  for (let e = 0; e < elements.length / 6; e++) {
+    PIECES.forEach((corner, k) => (index[12 * e + k] = elements[6 * e + corner]));
+    for (let k = 0; k < 6; k++) surfaceOfNode[elements[6 * e + k]] = elementSurface[e];
+  }
+  index.set(triangles, 2 * elements.length);
+  triangles.forEach((node, k) => (surfaceOfNode[node] = triangleSurface[Math.floor(k / 3)]));
+  const surfaceOfTriangle = (t) => (12 * (elements.length / 6) > 3 * t ? elementSurface[Math.floor(t / 4)] : triangleSurface[t - (elements.length / 6) * 4]);
+
+  // Irradiance H = (B - E) / rho where something is reflected, else 0; seen by an eye in lx.
+  const WEIGHTS = channels === 3 ? [0.2126, 0.7152, 0.0722] : [1];
+  const materialOf = (surface) => data.materials[surfaceData[2 * surface + 1]];
+  const irradiance = (surface, b) => {
+    const material = materialOf(surface);
+    return b.map((value, c) => (material.reflectance[c] > 0 ? Math.max(value - material.exitance[c], 0) / material.reflectance[c] : 0));
+  };
+  const seen = (values) => values.reduce((sum, value, c) => sum + WEIGHTS[c] * value, 0);
+  const shownOf = (h) => seen(h) * data.per_irradiance;
+  const shown = new Float32Array(nodeCount);
+  const colours = new Float32Array(3 * nodeCount);
+  for (let node = 0; node < nodeCount; node++) {
+    const b = Array.from(radiosity.subarray(channels * node, channels * (node + 1)));
+    shown[node] = shownOf(irradiance(surfaceOfNode[node], b));
+    for (let c = 0; c < 3; c++) colours[3 * node + c] = b[channels === 3 ? c : 0] / Math.PI;
+  }
+
+  const short = (x) => (x === null || !Number.isFinite(x) ? "not known" : x === 0 ? "0" : Math.abs(x) >= 1e5 || Math.abs(x) < 1e-3 ? x.toExponential(2) : String(Number(x.toPrecision(4))));
+  const percent = (x) => (x === null || x === undefined || !Number.isFinite(x) ? "not known" : `${(100 * x).toFixed(2)} %`);
+
+  // The least of 1, 2 or 5 times a power of ten that is not below a number.
+  const round = (x) => {
+    if (!(x > 0)) return 1;
+    const power = 10 ** Math.floor(Math.log10(x));
+    return [1, 2, 5, 10].map((digit) => digit * power).find((high) => high >= x * (1 - 1e-9));
+  };
+
+  // The exposure that brings the geometric mean of the luminances to 0.22, as of pictures.
+  let [sum, lit] = [0, 0];
+  for (let node = 0; node < nodeCount; node++) {
+    const luminance = 0.2126 * colours[3 * node] + 0.7152 * colours[3 * node + 1] + 0.0722 * colours[3 * node + 2];
+    if (luminance > 0) [sum, lit] = [sum + Math.log2(luminance), lit + 1];
+  }
+  const exposure = lit > 0 ? Math.log2(0.22) - sum / lit : 0;
+
+  // What is chosen, and kept in the address.
+  const typed = new URLSearchParams(location.hash.slice(1));
+  const sorted = Float32Array.from(shown).sort();
+  const state = {
+    show: typed.get("show") === "lux" ? "lux" : "beauty",
+    exposure: Number(typed.get("exposure") ?? exposure.toFixed(1)),
+    scale: Number(typed.get("scale") ?? round(sorted[Math.floor(0.98 * (nodeCount - 1))])),
+    lines: typed.get("lines") === "1",
+  };
+  if (!Number.isFinite(state.exposure)) state.exposure = 0;
+  if (!(state.scale > 0)) state.scale = 1;
+
+  // The helix in Oklab of `output/false_colours.rs`, as GLSL and for the legend.
+  const HELIX = { lightness: [0.25, 0.93], hue: [0.83, 0.3], chroma: 0.095 };
+  const mix = ([from, to], t) => from + t * (to - from);
+  const helix = (t) => {
+    const angle = 2 * Math.PI * mix(HELIX.hue, t);
+    const [L, a, b] = [mix(HELIX.lightness, t), HELIX.chroma * Math.cos(angle), HELIX.chroma * Math.sin(angle)];
+    const l = (L + 0.3963377774 * a + 0.2158037573 * b) ** 3;
+    const m = (L - 0.1055613458 * a - 0.0638541728 * b) ** 3;
+    const s = (L - 0.0894841775 * a - 1.291485548 * b) ** 3;
+    const linear = [4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s, -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s, -0.0041960863 * l - 0.7034186147 * m + 1.707614701 * s];
+    return linear.map((x) => Math.min(Math.max(x, 0), 1)).map((x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055));
+  };
+
+  facts();
+  byId("title").textContent = data.title;
+  document.title = `${data.title} - Patchlight`;
+  byId("claim").textContent = data.claim;
+  byId("lux-option").textContent = data.quantity + " in false colours";
+  byId("scale-unit").textContent = data.unit;
+
+  // The scene.
+  let renderer;
+  try {
+    renderer = new THREE.WebGLRenderer({ canvas: byId("view"), antialias: true, preserveDrawingBuffer: true });
+  } catch (error) {
+    byId("note").textContent = "This browser draws nothing in 3D (WebGL 2 is missing); all figures are beside this.";
+    document.body.dataset.drawn = "no";
+    return;
+  }
+  renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+  renderer.setClearColor(0x101214);
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
+  geometry.setAttribute("radiance", new THREE.BufferAttribute(colours, 3));
+  geometry.setAttribute("shown", new THREE.BufferAttribute(shown, 1));
+  geometry.setIndex(new THREE.BufferAttribute(index, 1));
+  const ramp = Array.from({ length: 65 }, (_, k) => helix(k / 64)).map(([r, g, b]) => new THREE.Vector3(r, g, b));
+  const material = new THREE.ShaderMaterial({
+    uniforms: { factor: { value: 1 }, scale: { value: 0 }, ramp: { value: ramp } },
+    polygonOffset: true,
+    polygonOffsetFactor: 1,
+    polygonOffsetUnits: 1,
+    vertexShader: `
+      attribute vec3 radiance; attribute float shown;
+      varying vec3 light; varying float value;
+      void main() { light = radiance; value = shown; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }`,
+    // The tone curve of output/png.rs: straight up to 0.5, then bent towards white, on the largest channel.
+    fragmentShader: `
+      uniform float factor; uniform float scale; uniform vec3 ramp[65];
+      varying vec3 light; varying float value;
+      vec3 encoded(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
+      void main() {
+        if (scale > 0.0) {
+          float at = clamp(value / scale, 0.0, 1.0) * 64.0;
+          int below = int(min(floor(at), 63.0));
+          gl_FragColor = vec4(mix(ramp[below], ramp[below + 1], at - float(below)), 1.0);
+          return;
+        }
+        vec3 c = min(max(light * factor, 0.0), 1e6);
+        float peak = max(c.r, max(c.g, c.b));
+        if (peak > 0.5) {
+          float bent = 1.0 - 0.25 / peak;
+          float kept = 1.0 / (1.0 + 0.15 * (peak - bent));
+          c = bent + (c / peak * bent - bent) * kept;
+        }
+        gl_FragColor = vec4(encoded(c), 1.0);
+      }`,
+  });
+  const scene = new THREE.Scene();
+  const mesh = new THREE.Mesh(geometry, material);
+  scene.add(mesh);
+  const marker = new THREE.Mesh(new THREE.SphereGeometry(1, 12, 8), new THREE.MeshBasicMaterial({ color: 0xff7800 }));
+  marker.visible = false;
+  scene.add(marker);
+  geometry.computeBoundingSphere();
+  const size = geometry.boundingSphere.radius;
+  const camera = new THREE.PerspectiveCamera(data.camera.fov, 1, 1e-3 * size, 20 * size);
+  camera.up.set(...data.camera.up);
+  const controls = new THREE.OrbitControls(camera, byId("view"));
+  controls.listenToKeyEvents(byId("view"));
+  const toStart = () => {
+    camera.position.set(...data.camera.eye);
+    controls.target.set(...data.camera.target);
+    controls.update();
+  };
+  toStart();
+
+  // Lines are made once they are asked for.
+  let lines = null;
+  const makeLines = () => {
+    const ends = [];
+    for (let e = 0; e < elements.length; e += 6) ends.push(elements[e], elements[e + 1], elements[e + 1], elements[e + 2], elements[e + 2], elements[e]);
+    for (let t = 0; t < triangles.length; t += 3) ends.push(triangles[t], triangles[t + 1], triangles[t + 1], triangles[t + 2], triangles[t + 2], triangles[t]);
+    const edges = new THREE.BufferGeometry();
+    edges.setAttribute("position", geometry.getAttribute("position"));
+    edges.setIndex(ends);
+    lines = new THREE.LineSegments(edges, new THREE.LineBasicMaterial({ color: 0xff7800, transparent: true, opacity: 0.45 }));
+    scene.add(lines);
+  };
+
+  // Where elements of different sizes meet, pixels between them may stay empty: the halves of all edges, in the colours of their nodes and a little behind
+  // the elements, fill these. As elements are, they are seen from the front alone.
+  const normals = new Float32Array(3 * nodeCount);
+  for (let k = 0; k < index.length; k += 3) {
+    const [a, b, c] = [0, 1, 2].map((corner) => new THREE.Vector3(...positions.subarray(3 * index[k + corner], 3 * index[k + corner] + 3)));
+    const normal = b.sub(a).cross(c.sub(a)).normalize();
+    for (let corner = 0; corner < 3; corner++) normal.toArray(normals, 3 * index[k + corner]);
+  }
+  const halves = [];
+  for (let e = 0; e < elements.length; e += 6) {
+    [0, 3, 3, 1, 1, 4, 4, 2, 2, 5, 5, 0].forEach((corner) => halves.push(elements[e + corner]));
+  }
+  const fillers = new THREE.BufferGeometry();
+  ["position", "radiance", "shown"].forEach((name) => fillers.setAttribute(name, geometry.getAttribute(name)));
+  fillers.setAttribute("facing", new THREE.BufferAttribute(normals, 3));
+  fillers.setIndex(halves);
+  const behind = new THREE.ShaderMaterial({
+    uniforms: material.uniforms,
+    vertexShader: `
+      attribute vec3 radiance; attribute float shown; attribute vec3 facing;
+      varying vec3 light; varying float value; varying float front;
+      void main() {
+        light = radiance; value = shown; front = dot(cameraPosition - position, facing);
+        gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+        gl_Position.z += 2e-4 * gl_Position.w;
+      }`,
+    fragmentShader: material.fragmentShader
+      .replace("varying float value;", "varying float value; varying float front;")
+      .replace("void main() {", "void main() { if (front <= 0.0) discard;"),
+  });
+  scene.add(new THREE.LineSegments(fillers, behind));
+
+  const draw = () => renderer.render(scene, camera);
+  const legend = () => {
+    const stops = Array.from({ length: 17 }, (_, k) => `rgb(${helix(k / 16).map((x) => Math.round(255 * x)).join(",")})`);
+    byId("bar").style.background = `linear-gradient(to top, ${stops.join(",")})`;
+    byId("unit").textContent = data.unit;
+    byId("bar").replaceChildren(
+      ...[0, 0.2, 0.4, 0.6, 0.8, 1].map((t) => {
+        const tick = document.createElement("span");
+        tick.style.bottom = `${100 * t}%`;
+        tick.textContent = short(t * state.scale);
+        return tick;
+      }),
+    );
+  };
+  byId("exposure").min = Math.round(exposure) - 8;
+  byId("exposure").max = Math.round(exposure) + 8;
+  const update = () => {
+    const isLux = state.show === "lux";
+    material.uniforms.factor.value = 2 ** state.exposure;
+    material.uniforms.scale.value = isLux ? state.scale : 0;
+    if (state.lines && !lines) makeLines();
+    if (lines) lines.visible = state.lines;
+    byId("show").value = state.show;
+    byId("exposure").value = state.exposure;
+    byId("ev").textContent = `${Number(state.exposure).toFixed(1)} EV`;
+    byId("scale").value = state.scale;
+    byId("lines").checked = state.lines;
+    byId("exposure-row").hidden = isLux;
+    byId("scale-row").hidden = byId("legend").hidden = !isLux;
+    legend();
+    draw();
+  };
+  const changed = () => {
+    const kept = new URLSearchParams({ show: state.show, exposure: state.exposure, scale: state.scale, lines: state.lines ? 1 : 0 });
+    history.replaceState(null, "", `#${kept}`);
+    update();
+  };
+  const resize = () => {
+    const { clientWidth, clientHeight } = byId("stage");
+    renderer.setSize(clientWidth, clientHeight, false);
+    camera.aspect = clientWidth / clientHeight;
+    // What was chosen for a wide picture stays in sight in a narrow one.
+    const wide = data.camera.aspect;
+    const half = Math.tan((data.camera.fov * Math.PI) / 360);
+    camera.fov = (360 / Math.PI) * Math.atan(half * Math.max(1, wide / camera.aspect));
+    camera.updateProjectionMatrix();
+    draw();
+  };
+
+  // A click that does not turn the scene shows values.
+  const pick = (x, y) => {
+    const box = byId("view").getBoundingClientRect();
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(new THREE.Vector2((2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height), camera);
+    const hit = ray.intersectObject(mesh)[0];
+    marker.visible = Boolean(hit);
+    if (!hit) {
+      byId("note").textContent = "Nothing that faces the eye is there.";
+      draw();
+      return;
+    }
+    const surface = surfaceOfTriangle(hit.faceIndex);
+    const corners = [hit.face.a, hit.face.b, hit.face.c];
+    const point = (node) => new THREE.Vector3(...positions.subarray(3 * node, 3 * node + 3));
+    const [a, b, c] = corners.map(point);
+    const whole = b.clone().sub(a).cross(c.clone().sub(a));
+    const part = (p, q) => p.clone().sub(hit.point).cross(q.clone().sub(hit.point)).dot(whole) / whole.lengthSq();
+    const weights = [part(b, c), part(c, a), part(a, b)];
+    const values = Array.from({ length: channels }, (_, k) => corners.reduce((sum, node, corner) => sum + weights[corner] * radiosity[channels * node + k], 0));
+    const h = irradiance(surface, values);
+    const reflects = materialOf(surface).reflectance.some((rho) => rho > 0);
+    const place = [hit.point.x, hit.point.y, hit.point.z].map((x) => x.toFixed(3)).join(", ");
+    byId("note").textContent = [
+      `${materialOf(surface).name}, face ${surfaceData[2 * surface] + 1}, at ${place} m`,
+      `radiosity ${values.map(short).join(", ")} W/m²`,
+      reflects ? `irradiance ${h.map(short).join(", ")} W/m²` : "irradiance not known: nothing is reflected here",
+      reflects ? `${data.quantity} ${short(shownOf(h))} ${data.unit}` : "",
+    ].filter(Boolean).join("\n");
+    marker.position.copy(hit.point);
+    marker.scale.setScalar(0.006 * hit.distance);
+    draw();
+  };
+  let down = null;
+  byId("view").addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
+  byId("view").addEventListener("pointerup", (event) => {
+    if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 4) pick(event.clientX, event.clientY);
+    down = null;
+  });
+
+  controls.addEventListener("change", draw);
+  byId("show").addEventListener("change", (event) => ((state.show = event.target.value), changed()));
+  byId("exposure").addEventListener("input", (event) => ((state.exposure = Number(event.target.value)), changed()));
+  byId("scale").addEventListener("change", (event) => ((state.scale = Number(event.target.value) > 0 ? Number(event.target.value) : state.scale), changed()));
+  byId("lines").addEventListener("change", (event) => ((state.lines = event.target.checked), changed()));
+  byId("reset").addEventListener("click", () => (toStart(), draw()));
+  addEventListener("resize", resize);
+  update();
+  resize();
+  document.body.dataset.drawn = "yes";
+  if (typed.has("pick")) pick(...typed.get("pick").split(",").map(Number));
+
+  // What is known of the solution, as tables.
+  function facts() {
+    const element = (name, text, kind) => {
+      const made = document.createElement(name);
+      if (text !== undefined) made.textContent = text;
+      if (kind) made.className = kind;
+      return made;
+    };
+    const section = (title, ...content) => {
+      const made = element("section");
+      made.append(element("h2", title), ...content);
+      byId("facts").append(made);
+    };
+    const table = (rows) => {
+      const made = element("table");
+      rows.forEach(([name, value, share, kind]) => {
+        const row = element("tr", undefined, kind);
+        const cell = element("td", value);
+        if (share > 0) {
+          const bar = element("span", undefined, "share");
+          bar.style.width = `${Math.max(1, 100 * Math.min(share, 1))}%`;
+          cell.append(bar);
+        }
+        row.append(element("th", name), cell);
+        made.append(row);
+      });
+      return made;
+    };
+    const report = data.report;
+    section("Error", table(data.errors.map(([name, value]) => [name, percent(value)])), element("p", data.about_errors, "claim"));
+    if (report) {
+      const { emitted, absorbed, escaped, unaccounted } = report.energy;
+      const power = (name, x) => [name, `${short(x)} W`, Math.abs(x) / emitted];
+      section("Energy, by the elements of the solver", table([power("emitted", emitted), power("absorbed", absorbed), power("escaped", escaped), power("not accounted for", unaccounted)]));
+      const times = report.time_s;
+      const stages = ["load", "build", "refine", "resolve", "error", "mesh", "bounds", "sample", "output"].filter((stage) => times[stage] > 0.0005);
+      section("Time", table([...stages.map((stage) => [stage, `${times[stage].toFixed(2)} s`, times[stage] / times.total]), ["total", `${times.total.toFixed(2)} s`], ["CPU", report.cpu_s.total === null ? "not known" : `${report.cpu_s.total.toFixed(2)} s`]]));
+      section("Warnings", report.warnings.length ? list(report.warnings) : element("p", "None.", "claim"));
+    }
+    section("What there is", table(data.counts.map(([name, value]) => [name, String(value)])));
+    section("Again", element("code", data.command));
+    section("Options that are not the default", data.options.length ? table(data.options) : element("p", "None.", "claim"));
+    section("Software", table([["version", data.software], ...(report ? [["visibility", report.backend]] : [])]));
+    function list(texts) {
+      const made = element("ul");
+      texts.slice(0, 50).forEach((text) => made.append(element("li", text)));
+      if (texts.length > 50) made.append(element("li", `${texts.length - 50} more`));
+      return made;
+    }
+  }
+})();

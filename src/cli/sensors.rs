@@ -1,0 +1,210 @@
+//! `patchlight sample --sensors` and `--plane`: irradiance in space.
+
+use std::time::{Duration, Instant};
+
+use patchlight::output::{
+    Destination, Display, Illuminances, Look, Points, Provenance, Quantity, Scale, write_display, write_irradiances,
+};
+use patchlight::picture::{MeasuringPlane, PlaneRequest};
+use patchlight::pipeline::Evaluator;
+use patchlight::progress::{Observer, Progress};
+use patchlight::scene::SurfacePoint;
+use patchlight::values::{Irradiances, Summary};
+
+use super::arguments::SampleArguments;
+use super::exit::{Exit, Failure};
+use super::files::{self, Outputs, Sink};
+use super::interrupt;
+use super::progress::{Voice, Watcher};
+
+/// Where sensors are.
+#[derive(Debug)]
+pub enum Sensors {
+    /// In a file.
+    File(std::path::PathBuf),
+    /// On a measuring plane, with a picture of it if wanted.
+    Plane(PlaneRequest, Option<PlanePicture>),
+}
+
+/// A picture of a measuring plane.
+#[derive(Debug)]
+pub struct PlanePicture {
+    destination: Destination,
+    /// If not given, up to the largest value.
+    scale: Option<Scale>,
+}
+
+/// What is measured, and where it goes.
+#[derive(Debug)]
+pub struct SensorRequest {
+    pub sensors: Sensors,
+    /// Seconds from the start.
+    pub time_s: Option<f64>,
+}
+
+impl SensorRequest {
+    /// What was typed, if it is about sensors.
+    pub fn new(typed: &SampleArguments, outputs: &mut Outputs) -> Result<Option<Self>, Failure> {
+        if typed.image.is_some() && typed.plane.is_none() {
+            return Err(Failure::usage("--image shows a plane: say which by --plane"));
+        }
+        let sensors = match (&typed.sensors, &typed.plane) {
+            (Some(path), _) => Sensors::File(path.clone()),
+            (None, Some(text)) => Sensors::Plane(text.parse().map_err(Failure::usage)?, picture(typed, outputs)?),
+            (None, None) => return Ok(None),
+        };
+        let seconds = |text: &str| {
+            let seconds = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
+            seconds.ok_or_else(|| Failure::usage(format_args!("time is '{text}', it must be a number of seconds above 0")))
+        };
+        Ok(Some(Self { sensors, time_s: typed.time.as_deref().map(seconds).transpose()? }))
+    }
+}
+
+/// The picture of a plane, if one is asked for.
+fn picture(typed: &SampleArguments, outputs: &mut Outputs) -> Result<Option<PlanePicture>, Failure> {
+    let Some(path) = &typed.image else { return Ok(None) };
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        return Err(Failure::usage(format_args!("--image writes PNG: name the file {}", path.with_extension("png").display())));
+    }
+    let scale = typed.scale.as_deref().map(str::parse).transpose().map_err(Failure::usage)?;
+    Ok(Some(PlanePicture { destination: outputs.file(path)?, scale }))
+}
+
+/// Ends the work when its time is over.
+struct Timed {
+    watcher: Watcher,
+    end: Option<Instant>,
+}
+
+impl Timed {
+    fn is_over(&self) -> bool {
+        self.end.is_some_and(|end| Instant::now() >= end)
+    }
+}
+
+impl Observer for Timed {
+    fn progress(&self, progress: &Progress) {
+        self.watcher.progress(progress);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.watcher.cancelled() || self.is_over()
+    }
+}
+
+/// Measures, and writes what there is, whether all of it could be measured or not.
+pub fn measure(
+    evaluator: &Evaluator,
+    (request, start): (&SensorRequest, Instant),
+    sink: &Sink,
+    voice: Voice,
+) -> Result<Exit, Failure> {
+    let points = match &request.sensors {
+        Sensors::File(path) => files::read_points(path)?,
+        Sensors::Plane(..) => Points::default(),
+    };
+    interrupt::listen(interrupt::OF_RUN);
+    voice.figure("backend", format_args!("{}", evaluator.backend()));
+    let timed = Timed { watcher: Watcher::new(voice), end: request.time_s.map(|seconds| start + Duration::from_secs_f64(seconds)) };
+    match &request.sensors {
+        Sensors::File(_) => {
+            let irradiances = evaluator.irradiances_at(&points.surface_points(), &timed);
+            write_to(sink, &points, &irradiances, voice)?;
+            Ok(ending(&timed, irradiances.missing(), voice))
+        }
+        Sensors::Plane(plane, picture) => {
+            let (plane, is_inside) = evaluator.measuring_plane(plane).map_err(Failure::usage)?;
+            let sensors = plane.sensors();
+            let inside: Vec<SurfacePoint> =
+                sensors.iter().zip(&is_inside).filter(|(_, inside)| **inside).map(|(s, _)| *s).collect();
+            let measured = evaluator.irradiances_at(&inside, &timed);
+            let irradiances = spread(&measured, &is_inside);
+            write_to(sink, &Points::from(sensors.as_slice()), &irradiances, voice)?;
+            tell(&plane, &irradiances, voice);
+            if let Some(picture) = picture {
+                picture.write(&plane, &irradiances, &Provenance::new(evaluator.solution().options()), voice)?;
+            }
+            Ok(ending(&timed, measured.missing(), voice))
+        }
+    }
+}
+
+fn write_to(sink: &Sink, points: &Points, irradiances: &Irradiances, voice: Voice) -> Result<(), Failure> {
+    sink.write(|mut writer| write_irradiances(&mut writer, points, irradiances))?;
+    voice.figure("wrote", format_args!("{} ({} sensors)", sink.name(), points.len()));
+    Ok(())
+}
+
+/// How it ended, and what is missing.
+fn ending(timed: &Timed, missing: usize, voice: Voice) -> Exit {
+    if missing == 0 {
+        return Exit::Done;
+    }
+    let (exit, why) = if timed.watcher.cancelled() { (Exit::Cancelled, "interrupted") } else { (Exit::Limit, "the time was over") };
+    voice.warn(format_args!("{missing} sensors were not measured, their values are empty: {why}"));
+    exit
+}
+
+/// The irradiances of all sensors of a plane from those of the ones that were measured.
+fn spread(measured: &Irradiances, is_measured: &[bool]) -> Irradiances {
+    let channels = measured.channels;
+    let spread = |numbers: &[f32]| {
+        let mut all = vec![f32::NAN; is_measured.len() * channels];
+        let places = all.chunks_mut(channels).zip(is_measured).filter(|(_, is_measured)| **is_measured);
+        places.zip(numbers.chunks(channels)).for_each(|((place, _), found)| place.copy_from_slice(found));
+        all
+    };
+    Irradiances { channels, irradiance: spread(&measured.irradiance), standard_error: spread(&measured.standard_error) }
+}
+
+/// What a plane shows: illuminance, or of channels of which it is not known what an eye sees, the mean of the irradiances; and its unit.
+fn shown(irradiances: &Irradiances) -> (Quantity, Illuminances) {
+    if let Some(illuminances) = Illuminances::of(irradiances) {
+        return (Quantity::Illuminance, illuminances);
+    }
+    let channels = irradiances.channels;
+    let mean = |numbers: &[f32]| numbers.chunks(channels).map(|of| of.iter().sum::<f32>() / channels as f32).collect();
+    let means = Illuminances { lux: mean(&irradiances.irradiance), standard_error: mean(&irradiances.standard_error) };
+    (Quantity::Irradiance, means)
+}
+
+/// Tells mean, extremes and uniformity.
+fn tell(plane: &MeasuringPlane, irradiances: &Irradiances, voice: Voice) {
+    let (quantity, shown) = shown(irradiances);
+    let ([columns, rows], unit) = (plane.counts, quantity.unit());
+    let numbers = shown.lux.iter().zip(&shown.standard_error).map(|(&value, &error)| [value, error]);
+    let Some(summary) = Summary::of(numbers) else {
+        voice.warn(format_args!("none of the {columns}x{rows} sensors of the plane hangs in a room"));
+        return;
+    };
+    let Summary { count, mean, standard_error, minimum, maximum } = summary;
+    let error = if standard_error.is_finite() { format!(" (standard error {standard_error:.3})") } else { String::new() };
+    voice.figure("plane", format_args!("{columns}x{rows} sensors, {count} of them measured: {} in {unit}", quantity.name()));
+    voice.figure("mean", format_args!("{mean:.3}{error}"));
+    voice.figure("minimum", format_args!("{minimum:.3}"));
+    voice.figure("maximum", format_args!("{maximum:.3}"));
+    voice.figure("uniform", format_args!("{:.3} (minimum over mean)", summary.uniformity()));
+}
+
+impl PlanePicture {
+    fn write(
+        &self,
+        plane: &MeasuringPlane,
+        irradiances: &Irradiances,
+        provenance: &Provenance,
+        voice: Voice,
+    ) -> Result<(), Failure> {
+        let (quantity, shown) = shown(irradiances);
+        let scale = self.scale.unwrap_or_else(|| {
+            let largest = shown.lux.iter().copied().filter(|value| !value.is_nan()).fold(0.0, f32::max);
+            Scale::up_to(f64::from(largest))
+        });
+        let (image, marks) = plane.picture(&shown.lux, quantity.per_radiance());
+        let display = Display { image: &image, quantity, look: Look::Scale(scale), marks: Some(&marks) };
+        self.destination.write(|file| write_display(file, &display, provenance).map(|_| ()))?;
+        let (name, low, high, unit) = (quantity.name(), scale.low(), scale.high(), quantity.unit());
+        voice.figure("wrote", format_args!("{} ({name} from {low} to {high} {unit})", self.destination.path().display()));
+        Ok(())
+    }
+}

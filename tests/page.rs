@@ -1,0 +1,190 @@
+//! The page of a solution: what is in it, and that a browser draws it: loads without a network, says nothing in its console, and shows light.
+//!
+//! Pictures are taken by Chromium (Debian's `chromium`); where there is none, that test says that it is skipped.
+#![allow(clippy::print_stdout, reason = "a test tells what it skips")]
+
+mod support;
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use patchlight::output::{Page, Provenance, write_page};
+use patchlight::pipeline::{self, Evaluator};
+use patchlight::progress::Silent;
+use patchlight::solve::{RunOptions, SolveOptions};
+
+fn solved(channels: usize, lit_mesh: bool) -> Evaluator {
+    let options = SolveOptions { error: 0.2, lit_mesh, ..SolveOptions::default() };
+    pipeline::solve(support::small_room(channels), &options, &RunOptions::default(), &Silent).unwrap().0
+}
+
+fn page_of(evaluator: &Evaluator, title: &str) -> String {
+    let camera = evaluator.default_camera(960, 720);
+    let solution = evaluator.solution();
+    let page = Page { title, solution, camera: &camera, report: None };
+    let mut written = Vec::new();
+    write_page(&mut written, &page, &Provenance::new(solution.options())).unwrap();
+    String::from_utf8(written).unwrap()
+}
+
+/// The text of the element with this id.
+fn text_of<'a>(page: &'a str, id: &str) -> &'a str {
+    let start = page.find(&format!("id=\"{id}\">")).unwrap() + id.len() + 6;
+    &page[start..start + page[start..].find("</script>").unwrap()]
+}
+
+/// Base64, decoded bit by bit.
+fn decoded(text: &str) -> Vec<u8> {
+    let value = |letter: u8| match letter {
+        b'A'..=b'Z' => letter - b'A',
+        b'a'..=b'z' => letter - b'a' + 26,
+        b'0'..=b'9' => letter - b'0' + 52,
+        b'+' => 62,
+        _ => 63,
+    };
+    let bits: Vec<u8> = text
+        .bytes()
+        .filter(|&letter| letter != b'=')
+        .flat_map(|letter| (0..6).rev().map(move |k| value(letter) >> k & 1))
+        .collect();
+    bits.chunks_exact(8).map(|byte| byte.iter().fold(0, |sum, bit| sum << 1 | bit)).collect()
+}
+
+fn floats(text: &str) -> Vec<f32> {
+    decoded(text).chunks_exact(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect()
+}
+
+fn numbers(text: &str) -> Vec<u32> {
+    decoded(text).chunks_exact(4).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap())).collect()
+}
+
+#[test]
+fn a_page_holds_the_mesh_to_the_bit() {
+    let evaluator = solved(3, true);
+    let (page, solution) = (page_of(&evaluator, "room"), evaluator.solution());
+    let (positions, radiosity) = (floats(text_of(&page, "positions")), floats(text_of(&page, "radiosity")));
+    let (elements, runs) = (numbers(text_of(&page, "elements")), numbers(text_of(&page, "element-runs")));
+    let of_runs: Vec<u32> = runs.chunks(2).flat_map(|run| vec![run[0]; run[1] as usize]).collect();
+    let mut element = 0;
+    solution.mesh().unwrap().for_each_element(solution.scene(), |surface, nodes, of_nodes| {
+        assert_eq!(of_runs[element], surface);
+        for k in 0..6 {
+            let node = elements[6 * element + k] as usize;
+            assert_eq!(positions[3 * node..][..3], nodes[k].map(|x| x as f32));
+            assert_eq!(radiosity[3 * node..][..3], of_nodes[3 * k..][..3]);
+        }
+        element += 1;
+    });
+    assert_eq!((elements.len(), of_runs.len()), (6 * element, element));
+}
+
+/// Without a mesh the elements of the solver are shown, and of bands the mean.
+#[test]
+fn a_page_without_a_mesh_holds_the_elements() {
+    let evaluator = solved(2, false);
+    let page = page_of(&evaluator, "room");
+    let (triangles, runs) = (numbers(text_of(&page, "triangles")), numbers(text_of(&page, "triangle-runs")));
+    let radiosity = floats(text_of(&page, "radiosity"));
+    let (mut count, mut means) = (0, Vec::new());
+    evaluator.solution().for_each_leaf(|vertices, _, radiosity| {
+        count += vertices.len() - 2;
+        means.extend(vec![(radiosity[0] + radiosity[1]) / 2.0; vertices.len()]);
+    });
+    assert_eq!(triangles.len(), 3 * count);
+    assert_eq!(runs.chunks(2).map(|run| run[1] as usize).sum::<usize>(), count);
+    assert_eq!(radiosity, means);
+    let facts: serde_json::Value = serde_json::from_str(text_of(&page, "facts-data")).unwrap();
+    assert_eq!((&facts["unit"], &facts["shown_channels"]), (&"W/m^2".into(), &1.into()));
+}
+
+#[test]
+fn a_page_loads_nothing_and_names_do_no_harm() {
+    let evaluator = solved(3, true);
+    let page = page_of(&evaluator, "</script><b>{{three}}");
+    assert!(page.contains("default-src 'none'") && !page.contains("src=\"") && page.matches("href=").count() == 1);
+    let facts: serde_json::Value = serde_json::from_str(text_of(&page, "facts-data")).unwrap();
+    assert_eq!(facts["title"], "</script><b>{{three}}");
+    assert_eq!(facts["command"], "patchlight solve SCENE.obj --set error=0.2 --set lit_mesh=true --html page.html");
+    assert_eq!(page_of(&evaluator, "a"), page_of(&evaluator, "a"));
+}
+
+/// Runs Chromium on a page without a network; what it writes to stdout, and what the page says in its console. `None` if there is no Chromium.
+fn browse(folder: &Path, file: &str, flags: &[&str]) -> Option<(String, Vec<String>)> {
+    let profile = format!("--user-data-dir={}", folder.join("profile").display());
+    let common = [
+        "--headless=new",
+        "--no-sandbox",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+        "--hide-scrollbars",
+        "--host-resolver-rules=MAP * ~NOTFOUND",
+        "--enable-logging=stderr",
+        "--virtual-time-budget=10000",
+        "--allow-file-access-from-files",
+    ];
+    let address = format!("file://{}/{file}", folder.display());
+    let ran = Command::new("chromium").args(common).arg(profile).args(flags).arg(address).output().ok()?;
+    let said = String::from_utf8_lossy(&ran.stderr).lines().filter(|line| line.contains("CONSOLE")).map(str::to_owned).collect();
+    Some((String::from_utf8_lossy(&ran.stdout).into_owned(), said))
+}
+
+/// Width, and the RGB pixels of a picture.
+fn pixels(file: &Path) -> (usize, Vec<[u8; 3]>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(fs::read(file).unwrap())).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    let samples = info.color_type.samples();
+    (info.width as usize, bytes[..info.buffer_size()].chunks_exact(samples).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect())
+}
+
+#[test]
+fn a_browser_draws_the_page_and_says_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("page.html"), page_of(&solved(3, true), "room")).unwrap();
+    let phone = "<style>body{margin:0}iframe{width:390px;height:844px;border:0}</style><iframe src='page.html#show=lux'></iframe>";
+    fs::write(folder.path().join("phone.html"), phone).unwrap();
+
+    // Part of the stage, from the left and from above: the walls of the room, not the panels over it.
+    let shown = |name: &str, page: &str, size: &str, stage: [usize; 2]| {
+        let picture = folder.path().join(name);
+        let flags = [format!("--window-size={size}"), format!("--screenshot={}", picture.display())];
+        let (_, said) = browse(folder.path(), page, &[&flags[0], &flags[1]])?;
+        assert!(said.is_empty(), "{page}: {said:?}");
+        let (width, pixels) = pixels(&picture);
+        Some((80..stage[1]).flat_map(|y| (10..stage[0]).map(move |x| y * width + x)).map(|at| pixels[at]).collect::<Vec<_>>())
+    };
+    let Some(light) = shown("light.png", "page.html", "1280,800", [800, 600]) else {
+        println!("SKIPPED: there is no Chromium to draw pages with (apt-get install chromium)");
+        return;
+    };
+    let lux = shown("lux.png", "page.html#show=lux", "1280,800", [800, 600]).unwrap();
+    let lines = shown("lines.png", "page.html#show=lux&lines=1", "1280,800", [800, 600]).unwrap();
+    let phone = shown("phone.png", "phone.html", "500,900", [280, 350]).unwrap();
+
+    // Light has many shades, and the room fills the stage; false colours are others, lines are orange.
+    for (name, picture) in [("light", &light), ("lux", &lux), ("phone", &phone)] {
+        let shades: HashSet<&[u8; 3]> = picture.iter().collect();
+        let empty = picture.iter().filter(|pixel| **pixel == [0x10, 0x12, 0x14]).count();
+        assert!(
+            shades.len() > 50 && empty < picture.len() / 10,
+            "{name}: {} shades, {empty} of {} are empty",
+            shades.len(),
+            picture.len()
+        );
+    }
+    let differ = light.iter().zip(&lux).filter(|(a, b)| a != b).count();
+    assert!(differ > light.len() / 2, "{differ} of {}", light.len());
+    let orange = |picture: &[[u8; 3]]| picture.iter().filter(|[r, _, b]| *r > 120 && *b < 90).count();
+    assert!(orange(&lines) > 500 + 2 * orange(&lux), "{} {}", orange(&lines), orange(&lux));
+
+    // A click shows values, and tables tell what is known.
+    let (dom, said) = browse(folder.path(), "page.html#pick=400,400", &["--window-size=1280,800", "--dump-dom"]).unwrap();
+    assert!(said.is_empty(), "{said:?}");
+    for words in
+        ["data-drawn=\"yes\"", "wall, face ", "radiosity ", " W/m²", "illuminance ", " lx", "20.00 %", "surfaces</th><td>7"]
+    {
+        assert!(dom.contains(words), "'{words}' is not in the page");
+    }
+}
