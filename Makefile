@@ -5,7 +5,7 @@
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 help:
-	@echo 'make demo           set up, build, light the furnished room, leave a picture and a report in out/'
+	@echo 'make demo           set up, build, light the furnished room, leave a picture, a page and a report in out/'
 	@echo 'make library        set up, build the C library, the program, its man pages and completions'
 	@echo 'make install        install all of these: PREFIX=/usr/local, DESTDIR for packages; make uninstall takes them away'
 	@echo 'make wheel          set up, build the Python package: a wheel in target/python/wheels'
@@ -25,10 +25,11 @@ demo: setup
 	@mkdir -p out
 	cargo build --release --locked --bin patchlight
 	cargo run --quiet --release --locked --bin patchlight -- solve scenes/room.obj \
-	    --error 0.05 --mesh out/room.ply --image out/room.png --image out/room.exr --report out/report.json
+	    --error 0.04 --mesh out/room.ply --image out/room.png --image out/room.exr --html out/room.html --report out/report.json
 	@echo
 	@echo 'picture   out/room.png (to look at), out/room.exr (linear radiance)'
 	@echo 'mesh      out/room.ply (radiosity on the surfaces, which the picture shows)'
+	@echo 'page      out/room.html (to walk around in, in any browser)'
 	@echo 'report    out/report.json'
 
 library: setup
