@@ -29,8 +29,13 @@ fn cornell() -> String {
 
 /// The Cornell box, solved in C.
 fn by_c(context: *mut patchlight_context) -> *mut patchlight_solution {
+    solved(context, &cornell())
+}
+
+/// A file, solved in C.
+fn solved(context: *mut patchlight_context, file: &str) -> *mut patchlight_solution {
     let (mut scene, mut solution) = (null_mut(), null_mut());
-    let (options, path) = (options(&[("error", "0.1"), ("backend", "obvhs")]), CString::new(cornell()).unwrap());
+    let (options, path) = (options(&[("error", "0.1"), ("backend", "obvhs")]), CString::new(file).unwrap());
     // SAFETY: Places for handles, a text that ends in a zero, a struct with its size.
     unsafe {
         done(patchlight_scene_create(context, 3, 0, &mut scene));
@@ -152,7 +157,7 @@ fn values_are_those_of_the_library_with_any_stride() {
     let solution = by_c(context);
     let (mesh, evaluator) = (mesh_of(solution, 0.1), by_rust());
     let made = evaluator.lit_mesh(0.1, &Silent).unwrap();
-    let at = [0.3, 0.0, 0.3, 0.4, 0.0, 0.2, 9.0, 9.0, 9.0];
+    let at = [0.45, 0.0, 0.1, 0.4, 0.0, 0.2, 9.0, 9.0, 9.0];
     let (positions, normals) = (array(DOUBLE, &at, 3), array(DOUBLE, &[0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0], 3));
     let points: Vec<SurfacePoint> =
         at.chunks(3).map(|at| SurfacePoint { position: at.try_into().unwrap(), normal: [0.0, 1.0, 0.0] }).collect();
@@ -258,14 +263,22 @@ fn errors_that_cannot_be_are_refused_and_who_listens_may_cancel() {
     done(patchlight_context_release(context));
 }
 
+/// A small square under a far lamp: what is asked for is below what numbers can tell, and few elements are all that may be.
 #[test]
 fn a_mesh_that_is_not_as_good_as_asked_for_says_so_and_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let lamp = "v -5 -5 20\nv -5 5 20\nv 5 5 20\nv 5 -5 20\nusemtl lamp\nf 5 6 7 8\n";
+    let square = format!("mtllib a.mtl\nv 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nusemtl grey\nf 1 2 3 4\n{lamp}");
+    std::fs::write(path("a.obj"), square).unwrap();
+    std::fs::write(path("a.mtl"), "newmtl grey\nKd 0.5 0.5 0.5\nnewmtl lamp\nKd 0 0 0\nKe 10 10 10\n").unwrap();
+
     let context = context(1);
-    let (solution, mut mesh) = (lit_box(context, &[("solver", "cells"), ("error", "0.9")]), null_mut());
+    let (solution, mut mesh) = (solved(context, &path("a.obj")), null_mut());
     // SAFETY: A place for a handle.
-    let status = told(unsafe { patchlight_solution_make_mesh(solution, 0.005, &mut mesh) });
-    assert!(status == PATCHLIGHT_LIMIT && message().contains("0.005 was asked for"), "{status:?}: {}", message());
-    assert!(figure(mesh, PATCHLIGHT_MESH_CLAIMED) > 0.005);
+    let status = told(unsafe { patchlight_solution_make_mesh(solution, 1e-300, &mut mesh) });
+    assert!(status == PATCHLIGHT_LIMIT && message().contains("was asked for"), "{status:?}: {}", message());
+    assert!(figure(mesh, PATCHLIGHT_MESH_CLAIMED) > 1e-300);
     done(patchlight_mesh_release(mesh));
     done(patchlight_solution_release(solution));
     done(patchlight_context_release(context));

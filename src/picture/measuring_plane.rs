@@ -78,7 +78,7 @@ impl MeasuringPlane {
     /// The horizontal plane over the box around a scene, `height` metres above its lowest point, with fields of at most `spacing` metres.
     /// Seen from above its first edge goes to the right, and the second one up.
     ///
-    /// Without a spacing it is that of EN 12464-1:2021, section 5.4: `p = 0.2 * 5^log10(d)`, d the longer side of the plane.
+    /// Without a spacing it is that of EN 12464-1: `p = 0.2 * 5^log10(d)`, d the longer side of the plane.
     ///
     /// # Errors
     /// See [`PlaneError`].
