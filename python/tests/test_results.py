@@ -189,4 +189,4 @@ def test_sensors_measure_in_the_air(cornell):
     assert (irradiance[0] > 0).all() and (error[0] > 0).all() and (error[0] < irradiance[0]).all()
     assert (irradiance[1] == 0).all()
     with pytest.raises(patchlight.Cancelled):
-        cornell.irradiances(np.tile(above, (200, 1)), UP, progress=lambda _: True)
+        cornell.irradiances(np.tile(above, (100_000, 1)), UP, progress=lambda stage, fraction: True)
