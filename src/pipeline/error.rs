@@ -30,7 +30,7 @@ pub enum PipelineError {
     Memory {
         /// Bytes that are needed at least.
         needed: u64,
-        /// Bytes of [`RunOptions::memory_bytes`].
+        /// Bytes of [`RunOptions::memory_bytes`](crate::solve::RunOptions::memory_bytes).
         given: u64,
     },
     /// The threads could not be started.
