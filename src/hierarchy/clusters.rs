@@ -20,8 +20,11 @@ const BINS: usize = 16;
 /// Below this depth clusters are cut at the median, so that no arrangement of surfaces makes the tree deep.
 const MAX_DEPTH: u32 = 48;
 
-/// Clusters with fewer surfaces are cut on one thread, and to the end: a millisecond.
+/// Clusters with fewer surfaces are cut on one thread: a millisecond.
 const PARALLEL: usize = 4096;
+
+/// Clusters with fewer surfaces are cut to the end: asking whether to stop would take its part of the time.
+const UNSTOPPABLE: usize = 128;
 
 /// A cluster while the tree is built.
 enum Tree {
@@ -136,7 +139,7 @@ fn cut(mut surfaces: Vec<u32>, bounds: &[Aabb], depth: u32, stop: Stop<'_>) -> T
     if surfaces.len() <= Hierarchy::LEAF_SURFACES {
         return Tree::Leaf(surfaces);
     }
-    let second = if surfaces.len() >= PARALLEL && stop() {
+    let second = if surfaces.len() >= UNSTOPPABLE && stop() {
         surfaces.split_off(surfaces.len() / 2)
     } else {
         cut_off_large(&mut surfaces, bounds).unwrap_or_else(|| cut_in_space(&mut surfaces, bounds, depth))

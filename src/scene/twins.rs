@@ -2,24 +2,22 @@
 
 use std::collections::HashMap;
 
+use glam::DVec3;
+
 use super::{Scene, Sides, Surface, SurfaceId};
+use crate::geometry::sampling;
 
 impl Scene {
     /// Finds the surfaces that are two sides of one sheet, and with [`Sides::Both`] puts the missing side behind every other one.
     ///
-    /// Two surfaces on the same vertices, of equal coordinates, with opposite winding are such a sheet. Cost: O(n) expected.
+    /// Two surfaces on the same vertices, of equal coordinates, with opposite winding are such a sheet. Cost: O(n log n).
     pub(super) fn add_twins(&mut self) {
-        // Pair each surface with one before it that is its reverse and has no twin yet.
-        let mut waiting: HashMap<Vec<[u64; 3]>, Vec<u32>> = HashMap::with_capacity(self.surfaces.len());
-        for index in 0..self.surfaces.len() {
-            let (own, reverse) = windings(&self.surfaces[index]);
-            let twin = waiting.get_mut(&reverse).and_then(Vec::pop);
-            if let Some(twin) = twin {
-                self.surfaces[index].twin = Some(SurfaceId(twin));
-                self.surfaces[twin as usize].twin = Some(SurfaceId(index as u32));
-            } else {
-                waiting.entry(own).or_default().push(index as u32);
-            }
+        // Surfaces on the same vertices come together, in their order; those whose vertices only seem to be the same are told apart below.
+        let mut by_vertices: Vec<(u64, u32)> =
+            (self.surfaces.iter().zip(0..)).map(|(surface, index)| (hash_of_vertices(surface), index)).collect();
+        by_vertices.sort_unstable();
+        for same in by_vertices.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
+            self.pair_sides(same.iter().map(|&(_, index)| index));
         }
         if self.sides == Sides::Front {
             return;
@@ -46,6 +44,26 @@ impl Scene {
         }
         self.surfaces = surfaces;
     }
+
+    /// Pairs each of these surfaces with one before it that is its reverse and has no twin yet.
+    fn pair_sides(&mut self, candidates: impl Iterator<Item = u32>) {
+        let mut waiting: HashMap<Vec<[u64; 3]>, Vec<u32>> = HashMap::new();
+        for index in candidates {
+            let (own, reverse) = windings(&self.surfaces[index as usize]);
+            if let Some(twin) = waiting.get_mut(&reverse).and_then(Vec::pop) {
+                self.surfaces[index as usize].twin = Some(SurfaceId(twin));
+                self.surfaces[twin as usize].twin = Some(SurfaceId(index));
+            } else {
+                waiting.entry(own).or_default().push(index);
+            }
+        }
+    }
+}
+
+/// Equal for surfaces on the same vertices, whatever their order; adding 0 makes -0 and 0 the same.
+fn hash_of_vertices(surface: &Surface) -> u64 {
+    let vertices = surface.polygon.facet().vertices;
+    vertices.iter().map(|&vertex| sampling::seed_at(vertex + DVec3::ZERO, 0)).fold(0, u64::wrapping_add)
 }
 
 /// The vertices in the order of the front and of the back, each from the least vertex on.

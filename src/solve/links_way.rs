@@ -138,7 +138,7 @@ impl<'a> Way<'a> for LinksWay<'a> {
             Some(Judged { error, point_rays, error_bars }) => (Some(error), point_rays, error_bars),
             None => {
                 let (rays, stop) = (plan.point_rays(), linked.job.stop());
-                let error_bars = judge.error_bars(&user_gather(&linked, rays), &stop);
+                let error_bars = judge.error.and_then(|_| judge.error_bars(&user_gather(&linked, rays), &stop));
                 (judge.error, rays, error_bars)
             }
         };

@@ -30,6 +30,9 @@ pub(crate) fn bound_held_back(light: Light<'_>, pairs: &[Pair], stop: &(dyn Fn()
         return 0.0;
     }
     let all = bound_all(light);
+    if stop() {
+        return all;
+    }
     let mut waiting = WorstFirst::new(light, pairs.par_iter().with_min_len(256).copied().take_any_while(|_| !stop()));
     if stop() {
         return all;
