@@ -266,6 +266,8 @@ enum patchlight_diagnostic_code
   PATCHLIGHT_NEGATIVE_VALUE = 9,
   // A material is defined twice; the first definition counts.
   PATCHLIGHT_MATERIAL_DEFINED_TWICE = 10,
+  // A texture is missing or cannot be read; its material has one colour.
+  PATCHLIGHT_MISSING_TEXTURE = 11,
   // The file is not UTF-8 and was read as Latin-1.
   PATCHLIGHT_NOT_UTF8 = 100,
   // Nothing emits light.

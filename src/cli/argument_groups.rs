@@ -66,7 +66,7 @@ pub struct TrustArguments {
     /// Read material libraries, buffers and images wherever the scene says they lie, not only beside it and below
     #[arg(long)]
     pub allow_any_path: bool,
-    /// What becomes of textures of glTF: each face has their mean over it (face), or a scene with textures is not read (reject)
+    /// What becomes of textures: each face has their mean over it (face), or a scene with textures is not read (reject)
     #[arg(long, value_name = "HOW", value_enum, default_value_t = Texture::Face)]
     pub texture: Texture,
 }

@@ -3,6 +3,7 @@
 mod any_bytes;
 mod materials;
 mod meshes;
+mod textures;
 
 use std::path::PathBuf;
 

@@ -108,12 +108,12 @@ fn materials_that_are_no_numbers_are_fatal() {
 
 #[test]
 fn what_a_diffuse_material_does_not_have_is_mentioned_once() {
-    let mtl = "newmtl grey\nKd .5 .5 .5\nKa 1 1 1\nKs 0 0 0\nNs 10\nNi 1.5\nillum 2.5\nd 1\nTr 0\nTf 1 1 1\nmap_Kd a b.png\nmap_Kd -s 1 1 1 c.png\n\
+    let mtl = "newmtl grey\nKd .5 .5 .5\nKa 1 1 1\nKs 0 0 0\nNs 10\nNi 1.5\nillum 2.5\nd 1\nTr 0\nTf 1 1 1\nmap_Ks a b.png\nmap_Ks -s 1 1 1 c.png\n\
                bump\nPr 0.5\nPr 0.6\nd 0.5\n";
     let imported = read_with(&format!("{GREY}{SQUARE}f 1 2 3 4\n"), mtl).unwrap();
     let lines = imported.diagnostics.warnings();
     for expected in [
-        "bad.mtl:11: 'map_Kd' (2 times)",
+        "bad.mtl:11: 'map_Ks' (2 times)",
         "bad.mtl:13: 'bump'",
         "bad.mtl:16: 'd'",
         "bad.mtl:14: 2 statements from here on are unknown",

@@ -43,6 +43,8 @@ pub enum patchlight_diagnostic_code {
     PATCHLIGHT_NEGATIVE_VALUE = 9,
     /// A material is defined twice; the first definition counts.
     PATCHLIGHT_MATERIAL_DEFINED_TWICE = 10,
+    /// A texture is missing or cannot be read; its material has one colour.
+    PATCHLIGHT_MISSING_TEXTURE = 11,
     /// The file is not UTF-8 and was read as Latin-1.
     PATCHLIGHT_NOT_UTF8 = 100,
     /// Nothing emits light.
@@ -126,6 +128,7 @@ fn code_of(kind: DiagnosticKind) -> Code {
         DiagnosticKind::NonPlanarFace => Code::PATCHLIGHT_NON_PLANAR_FACE,
         DiagnosticKind::MissingLibrary => Code::PATCHLIGHT_MISSING_LIBRARY,
         DiagnosticKind::MissingMaterial => Code::PATCHLIGHT_MISSING_MATERIAL,
+        DiagnosticKind::MissingTexture => Code::PATCHLIGHT_MISSING_TEXTURE,
         DiagnosticKind::NoMaterial => Code::PATCHLIGHT_NO_MATERIAL,
         DiagnosticKind::NoReflectance => Code::PATCHLIGHT_NO_REFLECTANCE,
         DiagnosticKind::ReflectanceClamped => Code::PATCHLIGHT_REFLECTANCE_CLAMPED,

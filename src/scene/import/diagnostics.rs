@@ -31,6 +31,8 @@ pub enum DiagnosticKind {
     MissingLibrary,
     /// A material is defined nowhere; it is grey 0.5.
     MissingMaterial,
+    /// A texture is missing or cannot be read; its material has one colour.
+    MissingTexture,
     /// Faces that name no material are grey 0.5.
     NoMaterial,
     /// A material without `Kd` is grey 0.5.
@@ -78,6 +80,7 @@ impl DiagnosticKind {
             | Self::NonPlanarFace
             | Self::MissingLibrary
             | Self::MissingMaterial
+            | Self::MissingTexture
             | Self::NoMaterial
             | Self::NoReflectance
             | Self::ReflectanceClamped

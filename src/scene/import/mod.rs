@@ -13,6 +13,7 @@ mod error;
 mod faces;
 mod gltf;
 mod join;
+mod maps;
 mod mtl;
 mod names;
 mod obj;
@@ -22,6 +23,8 @@ mod statements;
 mod stl;
 mod structure;
 mod text;
+mod textured;
+mod textures;
 
 use std::path::{Path, PathBuf};
 
@@ -57,7 +60,7 @@ pub struct Imported {
 /// `.ply` and `.stl` without materials; always with three channels (linear
 /// Rec.709 RGB).
 ///
-/// Of OBJ `Kd` is the reflectance and `pi Ke` the exitance; of glTF the base colour, and `pi` times factor and strength of the emission, which count as a
+/// Of OBJ `Kd` is the reflectance and `pi Ke` the exitance, times the mean of `map_Kd` and `map_Ke` over the face; of glTF the base colour, and `pi` times factor and strength of the emission, which count as a
 /// radiance in W/m^2/sr. Polygons that are not convex and planar are cut; all pieces bear the number of their face. Triangles
 /// of a glTF primitive that lie in one plane are joined.
 ///
@@ -79,7 +82,7 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     observer.progress(&Progress { stage: Stage::Read, round: 0, fraction: None, links: 0, elements: 0, error: None });
     let stop = || observer.cancelled();
     let read = match extension.as_str() {
-        "obj" => obj::read(path, options.allow_any_path, &mut diagnostics, &stop)?,
+        "obj" => obj::read(path, options, &mut diagnostics, &stop)?,
         "gltf" | "glb" => gltf::read(path, options, &mut diagnostics, &stop)?,
         "ply" => ply::read(path, &mut diagnostics, &stop)?,
         "stl" => stl::read(path, &mut diagnostics, &stop)?,

@@ -1,4 +1,4 @@
-//! Material libraries: `newmtl`, `Kd` and `Ke` of MTL files.
+//! Material libraries: `newmtl`, `Kd`, `Ke` and their textures of MTL files.
 //!
 //! The values are read by tobj. What goes into it is prepared here, because tobj 4.0 reads a library as a whole or not at all and
 //! names no line: it panics on a `Kd` of one number (which the format allows: green and blue are then the same), refuses a whole
@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use super::maps::Map;
 use super::statements::statements;
 use super::text::{decode, read_regular_file};
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
@@ -37,6 +38,20 @@ struct Definition {
     /// The line of each value, with its text; `None` where the material has none.
     reflectance: Option<(u32, String)>,
     radiance: Option<(u32, String)>,
+    maps: Maps,
+}
+
+/// The textures of a material.
+#[derive(Clone, Default)]
+pub(super) struct Maps {
+    /// The library that names them.
+    pub file: PathBuf,
+    pub colour: Option<Map>,
+    pub radiance: Option<Map>,
+    /// What they are multiplied by. A factor that is missing, or black, would hide its texture: it counts as white, as many programs write and
+    /// read it.
+    pub colour_factor: [f64; 3],
+    pub radiance_factor: [f64; 3],
 }
 
 /// A library that cannot be read.
@@ -127,6 +142,16 @@ impl Libraries {
                 key @ ("Ks" | "Tr") if shows(words, 0.0) => count(&mut self.ignored, key, file, line),
                 "d" if shows(words.trim_start_matches("-halo"), 1.0) => count(&mut self.ignored, "d", file, line),
                 "Ks" | "Tr" | "d" => {}
+                key @ ("map_Kd" | "map_Ke") => {
+                    let Some(map) = Map::parse(words, line) else { return syntax(format!("'{key}' names no image")) };
+                    if map.is_modified {
+                        count(&mut self.ignored, &format!("{key} -mm"), file, line);
+                    }
+                    if let Some(current) = current {
+                        let maps = &mut self.definitions[current].maps;
+                        *(if key == "map_Kd" { &mut maps.colour } else { &mut maps.radiance }) = Some(map);
+                    }
+                }
                 key if key.starts_with("map_") || matches!(key, "bump" | "disp" | "decal" | "refl" | "norm") => {
                     count(&mut self.ignored, key, file, line);
                 }
@@ -147,7 +172,7 @@ impl Libraries {
             diagnostics.push(Diagnostic::new(DiagnosticKind::MaterialDefinedTwice, text).at(file, line));
             return None;
         }
-        Some(self.push(Definition { name: name.to_owned(), file: file.to_owned(), line, reflectance: None, radiance: None }))
+        Some(self.push(Definition::new(name, file, line)))
     }
 
     fn push(&mut self, definition: Definition) -> usize {
@@ -160,6 +185,16 @@ impl Libraries {
     /// The files that were read.
     pub fn take_files(&mut self) -> Vec<PathBuf> {
         std::mem::take(&mut self.files)
+    }
+
+    /// The textures of each material.
+    pub fn maps(&self) -> Vec<Maps> {
+        let of = |definition: &Definition| Maps {
+            colour_factor: factor(&definition.reflectance),
+            radiance_factor: factor(&definition.radiance),
+            ..definition.maps.clone()
+        };
+        self.definitions.iter().map(of).collect()
     }
 
     /// The index of the material `name`, used in `line` of the scene; what is defined nowhere becomes grey with a warning, unless a library
@@ -187,8 +222,7 @@ impl Libraries {
         let text = format!("material '{name}' is not defined: grey {DEFAULT_REFLECTANCE}");
         diagnostics.push(Diagnostic::new(DiagnosticKind::MissingMaterial, text).at(file, line));
         let grey = Some((0, format!("{DEFAULT_REFLECTANCE} {DEFAULT_REFLECTANCE} {DEFAULT_REFLECTANCE}")));
-        let default = Definition { name: name.to_owned(), file: file.to_owned(), line, reflectance: grey, radiance: None };
-        Ok(self.push(default) as u32)
+        Ok(self.push(Definition { reflectance: grey, ..Definition::new(name, file, line) }) as u32)
     }
 
     /// The text that tobj reads: material `k` is named `mk`.
@@ -231,7 +265,7 @@ impl Libraries {
         // What was left out, once for each keyword.
         for (key, (count, file, line)) in &self.ignored {
             let times = if *count == 1 { String::new() } else { format!(" ({count} times)") };
-            let text = format!("'{key}'{times} is left out: materials are diffuse and have no textures");
+            let text = format!("'{key}'{times} is left out: materials are diffuse, with textures for Kd and Ke alone");
             diagnostics.push(Diagnostic::new(DiagnosticKind::IgnoredProperty, text).at(file, *line));
         }
         if let Some((count, file, line)) = &self.unknown {
@@ -243,6 +277,11 @@ impl Libraries {
 }
 
 impl Definition {
+    fn new(name: &str, file: &Path, line: u32) -> Self {
+        let maps = Maps { file: file.to_owned(), ..Maps::default() };
+        Self { name: name.to_owned(), file: file.to_owned(), line, reflectance: None, radiance: None, maps }
+    }
+
     /// Reflectance: grey where there is none, raised to 0 and lowered to 0.99 where it is out of range.
     fn reflectance_in_range(
         &self,
@@ -252,13 +291,14 @@ impl Definition {
         let (name, line) = (&self.name, self.reflectance.as_ref().map_or(self.line, |value| value.0));
         let written = match self.values(parsed.and_then(|m| m.diffuse), &self.reflectance)? {
             Some(values) => values,
+            None if self.maps.colour.is_some() => [DEFAULT_REFLECTANCE; 3],
             None => {
                 let text = format!("material '{name}' has no Kd: grey {DEFAULT_REFLECTANCE}");
                 warn(DiagnosticKind::NoReflectance, line, text);
                 [DEFAULT_REFLECTANCE; 3]
             }
         };
-        if written.iter().any(|&rho| rho >= 1.0) {
+        if written.iter().any(|&rho| rho >= 1.0) && self.maps.colour.is_none() {
             let text = format!("material '{name}' has Kd {}: 1 and more become {LARGEST_REFLECTANCE}", triple(written));
             warn(DiagnosticKind::ReflectanceClamped, line, text);
         }
@@ -335,6 +375,13 @@ pub(super) fn is_not_a_number_word(word: &str) -> bool {
 /// Whether one of the numbers in `words` differs from the one that has no effect.
 fn shows(words: &str, without_effect: f64) -> bool {
     words.split_whitespace().any(|word| word.parse::<f64>() != Ok(without_effect))
+}
+
+/// The numbers of a value, by which a texture is multiplied.
+fn factor(value: &Option<(u32, String)>) -> [f64; 3] {
+    let mut numbers = value.iter().flat_map(|(_, text)| text.split_whitespace()).map(|word| word.parse::<f64>().unwrap_or(0.0));
+    let factor = [0; 3].map(|_| numbers.next().unwrap_or(0.0).max(0.0));
+    if factor == [0.0; 3] { [1.0; 3] } else { factor }
 }
 
 fn triple(values: [f64; 3]) -> String {

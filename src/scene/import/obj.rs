@@ -20,16 +20,17 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::faces::{Face, FaceFile};
-use super::mtl::{self, Libraries};
+use super::mtl::{self, Libraries, Maps};
 use super::structure::{Structure, bad_vertex, read_structure};
 use super::text::{decode, lies_below, read_regular_file};
-use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
+use super::textured::{TextureCoordinates, colour_faces};
+use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError, ImportOptions};
 use crate::progress::Stop;
 
-/// Reads an OBJ file and its material libraries: those beside or below it, or any.
+/// Reads an OBJ file with its material libraries and their textures: those beside or below it, or any.
 pub(super) fn read(
     file: &Path,
-    allow_any_path: bool,
+    options: &ImportOptions,
     diagnostics: &mut Diagnostics,
     stop: Stop<'_>,
 ) -> Result<FaceFile, ImportError> {
@@ -44,19 +45,25 @@ pub(super) fn read(
     }
 
     // Structure first, then the libraries that it names, then the values.
-    let structure = read_structure(&text, file, diagnostics, stop)?;
+    let mut structure = read_structure(&text, file, diagnostics, stop)?;
     let mut libraries = Libraries::default();
     let mut named = HashSet::new();
     for (line, argument) in &structure.libraries {
         for library in library_files(file, argument) {
             // Some exporters name the library again for every object.
             if named.insert(library.clone()) {
-                let is_allowed = allow_any_path || lies_below(&library, file);
+                let is_allowed = options.allow_any_path || lies_below(&library, file);
                 libraries.read(&library, is_allowed, (file, *line), diagnostics)?;
             }
         }
     }
-    read_values(structure, libraries, file, diagnostics, stop)
+    let coordinates = TextureCoordinates {
+        vertices: std::mem::take(&mut structure.texture_vertices),
+        corners: std::mem::take(&mut structure.texture_corners),
+    };
+    let (mut read, maps) = read_values(structure, libraries, file, diagnostics, stop)?;
+    colour_faces(&mut read, &maps, &coordinates, (file, options), diagnostics, stop)?;
+    Ok(read)
 }
 
 /// The files of one `mtllib`: one name that may hold spaces, else several names.
@@ -100,14 +107,14 @@ impl BufRead for Stoppable<'_> {
     }
 }
 
-/// The second pass: tobj reads numbers, faces and materials from the prepared text.
+/// The second pass: tobj reads numbers, faces and materials from the prepared text. With the textures of each material.
 fn read_values(
     mut structure: Structure<'_>,
     mut libraries: Libraries,
     file: &Path,
     diagnostics: &mut Diagnostics,
     stop: Stop<'_>,
-) -> Result<FaceFile, ImportError> {
+) -> Result<(FaceFile, Vec<Maps>), ImportError> {
     let material_of = materials_of_names(&structure, &mut libraries, file, diagnostics)?;
     let (text, order) = prepared_text(&mut structure, &material_of);
     let prepared = libraries.prepared();
@@ -127,7 +134,7 @@ fn read_values(
             used[face.material as usize] = true;
         }
     }
-    let files = libraries.take_files();
+    let (files, maps) = (libraries.take_files(), libraries.maps());
     let mut materials = libraries.into_materials(&read_materials, &used, diagnostics)?;
     let mut obj = FaceFile {
         lines: structure.face_lines,
@@ -152,7 +159,7 @@ fn read_values(
     obj.materials = materials;
 
     note_left_out(&structure.ignored, &structure.unknown, structure.weights, file, diagnostics);
-    Ok(obj)
+    Ok((obj, maps))
 }
 
 /// Which material each name means; what no face uses is not looked up.

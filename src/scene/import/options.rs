@@ -10,7 +10,7 @@ pub struct ImportOptions {
     /// Whether a scene may name any file: a material library, a buffer, an image. Else these lie beside the scene or below that folder: a scene
     /// by somebody else reads nothing of what lies elsewhere.
     pub allow_any_path: bool,
-    /// What becomes of textures of glTF.
+    /// What becomes of textures.
     pub textures: Textures,
 }
 

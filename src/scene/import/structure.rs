@@ -18,6 +18,10 @@ pub(super) struct Structure<'a> {
     pub vertex_lines: Vec<u32>,
     /// The faces for tobj, as resolved indices; faces of fewer than three corners are not among them.
     pub corners: Vec<u64>,
+    /// Where each of these corners lies in its texture: an index into `texture_vertices`, or one that is none.
+    pub texture_corners: Vec<u32>,
+    /// Texture coordinates; not finite where they cannot be read.
+    pub texture_vertices: Vec<[f64; 2]>,
     pub faces: Vec<PreparedFace>,
     pub face_lines: Vec<u32>,
     pub objects: NamesReader,
@@ -63,8 +67,9 @@ pub(super) fn read_structure<'a>(
             "mtllib" => structure.libraries.push((line, statement.arguments.into_owned())),
             "o" => structure.objects.start(&statement.arguments),
             "g" => structure.groups.start(&statement.arguments),
-            // Smoothing, texture coordinates and normals: a planar polygon does not need them.
-            "vn" | "vt" | "vp" | "s" | "mg" | "lod" | "usemap" | "maplib" | "bevel" | "c_interp" | "d_interp" | "shadow_obj"
+            "vt" => structure.texture_vertices.push(texture_vertex(&statement.arguments)),
+            // Smoothing and normals: a planar polygon does not need them.
+            "vn" | "vp" | "s" | "mg" | "lod" | "usemap" | "maplib" | "bevel" | "c_interp" | "d_interp" | "shadow_obj"
             | "trace_obj" => {}
             key @ ("p" | "l" | "curv" | "curv2" | "surf") => mtl::count(&mut structure.ignored, key, file, line),
             // What belongs to curves and curved surfaces is mentioned with them.
@@ -139,7 +144,7 @@ impl<'a> Structure<'a> {
 
         for word in statement.arguments.split_whitespace() {
             let mut parts = word.split('/');
-            let index = parts.next().unwrap_or_default();
+            let (index, of_texture) = (parts.next().unwrap_or_default(), word.split('/').nth(1));
             if !is_integer(index) || word.split('/').count() > 3 || !parts.all(|part| part.is_empty() || is_integer(part)) {
                 let reason = format!("'{word}' should be a vertex index, as in 7, -1, 7/1 or 7//1");
                 return Err(ImportError::Syntax { file: file.to_owned(), line, face: Some(number + 1), reason });
@@ -158,12 +163,14 @@ impl<'a> Structure<'a> {
                 let (file, index) = (file.to_owned(), index.to_owned());
                 return Err(ImportError::IndexOutOfRange { file, line, face: number + 1, index, vertices: defined });
             }
+            self.texture_corners.push(texture_corner(of_texture, self.texture_vertices.len()));
         }
 
         // A point or a line has no area and goes no further.
         let corners = self.corners.len() - start;
         if corners < 3 {
             self.corners.truncate(start);
+            self.texture_corners.truncate(start);
             let text = format!("dropped: it has {corners} corners");
             diagnostics.push(Diagnostic::new(DiagnosticKind::DegenerateFace, text).at(file, line).face(number + 1));
             return Ok(());
@@ -189,6 +196,19 @@ impl<'a> Structure<'a> {
         self.names.push((statement.arguments, statement.line));
         Some(index)
     }
+}
+
+/// `vt u v`: v is 0 where it is left out.
+fn texture_vertex(arguments: &str) -> [f64; 2] {
+    let mut words = arguments.split_whitespace().map(|word| word.parse().unwrap_or(f64::NAN));
+    [words.next().unwrap_or(f64::NAN), words.next().unwrap_or(0.0)]
+}
+
+/// The index of texture coordinates, from 0; `u32::MAX` where there are none. Negative ones count back from the last of those `defined`.
+fn texture_corner(word: Option<&str>, defined: usize) -> u32 {
+    let value = word.and_then(|word| word.parse::<i64>().ok()).unwrap_or(0);
+    let index = if value > 0 { value - 1 } else { defined as i64 + value };
+    if value == 0 { u32::MAX } else { u32::try_from(index).unwrap_or(u32::MAX) }
 }
 
 fn is_integer(word: &str) -> bool {

@@ -8,11 +8,11 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::PathBuf;
 
 use super::super::mtl::{DEFAULT_REFLECTANCE, LARGEST_REFLECTANCE, LARGEST_VALUE};
+use super::super::textures::{Picture, Wrap};
 use super::accessors::Accessors;
 use super::buffers::Place;
 use super::container::shown;
 use super::json::{self, Extensions, Root, TextureInfo};
-use super::textures::{Picture, Wrap};
 use crate::scene::Material;
 use crate::scene::import::DiagnosticKind;
 

@@ -18,7 +18,6 @@ mod json;
 mod materials;
 mod nodes;
 mod primitives;
-mod textures;
 
 use std::collections::HashMap;
 use std::path::Path;
