@@ -33,7 +33,7 @@ pub struct Arguments {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Light a scene, and write what is asked for
+    /// Light a scene, and write what is asked for: if nothing is, the page out/NAME.html
     #[command(after_help = EXIT_CODES, after_long_help = format!("{}\n{EXIT_CODES}", option_help::of_set()))]
     Solve(Box<SolveArguments>),
     /// Evaluate a solution at points, or by sensors in space

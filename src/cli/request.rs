@@ -114,6 +114,22 @@ impl SolveRequest {
         })
     }
 
+    /// Who asks for nothing gets something to look at: the page `out/NAME.html`.
+    pub fn or_leave_a_page(mut self) -> Result<Self, Failure> {
+        let Self { solution, picture, mesh, points, html, report, .. } = &self;
+        let none_of = [solution.is_none(), picture.is_none(), mesh.is_none(), points.is_none(), html.is_none(), report.is_none()];
+        if none_of != [true; 6] {
+            return Ok(self);
+        }
+        let folder = Path::new("out");
+        std::fs::create_dir_all(folder).map_err(|error| {
+            Failure::usage(format_args!("cannot make the folder out ({error}); name an output, as --html FILE.html"))
+        })?;
+        let page = folder.join(self.scene.file_name().unwrap_or_default()).with_extension("html");
+        self.html = Some(self.outputs.file(&page)?);
+        Ok(self)
+    }
+
     /// The file for the lit mesh, if one is asked for.
     fn mesh(typed: &SolveArguments, outputs: &mut Outputs) -> Result<Option<(Destination, ExportFormat)>, Failure> {
         let Some(path) = typed.mesh.as_deref() else { return Ok(None) };

@@ -30,6 +30,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let expected_values = request.options.expected_values.or(points.as_ref().map(|points| points.len() as u64));
     let options = SolveOptions { expected_values, ..request.options.clone() };
     let (scene, warnings) = read(&request)?;
+    let request = request.or_leave_a_page()?;
     let scene_report = SceneReport::of(&scene, request.scene.clone());
     let load_s = start.elapsed().as_secs_f64();
     interrupt::listen(interrupt::OF_RUN);

@@ -5,7 +5,7 @@ use std::fs;
 use super::Place;
 
 #[test]
-fn solve_without_outputs_prints_the_key_figures() {
+fn solve_without_outputs_prints_the_key_figures_and_leaves_a_page() {
     let place = Place::new();
     let ran = place.run("solve room.obj --error 0.1");
     ran.succeeded();
@@ -14,7 +14,8 @@ fn solve_without_outputs_prints_the_key_figures() {
         assert!(ran.stderr.contains(word), "'{word}' is not in: {}", ran.stderr);
     }
     assert_eq!(place.run("solve room.obj --error 0.1 --progress none").succeeded().stderr, "");
-    assert!(place.new_files().is_empty());
+    assert_eq!(place.new_files(), ["out"]);
+    assert!(place.read("out/room.html").starts_with("<!DOCTYPE html>"));
 }
 
 #[test]
