@@ -83,7 +83,7 @@ pub fn polygons_of_arrays(
 
     // Their polygons.
     let corners: Vec<DVec3> = corners.iter().map(|&corner| DVec3::from(corner)).collect();
-    let faces = Faces { faces: &read, corners: &corners, vertices: corners.len(), source: None, objects: &FaceNames::default() };
+    let faces = Faces { faces: &read, corners: &corners, source: None, objects: &FaceNames::default() };
     let assembled = assemble(&faces, diagnostics, &|| false);
     Ok(assembled.map_or_else(Vec::new, |assembled| assembled.polygons))
 }

@@ -1,8 +1,9 @@
 //! From faces as read to polygons: degenerate and duplicate faces go, concave and non-planar ones are cut.
 //!
 //! Vertices count as the same where their coordinates are equal; files that repeat vertices for every face write the same digits.
-//! Cost: O(n) expected for n corners.
+//! Cost: O(n log n) for n corners.
 
+use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -13,7 +14,7 @@ use glam::DVec3;
 use super::cut::{Cut, Pieces, convex_pieces};
 use super::faces::Face;
 use super::{Diagnostic, DiagnosticKind, Diagnostics};
-use crate::geometry::{Aabb, Polygon};
+use crate::geometry::{Aabb, Polygon, sampling};
 use crate::progress::Stop;
 use crate::scene::FaceNames;
 
@@ -37,8 +38,6 @@ pub(super) struct Faces<'a> {
     pub faces: &'a [Face],
     /// The corners of all faces.
     pub corners: &'a [DVec3],
-    /// How many vertices there are, about.
-    pub vertices: usize,
     /// The file that they are from, and the line of each face, from 1; `None` for faces from memory.
     pub source: Option<(&'a Path, &'a [u32])>,
     /// The objects that they belong to, where that is known.
@@ -67,26 +66,26 @@ impl Faces<'_> {
 
 /// Makes convex planar polygons of the faces, in their order; `None` if stopped before.
 pub(super) fn assemble(read: &Faces<'_>, diagnostics: &mut Diagnostics, stop: Stop<'_>) -> Option<Assembled> {
-    let mut ids: HashMap<[u64; 3], u32> = HashMap::with_capacity(read.vertices);
     let mut polygons = Vec::with_capacity(read.faces.len());
     let mut dropped = 0;
     let mut flattened = (0_usize, 0.0_f64);
     let rounding = PLANE_TOLERANCE * Aabb::around(read.corners.iter().copied()).diagonal();
 
-    // The faces so far by their corners: one for each of the two windings, as an index into `read.faces`.
-    let mut seen: HashMap<Vec<u32>, [Option<usize>; 2]> = HashMap::with_capacity(read.faces.len());
+    // The faces so far by their corners, of those that may have some in common: one for each of the two windings, as an index into `read.faces`.
+    let mut seen: HashMap<Vec<[u64; 3]>, [Option<usize>; 2]> = HashMap::new();
+    let may_repeat = faces_that_may_repeat(read);
+    let order = FileOrder { corners: read.corners, numbers: OnceCell::new() };
     for (index, face) in read.faces.iter().enumerate() {
         let mut note = |kind, text: String| diagnostics.push(read.about(kind, text, face.number));
 
-        let corners = distinct_corners(&read.corners[face.start..face.end], &mut ids);
+        let corners = distinct_corners(&read.corners[face.start..face.end]);
         if corners.len() < 3 {
             dropped += 1;
             note(DiagnosticKind::DegenerateFace, "dropped: it has fewer than three different corners".to_owned());
             continue;
         }
 
-        let (key, side) = unwound(&corners);
-        let pieces = pieces_or_stop(&corners, &key, side, rounding, stop)?;
+        let pieces = pieces_or_stop(&corners, &order, rounding, stop)?;
         if pieces.polygons.is_empty() {
             dropped += 1;
             note(DiagnosticKind::DegenerateFace, "dropped: it has no area".to_owned());
@@ -94,19 +93,22 @@ pub(super) fn assemble(read: &Faces<'_>, diagnostics: &mut Diagnostics, stop: St
         }
 
         // Same corners, same winding: a duplicate. Same corners, opposite winding: the other side of a sheet.
-        let sides = seen.entry(key).or_default();
-        if let Some(earlier) = sides[side] {
-            let earlier = &read.faces[earlier];
-            let but = if earlier.material == face.material { "" } else { " with another material" };
-            dropped += 1;
-            note(DiagnosticKind::DuplicateFace, format!("dropped: it repeats {}{but}", read.name(earlier.number)));
-            continue;
-        }
-        sides[side] = Some(index);
-        // A face that its file calls double-sided comes as two of one number.
-        let front = sides[1 - side].map(|earlier| read.faces[earlier].number).filter(|&front| front != face.number);
-        if let Some(front) = front {
-            note(DiagnosticKind::Sheet, format!("is the back of face {}: both together are a sheet with two sides", front + 1));
+        if may_repeat[index] {
+            let (key, side) = unwound(&corners.iter().map(|&corner| position_key(corner)).collect::<Vec<_>>());
+            let sides = seen.entry(key).or_default();
+            if let Some(earlier) = sides[side] {
+                let earlier = &read.faces[earlier];
+                let but = if earlier.material == face.material { "" } else { " with another material" };
+                dropped += 1;
+                note(DiagnosticKind::DuplicateFace, format!("dropped: it repeats {}{but}", read.name(earlier.number)));
+                continue;
+            }
+            sides[side] = Some(index);
+            // A face that its file calls double-sided comes as two of one number.
+            let front = sides[1 - side].map(|earlier| read.faces[earlier].number).filter(|&front| front != face.number);
+            if let Some(front) = front {
+                note(DiagnosticKind::Sheet, format!("is the back of face {}: both together are a sheet with two sides", front + 1));
+            }
         }
 
         if pieces.flattened > 0.0 {
@@ -132,16 +134,59 @@ fn note_flattened((count, most): (usize, f64), read: &Faces<'_>, diagnostics: &m
     }
 }
 
-/// [`pieces_of`] a face; `None` if stopped before.
-fn pieces_or_stop(corners: &[(u32, DVec3)], key: &[u32], side: usize, rounding: f64, stop: Stop<'_>) -> Option<Pieces> {
+/// Which faces may have all their corners in common with another one. Some that have not are among them, by chance.
+fn faces_that_may_repeat(read: &Faces<'_>) -> Vec<bool> {
+    // The sum of the hashes of a face's corners does not depend on their order.
+    let hash_of = |face: &Face| {
+        let corners = &read.corners[face.start..face.end];
+        let before = corners.iter().cycle().skip(corners.len().saturating_sub(1));
+        let distinct = corners.iter().zip(before).filter(|(corner, before)| corner != before);
+        distinct.map(|(corner, _)| sampling::seed_at(corner + DVec3::ZERO, 0)).fold(0, u64::wrapping_add)
+    };
+    let mut by_hash: Vec<(u64, u32)> = read.faces.iter().zip(0..).map(|(face, index)| (hash_of(face), index)).collect();
+    by_hash.sort_unstable();
+    let mut may_repeat = vec![false; read.faces.len()];
+    for same in by_hash.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
+        same.iter().for_each(|&(_, index)| may_repeat[index as usize] = true);
+    }
+    may_repeat
+}
+
+/// Positions in the order in which the file comes to them.
+struct FileOrder<'a> {
+    corners: &'a [DVec3],
+    /// Counted once they are wanted.
+    numbers: OnceCell<HashMap<[u64; 3], u32>>,
+}
+
+impl FileOrder<'_> {
+    /// The corners of a face in an order that does not depend on where it starts nor on its winding, the first in the file first; and 1 if
+    /// that is the reverse, else 0.
+    fn unwound(&self, corners: &[DVec3]) -> (Vec<DVec3>, usize) {
+        let numbers = self.numbers.get_or_init(|| {
+            let mut numbers = HashMap::new();
+            for &corner in self.corners {
+                let next = numbers.len() as u32;
+                numbers.entry(position_key(corner)).or_insert(next);
+            }
+            numbers
+        });
+        let own: HashMap<u32, DVec3> = corners.iter().map(|&corner| (numbers[&position_key(corner)], corner)).collect();
+        let (order, side) = unwound(&corners.iter().map(|&corner| numbers[&position_key(corner)]).collect::<Vec<_>>());
+        (order.iter().map(|number| own[number]).collect(), side)
+    }
+}
+
+/// The pieces of a face; `None` if stopped before.
+fn pieces_or_stop(corners: &[DVec3], order: &FileOrder<'_>, rounding: f64, stop: Stop<'_>) -> Option<Pieces> {
     if stop() {
         return None;
     }
     if corners.len() < MANY_CORNERS {
-        return Some(pieces_of(corners, key, side, rounding));
+        return Some(pieces_of(corners, || order.unwound(corners), rounding));
     }
-    let (corners, key) = (corners.to_vec(), key.to_vec());
-    aside(move || pieces_of(&corners, &key, side, rounding), stop)
+    let (corners, unwound) = (corners.to_vec(), order.unwound(corners));
+    aside(move || pieces_of(&corners, || unwound.clone(), rounding), stop)
 }
 
 /// What `work` finds on a thread of its own; `None` if stopped before: the thread is left alone and ends by itself. On this thread where no
@@ -163,33 +208,27 @@ fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Clone + Send + 'static, s
     }
 }
 
-/// The corners of a face with the ids of their positions; corners that follow themselves add nothing.
-fn distinct_corners(corners: &[DVec3], ids: &mut HashMap<[u64; 3], u32>) -> Vec<(u32, DVec3)> {
-    let mut distinct: Vec<(u32, DVec3)> = Vec::with_capacity(corners.len());
-    for &corner in corners {
-        let next = ids.len() as u32;
-        let id = *ids.entry(position_key(corner)).or_insert(next);
-        if distinct.last().is_none_or(|last| last.0 != id) {
-            distinct.push((id, corner));
-        }
-    }
-    while distinct.len() > 1 && distinct[0].0 == distinct[distinct.len() - 1].0 {
+/// The corners of a face; those that follow themselves add nothing.
+fn distinct_corners(corners: &[DVec3]) -> Vec<DVec3> {
+    let mut distinct: Vec<DVec3> = corners.to_vec();
+    distinct.dedup();
+    while distinct.len() > 1 && distinct[0] == distinct[distinct.len() - 1] {
         distinct.pop();
     }
     distinct
 }
 
-/// The convex pieces of a face with these corners, `key` and `side` being what [`unwound`] makes of them.
+/// The convex pieces of a face with these corners, which [`FileOrder`] may have unwound.
 ///
 /// A convex face keeps its corners in the order of the file. What is changed is changed in an order that does not depend on the
 /// winding, so that the two sides of a sheet stay the same.
-fn pieces_of(corners: &[(u32, DVec3)], key: &[u32], side: usize, rounding: f64) -> Pieces {
-    let pieces = convex_pieces(&corners.iter().map(|corner| corner.1).collect::<Vec<_>>(), rounding);
+fn pieces_of(corners: &[DVec3], unwound: impl FnOnce() -> (Vec<DVec3>, usize), rounding: f64) -> Pieces {
+    let pieces = convex_pieces(corners, rounding);
     if pieces.cut == Cut::Whole && pieces.flattened == 0.0 {
         return pieces;
     }
-    let by_id: HashMap<u32, DVec3> = corners.iter().copied().collect();
-    let mut pieces = convex_pieces(&key.iter().map(|id| by_id[id]).collect::<Vec<_>>(), rounding);
+    let (unwound, side) = unwound();
+    let mut pieces = convex_pieces(&unwound, rounding);
     if side == 1 {
         pieces.polygons = pieces.polygons.iter().map(Polygon::reversed).collect();
     }
@@ -217,16 +256,15 @@ fn position_key(position: DVec3) -> [u64; 3] {
     position.to_array().map(|x| (x + 0.0).to_bits())
 }
 
-/// The corners' ids in an order that does not depend on where the face starts nor on its winding, and 1 if it is the reverse, else 0.
-fn unwound(corners: &[(u32, DVec3)]) -> (Vec<u32>, usize) {
-    let forwards: Vec<u32> = corners.iter().map(|corner| corner.0).collect();
-    let backwards: Vec<u32> = forwards.iter().rev().copied().collect();
-    let (forwards, backwards) = (smallest_rotation(&forwards), smallest_rotation(&backwards));
+/// A cycle in an order that does not depend on where it starts nor on its direction, and 1 if that is the reverse, else 0.
+fn unwound<T: Copy + Ord>(cycle: &[T]) -> (Vec<T>, usize) {
+    let backwards: Vec<T> = cycle.iter().rev().copied().collect();
+    let (forwards, backwards) = (smallest_rotation(cycle), smallest_rotation(&backwards));
     if forwards <= backwards { (forwards, 0) } else { (backwards, 1) }
 }
 
 /// The rotation of a cycle that comes first in lexicographic order, in O(n) (Y. Shiloach, J. Algorithms 2, 1981).
-fn smallest_rotation(cycle: &[u32]) -> Vec<u32> {
+fn smallest_rotation<T: Copy + Ord>(cycle: &[T]) -> Vec<T> {
     let count = cycle.len();
     let (mut one, mut other, mut same) = (0, 1, 0);
     while one < count && other < count && same < count {
@@ -247,7 +285,7 @@ fn smallest_rotation(cycle: &[u32]) -> Vec<u32> {
         same = 0;
     }
     let start = one.min(other);
-    cycle[start..].iter().chain(&cycle[..start]).copied().collect()
+    [&cycle[start..], &cycle[..start]].concat()
 }
 
 #[cfg(test)]

@@ -92,7 +92,7 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
         return Err(ImportError::Cancelled);
     }
     let FaceFile { lines, vertices, faces, corners, materials, libraries, objects, groups } = read;
-    let in_file = assemble::Faces { faces: &faces, corners: &corners, vertices, source: Some((path, &lines)), objects: &objects };
+    let in_file = assemble::Faces { faces: &faces, corners: &corners, source: Some((path, &lines)), objects: &objects };
     let assembled = assemble::assemble(&in_file, &mut diagnostics, &stop).ok_or(ImportError::Cancelled)?;
     if assembled.polygons.is_empty() {
         // Faces of fewer than three corners never came as far as the assembly.
