@@ -73,7 +73,9 @@ fn main() {
         let scene = read();
         let reference = reference(&request, path, &scene);
         println!("\n{}, {} x {}, {} pixels:\n", path.display(), request.size[0], request.size[1], reference.pixels());
-        println!("| asked | seed | solve, CPU-s | claimed of values | picture, CPU-s | elements | claimed of it | off, local | off, by energy |");
+        println!(
+            "| asked | seed | solve, CPU-s | claimed of values | picture, CPU-s | elements | claimed of it | off, local | off, by energy |"
+        );
         println!("|---|---|---|---|---|---|---|---|---|");
         for &error in &request.errors {
             for seed in 0..request.seeds {

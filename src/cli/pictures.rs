@@ -75,6 +75,7 @@ fn shown<'a>(
         (Some(Whence::Gather), ..) => return Ok(Some(None)),
         (Some(Whence::Mesh), _, None) => return Err(no_mesh("--from mesh")),
         (_, None, Some(mesh)) => return Ok(Some(Some((Cow::Borrowed(mesh), claim(mesh, "the surfaces"))))),
+        (_, None, None) if !request.may_make_mesh => return Ok(Some(None)),
         (_, None, None) if request.show != Some(Show::Mesh) && !evaluator.is_view_mesh_cheaper(camera) => return Ok(Some(None)),
         _ => {}
     }

@@ -31,6 +31,8 @@ pub struct PictureRequest {
     pub show: Option<Show>,
     /// The error of a mesh that is made for the picture, if that was said.
     pub error: Option<f64>,
+    /// Whether a mesh may be made for it without that: no budget of memory has room for one.
+    pub may_make_mesh: bool,
 }
 
 /// Lines over a picture.
@@ -61,7 +63,7 @@ impl PictureRequest {
         }
         let destinations: Vec<Destination> = paths.iter().map(|path| outputs.file(path)).collect::<Result<_, _>>()?;
         let files = destinations.into_iter().zip(formats).collect();
-        Ok(Self { files, camera, size, look, quantity, from: typed.from, show, error: None })
+        Ok(Self { files, camera, size, look, quantity, from: typed.from, show, error: None, may_make_mesh: true })
     }
 }
 
@@ -95,7 +97,8 @@ impl SolveRequest {
         let points = typed.points.as_deref();
         let mut outputs = Outputs::beside(&[&[typed.scene.as_path()], points.as_slice()].concat());
         let solution = typed.output.as_deref().map(|path| outputs.file(path)).transpose()?;
-        let picture = Self::picture(&typed, &settings.options, &mut outputs)?;
+        let mut picture = Self::picture(&typed, &settings.options, &mut outputs)?;
+        picture.iter_mut().for_each(|picture| picture.may_make_mesh = settings.run.memory_bytes.is_none());
         let mesh = Self::mesh(&typed, &mut outputs)?;
         let values = typed.values.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
@@ -311,7 +314,9 @@ impl RenderRequest {
         let mut picture = PictureRequest::new(&typed.output, &typed.picture, &mut Outputs::beside(&[&typed.solution]))?;
         picture.error = typed.error.as_deref().map(parse_error).transpose()?;
         if picture.error.is_some() && (picture.from.is_some() || picture.quantity == Quantity::Width) {
-            return Err(Failure::usage("--error asks for a mesh that is made for the picture: leave --from and --quantity width out"));
+            return Err(Failure::usage(
+                "--error asks for a mesh that is made for the picture: leave --from and --quantity width out",
+            ));
         }
         let (run, voice) = (run_options(&typed.run)?, Voice::new(typed.run.progress));
         Ok(Self { solution: typed.solution, picture, run, voice })

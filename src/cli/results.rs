@@ -5,8 +5,8 @@ use std::time::Instant;
 use patchlight::bounds::PointBounds;
 use patchlight::mesh::LitMesh;
 use patchlight::output::{
-    Destination, ExportFormat, Page, Points, Provenance, RunReport, export_elements, export_mesh, write_bounded_values, write_fluxes,
-    write_page, write_quadratic_mesh_ply, write_solution, write_values,
+    Destination, ExportFormat, Page, Points, Provenance, RunReport, export_elements, export_mesh, write_bounded_values,
+    write_fluxes, write_page, write_quadratic_mesh_ply, write_solution, write_values,
 };
 use patchlight::pipeline::Evaluator;
 use patchlight::solve::Solution;

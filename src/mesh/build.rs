@@ -66,11 +66,11 @@ impl MeshBuilder<'_> {
 
         // Indirect light.
         let mut growing = self.begin(surfaces, whole)?;
-        let roots: f64 = growing.iter().map(|of| of.count_nodes() as f64 * of.size().sqrt()).sum();
+        let roots: f64 = growing.iter().flat_map(|of| of.node_sizes()).map(f64::sqrt).sum();
         let (budget, size) = (self.budget, (whole / roots).powi(2));
         let mut light = Indirect { direct: &direct, gather: self.indirect, budget, rays: PILOT_RAYS, size, noise_scale: 1.0 };
         if let Some([noise_sq, told]) = self.grower(&light, INDIRECT_PART, whole).sampled_noise_sq(&growing, PILOT_POINTS) {
-            light.rays = rays_of_nodes(self.error * INDIRECT_PART.sqrt(), noise_sq);
+            light.rays = rays_of_nodes(self.error * INDIRECT_PART.sqrt(), noise_sq, self.seen.is_some());
             light.noise_scale = if told > 0.0 { noise_sq / told } else { 1.0 };
         }
         let of_indirect = self.grower(&light, INDIRECT_PART, whole).grow(&mut growing)?;

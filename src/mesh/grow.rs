@@ -33,6 +33,9 @@ const ROUNDS: u32 = 32;
 /// asked for, so more are wanted only where much less is asked for than that.
 pub(super) const MOST_GATHERS: u32 = 16;
 
+/// A node is taken to weigh at least this part of the mean on its surface: others read the function there as well.
+const LEAST_SIZE: f64 = 1.0 / 16.0;
+
 /// Places that a thread takes together.
 const BATCH: usize = 64;
 
@@ -134,11 +137,13 @@ impl Grower<'_> {
         let mut wanted = Vec::new();
         for (index, of) in all.iter_mut().enumerate() {
             of.begin_gathers(self.channels, gathers);
-            let (size, wanted_nodes) = (of.size(), if self.takes_all { None } else { of.seen_nodes() });
+            let (sizes, least) = (of.node_sizes(), LEAST_SIZE * of.size());
             for (number, (node, has)) in of.triangles.nodes.iter().zip(&of.gathers).enumerate() {
-                if wanted_nodes.as_ref().is_some_and(|wanted| !wanted[number]) {
+                let size = sizes[number];
+                if size == 0.0 && !self.takes_all {
                     continue;
                 }
+                let size = size.max(least);
                 let point = of.plane.to_space(node.sampled_at);
                 let place = |gather: u32| place_at(point, of.surface, sampling::hash(self.seed, u64::from(gather)));
                 wanted.extend((*has..gathers).map(|gather| (index, number, Wanted { place: place(gather), size })));
@@ -223,14 +228,16 @@ impl Grower<'_> {
         Some([sum(1), sum(2)])
     }
 
-    /// Where light is wanted for tests at some points; `stream` picks the random numbers.
+    /// Where light is wanted at some points; `stream` picks the random numbers.
     fn wanted(&self, all: &[Growing], spots: &[Spot], stream: u64) -> Vec<Wanted> {
-        let sizes: Vec<f64> = all.iter().map(Growing::size).collect();
+        let means: Vec<f64> = all.iter().map(Growing::size).collect();
+        let size = |spot: &Spot| all[spot.index].size_in(spot.triangle).unwrap_or(means[spot.index]);
+        let size = |spot: &Spot| size(spot).max(LEAST_SIZE * means[spot.index]);
         let wanted = |spot: &Spot| {
             let of = &all[spot.index];
             let point = element::point_at(of.triangles.corners(spot.triangle), spot.at);
             let place = place_at(of.plane.to_space(point), of.surface, sampling::hash(self.seed, stream));
-            Wanted { place, size: sizes[spot.index] }
+            Wanted { place, size: size(spot) }
         };
         spots.iter().map(wanted).collect()
     }

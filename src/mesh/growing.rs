@@ -8,6 +8,9 @@ use super::surface_mesh::SurfaceMesh;
 use crate::geometry::{sampling, streams};
 use crate::scene::SurfaceId;
 
+/// Nodes for each triangle where many are joined.
+const NODES: f64 = 2.0;
+
 /// A surface and its elements.
 pub(super) struct Growing {
     pub surface: SurfaceId,
@@ -118,23 +121,30 @@ impl Growing {
         (0..self.triangles.triangles.len() as u32).map(|triangle| self.weight(triangle)).sum()
     }
 
-    /// What a node weighs.
+    /// What a node weighs in the mean.
     pub fn size(&self) -> f64 {
-        self.whole() / self.count_nodes() as f64
+        let counts = |&number: &u32| self.weight(number) > 0.0;
+        let nodes = match &self.seen {
+            Some(_) => NODES * (0..self.triangles.triangles.len() as u32).filter(counts).count() as f64,
+            None => self.triangles.nodes.len() as f64,
+        };
+        self.whole() / nodes
     }
 
-    /// Nodes of elements that count.
-    pub fn count_nodes(&self) -> usize {
-        self.seen_nodes().map_or(self.triangles.nodes.len(), |seen| seen.iter().filter(|&&is_seen| is_seen).count())
+    /// What a node in a triangle weighs, where a view shows that: triangles of a surface cover more pixels or fewer. `None` where all are taken alike.
+    pub fn size_in(&self, triangle: u32) -> Option<f64> {
+        self.seen.as_ref().map(|seen| seen.weight(triangle) / NODES)
     }
 
-    /// By node, whether an element of it is seen; `None` if all count.
-    pub fn seen_nodes(&self) -> Option<Vec<bool>> {
-        let seen = self.seen.as_ref()?;
-        let mut is_seen = vec![false; self.triangles.nodes.len()];
-        let elements = self.triangles.triangles.iter().enumerate().filter(|(number, _)| seen.weight(*number as u32) > 0.0);
-        elements.for_each(|(_, element)| element.nodes().into_iter().for_each(|node| is_seen[node as usize] = true));
-        Some(is_seen)
+    /// What each node weighs by the heaviest of its triangles; 0 if none of them counts.
+    pub fn node_sizes(&self) -> Vec<f64> {
+        let Some(seen) = &self.seen else { return vec![self.size(); self.triangles.nodes.len()] };
+        let mut sizes = vec![0.0_f64; self.triangles.nodes.len()];
+        for (number, element) in self.triangles.triangles.iter().enumerate() {
+            let size = seen.weight(number as u32) / NODES;
+            element.nodes().into_iter().for_each(|node| sizes[node as usize] = sizes[node as usize].max(size));
+        }
+        sizes
     }
 
     /// How many tests a triangle has, where one may stand for `most`.

@@ -57,7 +57,6 @@ impl SeenSurfaces {
     pub(super) fn of(&self, surface: SurfaceId) -> &[SeenPoint] {
         &self.points[surface.index()]
     }
-
 }
 
 /// What is seen of a surface, by the triangle that it lies in.
@@ -77,7 +76,9 @@ impl SeenPoint {
 
 impl SeenTriangles {
     pub fn new(points: &[SeenPoint], triangles: &Triangles) -> Self {
+        // What has no triangles is too small to be seen.
         let count = triangles.triangles.len();
+        let points = if count == 0 { &[] } else { points };
         let (mesh, mut last) = (SurfaceMesh::new(triangles, Vec::new()), 0);
         let locator = Locator::new(&mesh);
 
@@ -85,7 +86,9 @@ impl SeenTriangles {
         let mut by_triangle = vec![Vec::new(); count];
         for point in points {
             let is_outside = |triangle: usize| element::barycentric(mesh.corners(triangle), point.at()).iter().any(|&l| l < 0.0);
-            if is_outside(last) && let Some((triangle, _)) = locator.find(&mesh, point.at()) {
+            if is_outside(last)
+                && let Some((triangle, _)) = locator.find(&mesh, point.at())
+            {
                 last = triangle;
             }
             by_triangle[last].push(*point);
@@ -153,7 +156,6 @@ fn weight_of(points: &[SeenPoint]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::growing::Growing;
     use crate::mesh::triangulation::triangulate;
 
     const SQUARE: [DVec2; 4] = [DVec2::new(-1.0, -1.0), DVec2::new(1.0, -1.0), DVec2::ONE, DVec2::new(-1.0, 1.0)];

@@ -79,7 +79,9 @@ impl Antialiased<'_> {
         let of_row = |hits: &mut Vec<Option<Hit>>, row: u32| {
             let mut points: Vec<SeenPoint> = Vec::new();
             if !observer.cancelled() {
-                self.for_each_in_row(row, hits, |Sight { share, surface, point, .. }| points.push(seen.point(surface, point, share)));
+                self.for_each_in_row(row, hits, |Sight { share, surface, point, .. }| {
+                    points.push(seen.point(surface, point, share))
+                });
             }
             points
         };

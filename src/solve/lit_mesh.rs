@@ -124,7 +124,8 @@ impl Solution {
         let reflects = |surface: &SurfaceId| scene.material_of(*surface).reflects();
         let surfaces: Vec<SurfaceId> = all.filter(reflects).filter(is_wanted).collect();
         let (budget, norm) = (RayBudget::of_values(self.point_rays, self.options.seed), self.options.norm.into());
-        let builder = MeshBuilder { scene, indirect: &indirect, direct, budget, lines, seen, error, norm, limits, tell: &tell, stop };
+        let builder =
+            MeshBuilder { scene, indirect: &indirect, direct, budget, lines, seen, error, norm, limits, tell: &tell, stop };
         builder.build(&surfaces)
     }
 }
