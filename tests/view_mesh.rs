@@ -74,7 +74,7 @@ fn local_error(values: &[f32], truth: &[f32], emitted: &[f32]) -> f64 {
 #[test]
 fn what_is_claimed_over_the_pixels_holds_over_links_and_over_cells() {
     for name in ["cornell.obj", "two_rooms.obj"] {
-        let (better, _) = solved(read(name), 0.01, 0);
+        let (better, _) = solved(read(name), 0.02, 0);
         let (evaluator, of_values) = solved(read(name), 0.04, 0);
         let (camera, mesh) = made(&evaluator, 0.04, [320, 240]);
         assert!(mesh.claimed <= 0.04 && mesh.measured <= mesh.claimed, "{name}: {} claimed", mesh.claimed);
@@ -90,7 +90,7 @@ fn what_is_claimed_over_the_pixels_holds_over_links_and_over_cells() {
             })
             .collect();
         let off = local_error(&evaluator.values_of_mesh(&mesh, &points), &truth, &emitted);
-        let claimed = mesh.claimed.hypot(of_values).hypot(0.01);
+        let claimed = mesh.claimed.hypot(of_values).hypot(0.02);
         assert!(off <= claimed, "{name}: {off} off, {claimed} claimed");
         assert!(off > 0.002, "{name}: {off} off is better than what was made");
     }

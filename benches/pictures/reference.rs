@@ -64,8 +64,16 @@ impl Reference {
         self.0.len()
     }
 
-    /// How far a picture is off, locally and by energy, over the pixels that show anything that reflects; each with its standard error.
-    pub fn errors_of(&self, image: &Image) -> [[f64; 2]; 2] {
+    /// How far a picture is off, locally and by energy, over the pixels that show anything that reflects, each with its standard error; and the same
+    /// without the pixels through which anything emits, at whose edges a picture is off by how finely it is sampled there.
+    pub fn errors_of(&self, image: &Image) -> [[f64; 2]; 4] {
+        let emits = |pixel: &Pixel| pixel.emitted.as_flattened().iter().any(|&emitted| emitted > 0.0);
+        let [local, energy] = self.errors_over(image, |_| true);
+        let [local_dark, energy_dark] = self.errors_over(image, |pixel| !emits(pixel));
+        [local_dark, energy_dark, local, energy]
+    }
+
+    fn errors_over(&self, image: &Image, counts: impl Fn(&Pixel) -> bool) -> [[f64; 2]; 2] {
         let squares = |pixel: &Pixel| {
             let shown = &image.radiance[3 * pixel.number..][..3];
             let off = |half: usize, k: usize| {
@@ -75,7 +83,8 @@ impl Reference {
             let light: f64 = (0..3).map(|k| pixel.reflected[0][k] * pixel.reflected[1][k]).sum();
             [error, light]
         };
-        let all: Vec<[f64; 2]> = self.0.iter().map(squares).filter(|[_, light]| *light > 0.0).collect();
+        let all: Vec<[f64; 2]> =
+            self.0.iter().filter(|pixel| counts(pixel)).map(squares).filter(|[_, light]| *light > 0.0).collect();
         let mut light: Vec<f64> = all.iter().map(|of| of[1]).collect();
         light.sort_by(f64::total_cmp);
         let (typical, mean) = (light[light.len() / 2], light.iter().sum::<f64>() / light.len() as f64);
