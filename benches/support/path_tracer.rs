@@ -224,7 +224,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// The side of a sheet that a ray meets.
-    fn front(&self, surface: u32, direction: [f64; 3]) -> Option<SurfaceId> {
+    pub fn front(&self, surface: u32, direction: [f64; 3]) -> Option<SurfaceId> {
         let met = self.scene.surface(SurfaceId(surface));
         if dot(met.polygon.normal(), direction) < 0.0 { Some(SurfaceId(surface)) } else { met.twin() }
     }

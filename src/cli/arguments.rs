@@ -135,6 +135,10 @@ pub struct RenderArguments {
     /// The picture: .png to look at, .exr or .hdr with linear radiances; may be repeated, to have it in both
     #[arg(short, long, value_name = "FILE", required = true)]
     pub output: Vec<PathBuf>,
+    /// Make a lit mesh of what the picture sees, for which no more than this error is claimed, relative to the values at points, over the pixels
+    /// [default: the error of the solution, where this has no lit mesh and the picture is not small]
+    #[arg(long, value_name = "E")]
+    pub error: Option<String>,
     #[command(flatten)]
     pub picture: PictureArguments,
     #[command(flatten)]

@@ -11,6 +11,7 @@ mod info;
 mod interrupt;
 mod memory_guard;
 mod option_help;
+mod pictures;
 mod process;
 mod progress;
 mod request;
@@ -51,7 +52,7 @@ fn execute(command: Command) -> Result<Exit, Failure> {
     match command {
         Command::Solve(arguments) => solve::solve(request::SolveRequest::new(*arguments)?),
         Command::Sample(arguments) => results::sample(request::SampleRequest::new(arguments)?),
-        Command::Render(arguments) => results::render(request::RenderRequest::new(arguments)?),
+        Command::Render(arguments) => pictures::render(request::RenderRequest::new(arguments)?),
         Command::Export(arguments) => results::export(request::ExportRequest::new(arguments)?),
         Command::Report(arguments) => results::report(request::ReportRequest::new(arguments)?),
         Command::Batch(arguments) => batch::batch(*arguments),

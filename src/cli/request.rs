@@ -29,6 +29,10 @@ pub struct PictureRequest {
     /// What is shown, if that was said.
     pub from: Option<Whence>,
     pub show: Option<Show>,
+    /// The error of a mesh that is made for the picture, if that was said.
+    pub error: Option<f64>,
+    /// Whether a mesh may be made for it without that: no budget of memory has room for one.
+    pub may_make_mesh: bool,
 }
 
 /// Lines over a picture.
@@ -59,7 +63,7 @@ impl PictureRequest {
         }
         let destinations: Vec<Destination> = paths.iter().map(|path| outputs.file(path)).collect::<Result<_, _>>()?;
         let files = destinations.into_iter().zip(formats).collect();
-        Ok(Self { files, camera, size, look, quantity, from: typed.from, show })
+        Ok(Self { files, camera, size, look, quantity, from: typed.from, show, error: None, may_make_mesh: true })
     }
 }
 
@@ -93,7 +97,8 @@ impl SolveRequest {
         let points = typed.points.as_deref();
         let mut outputs = Outputs::beside(&[&[typed.scene.as_path()], points.as_slice()].concat());
         let solution = typed.output.as_deref().map(|path| outputs.file(path)).transpose()?;
-        let picture = Self::picture(&typed, &settings.options, &mut outputs)?;
+        let mut picture = Self::picture(&typed, &settings.options, &mut outputs)?;
+        picture.iter_mut().for_each(|picture| picture.may_make_mesh = settings.run.memory_bytes.is_none());
         let mesh = Self::mesh(&typed, &mut outputs)?;
         let values = typed.values.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
@@ -155,11 +160,11 @@ impl SolveRequest {
         if picture.quantity == Quantity::Width && options.bounds != Bounds::Guaranteed {
             return Err(Failure::usage("--quantity width needs --bounds guaranteed"));
         }
+        if picture.show == Some(Show::Mesh) && picture.from == Some(Whence::Gather) && !options.lit_mesh {
+            return Err(Failure::usage("--show mesh needs --lit-mesh where values are gathered"));
+        }
         if picture.from == Some(Whence::Mesh) && !options.lit_mesh {
             return Err(Failure::usage("--from mesh needs --lit-mesh"));
-        }
-        if picture.show == Some(Show::Mesh) && !options.lit_mesh {
-            return Err(Failure::usage("--show mesh needs --lit-mesh"));
         }
         Ok(Some(picture))
     }
@@ -211,6 +216,12 @@ fn look(typed: &PictureArguments, quantity: Quantity, formats: &[ImageFormat], s
         ));
     }
     Ok(Look::Light(typed.exposure.as_deref().map_or(Ok(PngExposure::Auto), parse_exposure)?))
+}
+
+fn parse_error(text: &str) -> Result<f64, Failure> {
+    let mut options = SolveOptions::default();
+    options.set("error", text).map_err(Failure::usage)?;
+    Ok(options.error)
 }
 
 fn parse_show(text: &str) -> Result<Show, Failure> {
@@ -316,7 +327,13 @@ pub struct RenderRequest {
 impl RenderRequest {
     /// Validates what was typed.
     pub fn new(typed: RenderArguments) -> Result<Self, Failure> {
-        let picture = PictureRequest::new(&typed.output, &typed.picture, &mut Outputs::beside(&[&typed.solution]))?;
+        let mut picture = PictureRequest::new(&typed.output, &typed.picture, &mut Outputs::beside(&[&typed.solution]))?;
+        picture.error = typed.error.as_deref().map(parse_error).transpose()?;
+        if picture.error.is_some() && (picture.from.is_some() || picture.quantity == Quantity::Width) {
+            return Err(Failure::usage(
+                "--error asks for a mesh that is made for the picture: leave --from and --quantity width out",
+            ));
+        }
         let (run, voice) = (run_options(&typed.run)?, Voice::new(typed.run.progress));
         Ok(Self { solution: typed.solution, picture, run, voice })
     }

@@ -1,15 +1,13 @@
-//! What is made from a solution: values at points, pictures, exports.
+//! What is made from a solution: values at points, pages, exports.
 
 use std::time::Instant;
 
 use patchlight::bounds::PointBounds;
 use patchlight::mesh::LitMesh;
 use patchlight::output::{
-    Destination, Display, ExportFormat, ImageFormat, Look, Page, Points, Provenance, Quantity, RunReport, export_elements,
-    export_mesh, write_bounded_values, write_display, write_fluxes, write_hdr, write_page, write_quadratic_mesh_ply,
-    write_solution, write_values,
+    Destination, ExportFormat, Page, Points, Provenance, RunReport, export_elements, export_mesh, write_bounded_values,
+    write_fluxes, write_page, write_quadratic_mesh_ply, write_solution, write_values,
 };
-use patchlight::picture::{Image, Marks};
 use patchlight::pipeline::Evaluator;
 use patchlight::solve::Solution;
 use patchlight::values::Values;
@@ -19,7 +17,7 @@ use super::exit::{Exit, Failure};
 use super::files::{self, Sink};
 use super::interrupt;
 use super::progress::{Voice, Watcher};
-use super::request::{ExportRequest, Exported, PictureRequest, RenderRequest, ReportRequest, SampleRequest, Sampled, Show};
+use super::request::{ExportRequest, Exported, ReportRequest, SampleRequest, Sampled};
 use super::sensors;
 
 /// `patchlight sample`.
@@ -60,7 +58,7 @@ fn values_of_mesh(evaluator: &Evaluator, points: &Points) -> Result<BoundedValue
     Ok((values, evaluator.bounds_at(&points)))
 }
 
-fn no_mesh(flag: &str) -> Failure {
+pub fn no_mesh(flag: &str) -> Failure {
     Failure::usage(format_args!("{flag}: this solution has no lit mesh; solve the scene with --lit-mesh"))
 }
 
@@ -78,114 +76,6 @@ pub fn write_values_to(sink: &Sink, points: &Points, (values, bounds): &BoundedV
         voice.figure("values", format_args!("{energy:.2}% off by energy, {local:.2}% locally, over these points: an estimate"));
     }
     voice.figure("wrote", format_args!("{} ({} points)", sink.name(), points.len()));
-    Ok(())
-}
-
-/// `patchlight render`.
-pub fn render(request: RenderRequest) -> Result<Exit, Failure> {
-    let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
-    interrupt::listen(interrupt::OF_RUN);
-    request.voice.figure("backend", format_args!("{}", evaluator.backend()));
-    let Some(picture) = take_picture(&evaluator, &request.picture, request.voice)? else { return Ok(Exit::Cancelled) };
-    write_picture(&picture, &request.picture, &Provenance::new(evaluator.solution().options()), request.voice)?;
-    Ok(Exit::Done)
-}
-
-/// A picture, and the lines over it.
-pub type Picture = (Image, Option<Marks>);
-
-/// Curves that change irradiance by less than this part of the largest exitance are not shown.
-const CURVES_FROM: f64 = 1e-3;
-
-/// Takes a picture, of the lit mesh where there is one and nothing else was asked for; `None` if interrupted.
-pub fn take_picture(evaluator: &Evaluator, request: &PictureRequest, voice: Voice) -> Result<Option<Picture>, Failure> {
-    let mesh = match (request.from, evaluator.mesh()) {
-        (Some(Whence::Gather), _) => None,
-        (Some(Whence::Mesh), None) => return Err(no_mesh("--from mesh")),
-        (_, mesh) => mesh,
-    };
-    let (width, height) = request.size;
-    let camera = request.camera.apply_to(evaluator.default_camera(width, height)).map_err(Failure::usage)?;
-    voice.figure("camera", format_args!("{camera}, {width}x{height}"));
-    let watcher = Watcher::new(voice);
-    let image = match request.quantity {
-        Quantity::Width if evaluator.bounds().is_none() => {
-            return Err(Failure::usage("--quantity width: this solution has no bounds; solve the scene with --bounds guaranteed"));
-        }
-        Quantity::Width => evaluator.render_width(&camera, &watcher)?,
-        Quantity::Irradiance => evaluator.render_irradiance(mesh, &camera, &watcher)?,
-        Quantity::Illuminance => match evaluator.render_irradiance(mesh, &camera, &watcher)?.map(|image| image.to_luminance()) {
-            Some(Err(channels)) => {
-                return Err(Failure::usage(format_args!(
-                    "--quantity illuminance: not known for {channels} channels, only for one or three"
-                )));
-            }
-            image => image.and_then(Result::ok),
-        },
-        Quantity::Radiance | Quantity::Radiosity => {
-            let image = match mesh {
-                Some(mesh) => evaluator.render_mesh(mesh, &camera, &watcher)?,
-                None => evaluator.render(&camera, &watcher)?,
-            };
-            if image.as_ref().is_some_and(|image| image.radiance.iter().all(|&radiance| radiance == 0.0)) {
-                voice.warn(format_args!(
-                    "the picture is black: this camera sees no lit front of a face; from outside of a closed room there are only \
-                     backs. Leave --camera out to be shown the scene, or solve it with --sides both"
-                ));
-            }
-            image
-        }
-    };
-    let marks = match (request.show, evaluator.mesh()) {
-        (None, _) => return Ok(image.map(|image| (image, None))),
-        (Some(Show::Curves), _) => evaluator.mark_curves(CURVES_FROM, &camera, &watcher)?,
-        (Some(Show::Mesh), Some(mesh)) => evaluator.mark_mesh(mesh, &camera, &watcher)?,
-        (Some(Show::Mesh), None) => return Err(no_mesh("--show mesh")),
-    };
-    Ok(image.zip(marks).map(|(image, marks)| (image, Some(marks))))
-}
-
-/// Writes a picture to all files that are asked for.
-pub fn write_picture(
-    (image, marks): &Picture,
-    request: &PictureRequest,
-    provenance: &Provenance,
-    voice: Voice,
-) -> Result<(), Failure> {
-    let (look, unit) = (request.look, request.quantity.unit());
-    for (destination, format) in &request.files {
-        let path = destination.path().display();
-        match format {
-            ImageFormat::Exr => {
-                #[cfg(not(feature = "openexr"))]
-                use patchlight::output::write_exr;
-                #[cfg(feature = "openexr")]
-                use patchlight::output::write_openexr as write_exr;
-                destination.write(|file| write_exr(file, image, request.quantity, provenance))?;
-                voice.figure("wrote", format_args!("{path} ({} in {})", request.quantity.name(), unit));
-            }
-            ImageFormat::Hdr => {
-                destination.write(|file| write_hdr(file, image, request.quantity, provenance))?;
-                voice.figure("wrote", format_args!("{path} ({} in {})", request.quantity.name(), unit));
-            }
-            ImageFormat::Png => {
-                let quantity = if let Look::Scale(_) = look { request.quantity } else { Quantity::Radiance };
-                let display = Display { image, quantity, look, marks: marks.as_ref() };
-                let mut exposure = None;
-                destination.write(|file| {
-                    exposure = write_display(file, &display, provenance)?;
-                    Ok(())
-                })?;
-                match (look, exposure) {
-                    (Look::Scale(scale), _) => {
-                        let (name, low, high) = (quantity.name(), scale.low(), scale.high());
-                        voice.figure("wrote", format_args!("{path} ({name} from {low} to {high} {unit})"));
-                    }
-                    (_, ev) => voice.figure("wrote", format_args!("{path} (exposure EV {:.2})", ev.unwrap_or(0.0))),
-                }
-            }
-        }
-    }
     Ok(())
 }
 

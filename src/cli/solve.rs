@@ -15,7 +15,7 @@ use super::exit::{Exit, Failure};
 use super::progress::{Voice, Watcher};
 use super::request::SolveRequest;
 use super::stderr::say;
-use super::{files, interrupt, process, results};
+use super::{files, interrupt, pictures, process, results};
 
 /// Warnings that are printed one by one; `patchlight info` prints all.
 const PRINTED_WARNINGS: usize = 20;
@@ -140,8 +140,8 @@ pub fn write_results(
         (None, _) => {}
     }
     if let Some(picture) = &request.picture {
-        match results::take_picture(evaluator, picture, voice) {
-            Ok(Some(image)) => ending.write(|| results::write_picture(&image, picture, provenance, voice)),
+        match pictures::take_picture(evaluator, picture, voice) {
+            Ok(Some(image)) => ending.write(|| pictures::write_picture(&image, picture, provenance, voice)),
             Ok(None) => ending.cancel(voice, "the picture"),
             Err(failure) => ending.note(Err(failure)),
         }

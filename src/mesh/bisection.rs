@@ -37,14 +37,28 @@ pub(super) struct Node {
     pub sampled_at: DVec2,
 }
 
+/// The square of an edge is at most so many times the largest area: along a narrow strip light changes as it does on what is wider.
+const MOST_STRETCHED: f64 = 4.0;
+
 /// How far inside, as a part of the way to the centroid of the triangle.
 const INSIDE: f64 = 1e-3;
+
+/// A triangle that was halved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Halving {
+    /// The half that has its number, to the left of the cut; and the other.
+    pub halves: [u32; 2],
+    /// From where to where it was cut.
+    pub cut: [DVec2; 2],
+}
 
 /// Triangles that fit together.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Triangles {
     pub nodes: Vec<Node>,
     pub triangles: Vec<Triangle>,
+    /// What was halved since someone asked, in that order.
+    pub halvings: Vec<Halving>,
 }
 
 impl Triangles {
@@ -121,10 +135,11 @@ impl Triangles {
         0.5 * (b - a).perp_dot(c - a)
     }
 
-    /// The square of the longest edge of a triangle, in m^2.
-    pub fn longest_sq(&self, triangle: u32) -> f64 {
+    /// Whether a triangle is larger than so many m^2, or much longer than what is.
+    pub fn is_large(&self, triangle: u32, largest: f64) -> bool {
         let [a, b, c] = self.corners(triangle);
-        a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a))
+        let longest_sq = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        self.area(triangle) > largest || longest_sq > MOST_STRETCHED * largest
     }
 
     /// Halves a triangle, and others first where that is needed. Halves take the place of a triangle, and the next number.
@@ -179,9 +194,10 @@ impl Triangles {
         let Triangle { corners, middles, neighbours } = self.triangles[triangle as usize];
         let turned = |of: [u32; 3]| [of[edge], of[(edge + 1) % 3], of[(edge + 2) % 3]];
         let ([a, b, c], [ab, bc, ca], [_, beyond_bc, beyond_ca]) = (turned(corners), turned(middles), turned(neighbours));
-        let across = 0.5 * (self.nodes[ab as usize].at + self.nodes[c as usize].at);
-        let across = self.add_node(across, None);
+        let cut = [ab, c].map(|node| self.nodes[node as usize].at);
+        let across = self.add_node(0.5 * (cut[0] + cut[1]), None);
         let second = self.triangles.len() as u32;
+        self.halvings.push(Halving { halves: [triangle, second], cut });
         self.triangles[triangle as usize] =
             Triangle { corners: [a, ab, c], middles: [quarters[0], across, ca], neighbours: [NONE, second, beyond_ca] };
         self.triangles.push(Triangle {

@@ -10,6 +10,7 @@ use super::light::{All, Direct, Indirect, Light};
 use super::limits::MeshLimits;
 use super::lit_mesh::{LitMesh, MeshReader};
 use super::plane::Plane;
+use super::seen::{SeenSurfaces, SeenTriangles};
 use super::surface_mesh::SurfaceMesh;
 use super::triangulation::{Line, triangulate};
 use crate::direct::DirectLight;
@@ -19,7 +20,7 @@ use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
 use crate::values::{IndirectGather, RayBudget};
 
-/// Triangles are at first no larger than this part of all area that is meshed.
+/// Triangles are at first no larger than this part of all area that is meshed, or of all pixels.
 const FIRST_PART: f64 = 1.0 / 500.0;
 
 /// The part of the squared error that the function of indirect light may have; the rest is left to that of all light. A point of indirect light costs
@@ -28,6 +29,9 @@ const INDIRECT_PART: f64 = 0.7;
 
 /// Points at which a function is judged; of all light, at more where the error is to be small.
 const JUDGED: usize = 2000;
+
+/// No mesh takes fewer gathers than these, by which its noise is foretold and its error is judged, two each.
+pub(crate) const LEAST_GATHERS: usize = 2 * (PILOT_POINTS + JUDGED);
 
 /// So many tests fall on an area that makes up all of the squared error that is allowed, if the function is off there by as much as the light.
 const TESTS: f64 = 4.0;
@@ -43,6 +47,8 @@ pub(crate) struct MeshBuilder<'a> {
     pub budget: RayBudget,
     /// What elements follow.
     pub lines: &'a Discontinuities,
+    /// What a view sees, if the mesh is made for a picture: its error is then one over the pixels, else over all area.
+    pub seen: Option<&'a SeenSurfaces>,
     /// The largest error that may be claimed, and in which norm.
     pub error: f64,
     pub norm: ErrorNorm,
@@ -55,38 +61,48 @@ pub(crate) struct MeshBuilder<'a> {
 impl MeshBuilder<'_> {
     /// Makes the elements of these surfaces; `None` if stopped, or if the limits do not allow the first of them.
     pub fn build(&self, surfaces: &[SurfaceId]) -> Option<LitMesh> {
-        let area: f64 = surfaces.iter().map(|&surface| self.scene.surface(surface).polygon.area()).sum();
+        let whole = self.whole(surfaces);
         let direct = Direct { scene: self.scene, light: self.direct };
 
         // Indirect light.
-        let mut growing = self.begin(surfaces, area)?;
-        let roots: f64 = growing.iter().map(|of| of.triangles.nodes.len() as f64 * of.size().sqrt()).sum();
-        let (budget, size) = (self.budget, (area / roots).powi(2));
+        let mut growing = self.begin(surfaces, whole)?;
+        let roots: f64 = growing.iter().flat_map(|of| of.node_sizes()).map(f64::sqrt).sum();
+        let (budget, size) = (self.budget, (whole / roots).powi(2));
         let mut light = Indirect { direct: &direct, gather: self.indirect, budget, rays: PILOT_RAYS, size, noise_scale: 1.0 };
-        if let Some([noise_sq, told]) = self.grower(&light, INDIRECT_PART, area).sampled_noise_sq(&growing, PILOT_POINTS) {
-            light.rays = rays_of_nodes(self.error * INDIRECT_PART.sqrt(), noise_sq);
+        if let Some([noise_sq, told]) = self.grower(&light, INDIRECT_PART, whole).sampled_noise_sq(&growing, PILOT_POINTS) {
+            light.rays = rays_of_nodes(self.error * INDIRECT_PART.sqrt(), noise_sq, self.seen.is_some());
             light.noise_scale = if told > 0.0 { noise_sq / told } else { 1.0 };
         }
-        let of_indirect = self.grower(&light, INDIRECT_PART, area).grow(&mut growing)?;
-        let indirect = self.finish(growing);
+        let of_indirect = self.grower(&light, INDIRECT_PART, whole).grow(&mut growing)?;
+        let indirect = self.finish(growing, true);
 
         // All light.
-        let mut growing = self.begin(surfaces, area)?;
+        let mut growing = self.begin(surfaces, whole)?;
         let light = All { direct: &direct, indirect: MeshReader::of(self.scene, &indirect) };
         let part = 1.0 - INDIRECT_PART;
         let tests = (TESTS / (part * self.error.powi(2))).ceil().min(MOST_TESTS);
         let grower = Grower {
             judged_at: JUDGED.max(tests as usize),
             most_gathers: 1,
+            takes_all: false,
             followed: 1.0,
-            ..self.grower(&light, part, area / tests)
+            ..self.grower(&light, part, whole / tests)
         };
         let of_all = grower.grow(&mut growing)?;
         let Judged { measured, claimed, .. } = of_indirect.with(of_all);
-        Some(LitMesh { surfaces: self.finish(growing), measured, claimed })
+        Some(LitMesh { surfaces: self.finish(growing, false), measured, claimed })
     }
 
-    fn grower<'b>(&'b self, light: &'b dyn Light, part: f64, test_area: f64) -> Grower<'b> {
+    /// What all surfaces weigh.
+    fn whole(&self, surfaces: &[SurfaceId]) -> f64 {
+        let weight = |&surface: &SurfaceId| match self.seen {
+            Some(seen) => seen.weight(surface),
+            None => self.scene.surface(surface).polygon.area(),
+        };
+        surfaces.iter().map(weight).sum()
+    }
+
+    fn grower<'b>(&'b self, light: &'b dyn Light, part: f64, test_weight: f64) -> Grower<'b> {
         let Self { budget, error, norm, limits, tell, stop, .. } = *self;
         let (channels, seed, error) = (self.scene.channels(), budget.seed, error * part.sqrt());
         Grower {
@@ -96,9 +112,10 @@ impl MeshBuilder<'_> {
             error,
             norm,
             followed: FOLLOWED,
-            test_area,
+            test_weight,
             judged_at: JUDGED,
             most_gathers: MOST_GATHERS,
+            takes_all: true,
             limits,
             tell,
             stop,
@@ -106,7 +123,8 @@ impl MeshBuilder<'_> {
     }
 
     /// The first elements; `None` if the limits do not allow so many.
-    fn begin(&self, surfaces: &[SurfaceId], area: f64) -> Option<Vec<Growing>> {
+    fn begin(&self, surfaces: &[SurfaceId], whole: f64) -> Option<Vec<Growing>> {
+        let largest = FIRST_PART * whole;
         let begin = |&surface: &SurfaceId| {
             let plane = Plane::of(self.scene, surface);
             let facet = self.scene.surface(surface).polygon.facet();
@@ -116,19 +134,26 @@ impl MeshBuilder<'_> {
                 is_step: segment.degree == Degree::D0,
             };
             let lines: Vec<Line> = self.lines.of(surface).iter().map(line).collect();
-            Growing::new(surface, plane, triangulate(&corners, &lines, FIRST_PART * area))
+            let Some(seen) = self.seen else {
+                return Growing::new(surface, plane, triangulate(&corners, &lines, largest), None);
+            };
+            let triangles = triangulate(&corners, &lines, f64::INFINITY);
+            let seen = SeenTriangles::new(seen.of(surface), &triangles);
+            let mut growing = Growing::new(surface, plane, triangles, Some(seen));
+            growing.bisect_to(largest);
+            growing
         };
         let growing: Vec<Growing> = surfaces.par_iter().map(begin).collect();
         let elements = growing.iter().map(|of| of.triangles.triangles.len()).sum();
         self.limits.allow(elements).then_some(growing)
     }
 
-    /// The functions, by surface.
-    fn finish(&self, growing: Vec<Growing>) -> Vec<Option<SurfaceMesh>> {
+    /// The functions, by surface; with what is not seen as well, or without.
+    fn finish(&self, growing: Vec<Growing>, takes_all: bool) -> Vec<Option<SurfaceMesh>> {
         let mut meshes: Vec<Option<SurfaceMesh>> = self.scene.surfaces().iter().map(|_| None).collect();
         for of in growing {
             let index = of.surface.index();
-            meshes[index] = Some(of.into_mesh());
+            meshes[index] = Some(of.into_mesh(takes_all));
         }
         meshes
     }

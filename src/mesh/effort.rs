@@ -9,6 +9,10 @@ use crate::values::NOISE_POWER;
 /// The part of the squared error that noise may have. Above 0, below 1.
 const NOISE_PART: f64 = 0.5;
 
+/// The same in a picture, where what is left of it shows as mottles on smooth walls. As elements are refined, each node has fewer rays, and the noise grows
+/// towards the half beyond which all nodes would take twice their gathers.
+const NOISE_PART_OF_PICTURE: f64 = 1.0 / 3.0;
+
 /// The part that is left to what elements cannot follow.
 pub(super) const FOLLOWED: f64 = 1.0 - NOISE_PART;
 
@@ -22,8 +26,9 @@ pub(super) const PILOT_RAYS: f64 = 64.0;
 /// What nodes may take.
 const RAYS: (f64, f64) = (16.0, 8192.0);
 
-/// The rays of a node for a function that may be claimed to be off by `error`, when it has this squared noise with [`PILOT_RAYS`].
-pub(super) fn rays_of_nodes(error: f64, noise_sq: f64) -> f64 {
-    let wanted = NOISE_PART * (error / CLAIMED).powi(2);
+/// The rays of a node for a function, or one for a picture, that may be claimed to be off by `error`, when it has this squared noise with [`PILOT_RAYS`].
+pub(super) fn rays_of_nodes(error: f64, noise_sq: f64, is_for_picture: bool) -> f64 {
+    let part = if is_for_picture { NOISE_PART_OF_PICTURE } else { NOISE_PART };
+    let wanted = part * (error / CLAIMED).powi(2);
     (PILOT_RAYS * (noise_sq / wanted).powf(1.0 / NOISE_POWER)).clamp(RAYS.0, RAYS.1)
 }

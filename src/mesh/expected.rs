@@ -14,22 +14,22 @@ const SIGNIFICANT: f64 = 4.0;
 /// The expected squared errors of elements, in the norm: those that are more than 0, with the number of the surface among those that grow and of
 /// the triangle; the largest first. And how large the squared error of the whole is, without bias but for what would be less than 0.
 pub(super) fn expected_errors_sq(all: &[Growing], norm: &Norm) -> (Vec<(f64, usize, u32)>, f64) {
-    // The area that each test stands for.
+    // The part of its element that each test stands for.
     let mut tests: Vec<(usize, &Test, f64)> = Vec::new();
     for (number, of) in all.iter().enumerate() {
         let mut counts = vec![0_u32; of.is_tested.len()];
         of.tests.iter().for_each(|test| counts[test.triangle as usize] += 1);
-        let area = |test: &Test| of.triangles.area(test.triangle) / f64::from(counts[test.triangle as usize]);
-        tests.extend(of.tests.iter().map(|test| (number, test, area(test))));
+        let part = |test: &Test| of.weight(test.triangle) / f64::from(counts[test.triangle as usize]);
+        tests.extend(of.tests.iter().map(|test| (number, test, part(test))));
     }
 
-    // What each says by m^2; where it says little, what its like say.
+    // What each says by m^2 or pixel; where it says little, what its like say.
     let excess = |test: &Test| norm.weight(test.light_sq) * (test.difference_sq - test.noise_sq);
     let is_clear = |test: &Test| test.difference_sq > SIGNIFICANT * test.noise_sq;
     let mut unclear: Vec<usize> = (0..tests.len()).filter(|&number| !is_clear(tests[number].1)).collect();
     unclear.sort_by(|&a, &b| tests[a].1.relative_size.total_cmp(&tests[b].1.relative_size).then(a.cmp(&b)));
     let mut expected: Vec<f64> = tests.iter().map(|(_, test, _)| excess(test)).collect();
-    let whole: f64 = tests.iter().zip(&expected).map(|((.., area), excess)| area * excess).sum();
+    let whole: f64 = tests.iter().zip(&expected).map(|((.., part), excess)| part * excess).sum();
     let of_unclear: Vec<[f64; 2]> = unclear.iter().map(|&number| [expected[number], tests[number].2]).collect();
     unclear.iter().zip(isotonic(&of_unclear)).for_each(|(&number, mean)| expected[number] = mean);
 
@@ -38,7 +38,7 @@ pub(super) fn expected_errors_sq(all: &[Growing], norm: &Norm) -> (Vec<(f64, usi
     tests
         .iter()
         .zip(expected)
-        .for_each(|(&(number, test, area), expected)| sums[number][test.triangle as usize] += area * expected);
+        .for_each(|(&(number, test, part), expected)| sums[number][test.triangle as usize] += part * expected);
     let of_surface = |(number, sums): (usize, &Vec<f64>)| {
         let parts = sums.iter().enumerate().filter(|(_, sum)| **sum > 0.0);
         parts.map(|(triangle, &sum)| (sum, number, triangle as u32)).collect::<Vec<_>>()

@@ -4,7 +4,7 @@
 //! (`expected`); they are bisected, round by round, until little is left.
 //!
 //! That says too little: an element is left alone because nothing was found in it. So the function is then judged at points that are spread anew
-//! over all area, independent of all that it was made by, and what they find is refined in turn. Where most of what is left is noise of nodes, all
+//! over all that counts, independent of all that it was made by, and what they find is refined in turn. Where most of what is left is noise of nodes, all
 //! nodes take twice the gathers.
 
 use rayon::prelude::*;
@@ -33,6 +33,9 @@ const ROUNDS: u32 = 32;
 /// asked for, so more are wanted only where much less is asked for than that.
 pub(super) const MOST_GATHERS: u32 = 16;
 
+/// A node is taken to weigh at least this part of the mean on its surface: others read the function there as well.
+const LEAST_SIZE: f64 = 1.0 / 16.0;
+
 /// Places that a thread takes together.
 const BATCH: usize = 64;
 
@@ -46,8 +49,10 @@ pub(super) struct Grower<'a> {
     pub norm: ErrorNorm,
     /// The part of the squared error that is not left to noise of nodes.
     pub followed: f64,
-    /// A test in each element stands for so many m^2 at most.
-    pub test_area: f64,
+    /// A test in each element stands for so much of what elements weigh, at most.
+    pub test_weight: f64,
+    /// Whether nodes are taken where nothing is seen as well: others read the function there.
+    pub takes_all: bool,
     /// Points at which the function is judged.
     pub judged_at: usize,
     /// Gathers at a node at most: a power of two, 1 where light has no noise.
@@ -58,7 +63,7 @@ pub(super) struct Grower<'a> {
     pub stop: Stop<'a>,
 }
 
-/// A place where light is wanted, and the area in m^2 that it stands for.
+/// A place where light is wanted, and what it weighs.
 #[derive(Clone, Copy)]
 struct Wanted {
     place: Place,
@@ -132,8 +137,13 @@ impl Grower<'_> {
         let mut wanted = Vec::new();
         for (index, of) in all.iter_mut().enumerate() {
             of.begin_gathers(self.channels, gathers);
-            let size = of.size();
+            let (sizes, least) = (of.node_sizes(), LEAST_SIZE * of.size());
             for (number, (node, has)) in of.triangles.nodes.iter().zip(&of.gathers).enumerate() {
+                let size = sizes[number];
+                if size == 0.0 && !self.takes_all {
+                    continue;
+                }
+                let size = size.max(least);
                 let point = of.plane.to_space(node.sampled_at);
                 let place = |gather: u32| place_at(point, of.surface, sampling::hash(self.seed, u64::from(gather)));
                 wanted.extend((*has..gathers).map(|gather| (index, number, Wanted { place: place(gather), size })));
@@ -155,9 +165,9 @@ impl Grower<'_> {
             of.is_tested.resize(of.triangles.triangles.len(), false);
             let seed = sampling::hash(self.seed, streams::MESH_TESTS + of.surface.index() as u64);
             for triangle in (0..of.is_tested.len()).filter(|&triangle| !of.is_tested[triangle]) {
-                let count = (of.triangles.area(triangle as u32) / self.test_area).ceil().max(1.0);
+                let count = of.tests_for(triangle as u32, self.test_weight);
                 let draw = sampling::hash(sampling::hash(seed, u64::from(round)), triangle as u64);
-                spots.extend((0..count as u64).map(|number| Spot::new(index, triangle as u32, sampling::hash(draw, number))));
+                spots.extend((0..count).map(|number| Spot::new((index, of), triangle as u32, sampling::hash(draw, number))));
             }
             of.is_tested.fill(true);
         }
@@ -165,19 +175,31 @@ impl Grower<'_> {
         tests.into_iter().zip(&spots).for_each(|(test, spot)| all[spot.index].tests.push(test));
     }
 
-    /// Holds the function against the light at points spread over all area, one in each of as many strata; the elements keep these tests.
+    /// Holds the function against the light at points spread over all that counts, one in each of as many strata; the elements keep these tests.
     fn judge(&self, all: &mut [Growing], round: u32, norm: &Norm) -> Option<Judged> {
         let seed = sampling::hash(self.seed, streams::MESH_JUDGED + u64::from(round));
-        let (spots, area) = Spot::spread(all, self.judged_at, seed);
-        let (wanted, again) = (self.wanted(all, &spots, 0), self.wanted(all, &spots, streams::MESH_AGAIN));
-        let second = self.take(&again, |taken, _, _, found| found.push(taken.light.to_vec()));
-        let found = self.take(&wanted, |Taken { light, closeness }, number, scratch, found| {
-            let Spot { index, triangle, at, .. } = spots[number];
-            let light_sq = self.light.all_sq(&wanted[number].place, scratch, light);
-            let error_sq = all[index].sampled_error_sq(triangle, at, [light, &second[number]]);
-            found.push((all[index].test(triangle, at, light, [light_sq, closeness]), error_sq));
+        let (spots, whole) = Spot::spread(all, self.judged_at, seed);
+        let wanted = self.wanted(all, &spots, 0);
+        let first = self.take(&wanted, |Taken { light, closeness }, number, scratch, found| {
+            found.push((light.to_vec(), [self.light.all_sq(&wanted[number].place, scratch, light), closeness]));
         });
-        let judged = Judged::by(&found, area, norm);
+
+        // Twice where there is noise. Of what seems to have none, noise would count as an error.
+        let is_noisy = |number: &usize| first[*number].0.iter().any(|[_, variance]| *variance > 0.0);
+        let noisy: Vec<usize> = (0..spots.len()).filter(is_noisy).collect();
+        let again = self.wanted(all, &spots, streams::MESH_AGAIN);
+        let again: Vec<Wanted> = noisy.iter().map(|&number| again[number]).collect();
+        let taken = self.take(&again, |taken, _, _, found| found.push(taken.light.to_vec()));
+        let mut second: Vec<&[[f64; 2]]> = first.iter().map(|(light, _)| &**light).collect();
+        noisy.into_iter().zip(&taken).for_each(|(number, light)| second[number] = light);
+
+        let found = spots.iter().zip(&first).zip(second).map(|((spot, (light, told)), second)| {
+            let &Spot { index, triangle, at, .. } = spot;
+            let error_sq = all[index].sampled_error_sq(triangle, at, [light, second]);
+            (all[index].test(triangle, at, light, *told), error_sq)
+        });
+        let found: Vec<(Test, f64)> = found.collect();
+        let judged = Judged::by(&found, whole, norm);
         found.into_iter().zip(&spots).for_each(|((test, _), spot)| all[spot.index].tests.push(test));
         (!(self.stop)()).then_some(judged)
     }
@@ -187,7 +209,7 @@ impl Grower<'_> {
     pub fn sampled_noise_sq(&self, all: &[Growing], count: usize) -> Option<[f64; 2]> {
         // A node of the element at each of as many points, by what it adds to the noise there.
         let seed = sampling::hash(self.seed, streams::MESH_PILOT);
-        let (spots, area) = Spot::spread(all, count, seed);
+        let (spots, whole) = Spot::spread(all, count, seed);
         let at_node = |spot: &Spot| Spot { at: element::sampled_node(sampling::unit(sampling::hash(seed, spot.draw))), ..*spot };
         let spots: Vec<Spot> = spots.iter().map(at_node).collect();
 
@@ -199,21 +221,23 @@ impl Grower<'_> {
             let told: f64 = pairs().map(|(first, second)| first[1] + second[1]).sum();
             found.push([self.light.all_sq(&wanted[number].place, scratch, light), 0.5 * differences, 0.5 * told]);
         });
-        let of_each = area / count as f64;
+        let of_each = whole / count as f64;
         let lit = found.iter().filter(|[light_sq, ..]| *light_sq > 0.0).map(|&[light_sq, ..]| (light_sq, of_each));
         let norm = Norm::by_light(self.norm, lit.collect())?;
         let sum = |which: usize| element::NOISE * found.iter().map(|of| of_each * norm.weight(of[0]) * of[which]).sum::<f64>();
         Some([sum(1), sum(2)])
     }
 
-    /// Where light is wanted for tests at some points; `stream` picks the random numbers.
+    /// Where light is wanted at some points; `stream` picks the random numbers.
     fn wanted(&self, all: &[Growing], spots: &[Spot], stream: u64) -> Vec<Wanted> {
-        let sizes: Vec<f64> = all.iter().map(Growing::size).collect();
+        let means: Vec<f64> = all.iter().map(Growing::size).collect();
+        let size = |spot: &Spot| all[spot.index].size_in(spot.triangle).unwrap_or(means[spot.index]);
+        let size = |spot: &Spot| size(spot).max(LEAST_SIZE * means[spot.index]);
         let wanted = |spot: &Spot| {
             let of = &all[spot.index];
             let point = element::point_at(of.triangles.corners(spot.triangle), spot.at);
             let place = place_at(of.plane.to_space(point), of.surface, sampling::hash(self.seed, stream));
-            Wanted { place, size: sizes[spot.index] }
+            Wanted { place, size: size(spot) }
         };
         spots.iter().map(wanted).collect()
     }
@@ -263,25 +287,24 @@ impl Grower<'_> {
 }
 
 impl Spot {
-    /// Points spread over all elements, one in each of as many strata of the area; and that, in m^2.
+    /// Points spread over all elements, one in each of as many strata of what they weigh; and that.
     fn spread(all: &[Growing], count: usize, seed: u64) -> (Vec<Self>, f64) {
-        let area: f64 = all.iter().map(Growing::area).sum();
+        let whole: f64 = all.iter().map(Growing::whole).sum();
         let wanted = |number: usize| (number as f64 + sampling::unit(sampling::hash(seed, number as u64))) / count as f64;
         let (mut spots, mut above) = (Vec::with_capacity(count), 0.0);
         for (index, of) in all.iter().enumerate() {
             for triangle in 0..of.triangles.triangles.len() as u32 {
-                above += of.triangles.area(triangle);
-                while spots.len() < count && wanted(spots.len()) * area < above {
-                    spots.push(Self::new(index, triangle, sampling::hash(!seed, spots.len() as u64)));
+                above += of.weight(triangle);
+                while spots.len() < count && wanted(spots.len()) * whole < above {
+                    spots.push(Self::new((index, of), triangle, sampling::hash(!seed, spots.len() as u64)));
                 }
             }
         }
-        (spots, area)
+        (spots, whole)
     }
 
     /// A random point of a triangle.
-    fn new(index: usize, triangle: u32, draw: u64) -> Self {
-        let at = element::sampled_barycentric(sampling::unit(draw), sampling::unit(sampling::hash(draw, streams::SECOND)));
-        Self { index, triangle, at, draw }
+    fn new((index, of): (usize, &Growing), triangle: u32, draw: u64) -> Self {
+        Self { index, triangle, at: of.sampled_point(triangle, draw), draw }
     }
 }

@@ -3,17 +3,24 @@
 use super::bisection::Triangles;
 use super::element;
 use super::plane::Plane;
+use super::seen::SeenTriangles;
 use super::surface_mesh::SurfaceMesh;
+use crate::geometry::{sampling, streams};
 use crate::scene::SurfaceId;
+
+/// Nodes for each triangle where many are joined.
+const NODES: f64 = 2.0;
 
 /// A surface and its elements.
 pub(super) struct Growing {
     pub surface: SurfaceId,
     pub plane: Plane,
     pub triangles: Triangles,
+    /// What a view sees of them, if they are made for one.
+    seen: Option<SeenTriangles>,
     /// By node and channel: reflected radiosity in W/m^2, and its variance.
     pub found: Vec<[f32; 2]>,
-    /// By node: how many gathers that is the mean of.
+    /// By node: how many gathers that is the mean of; 0 where none is wanted.
     pub gathers: Vec<u32>,
     pub tests: Vec<Test>,
     /// By triangle: whether it has tests. Those made last may lie beyond the end.
@@ -37,18 +44,59 @@ pub(super) struct Test {
 }
 
 impl Growing {
-    pub fn new(surface: SurfaceId, plane: Plane, triangles: Triangles) -> Self {
-        Self { surface, plane, triangles, found: Vec::new(), gathers: Vec::new(), tests: Vec::new(), is_tested: Vec::new() }
+    pub fn new(surface: SurfaceId, plane: Plane, triangles: Triangles, seen: Option<SeenTriangles>) -> Self {
+        let (found, gathers, tests, is_tested) = Default::default();
+        Self { surface, plane, triangles, seen, found, gathers, tests, is_tested }
     }
 
-    /// The function as it stands.
-    pub fn into_mesh(self) -> SurfaceMesh {
-        SurfaceMesh::new(&self.triangles, self.found.into_iter().map(|[value, _]| value).collect())
+    /// The function as it stands; with what is not seen as well, or without.
+    pub fn into_mesh(self, takes_all: bool) -> SurfaceMesh {
+        let values = self.found.iter().map(|&[value, _]| value).collect();
+        let mesh = SurfaceMesh::new(&self.triangles, values);
+        let is_seen = |triangle: usize| self.weight(triangle as u32) > 0.0;
+        if takes_all { mesh } else { mesh.with_triangles(is_seen) }
+    }
+
+    /// What a triangle counts in the error: its area in m^2, or how many pixels it covers.
+    pub fn weight(&self, triangle: u32) -> f64 {
+        self.seen.as_ref().map_or_else(|| self.triangles.area(triangle), |seen| seen.weight(triangle))
+    }
+
+    /// Bisects triangles that weigh more than `largest`, or are much longer than what weighs as much.
+    pub fn bisect_to(&mut self, largest: f64) {
+        let mut number = 0;
+        while number < self.triangles.triangles.len() as u32 {
+            let weight = self.weight(number);
+            if weight > 0.0 && self.triangles.is_large(number, self.triangles.area(number) * largest / weight) {
+                self.triangles.bisect(number);
+                self.follow_halvings();
+            } else {
+                number += 1;
+            }
+        }
+    }
+
+    fn follow_halvings(&mut self) {
+        let halvings = std::mem::take(&mut self.triangles.halvings);
+        if let Some(seen) = &mut self.seen {
+            halvings.into_iter().for_each(|halving| seen.halve(halving));
+        }
+    }
+
+    /// A random point of a triangle, uniform over what it weighs by, in barycentric coordinates.
+    pub fn sampled_point(&self, triangle: u32, draw: u64) -> [f64; 3] {
+        if let Some(at) = self.seen.as_ref().and_then(|seen| seen.sampled(triangle, draw)) {
+            // What lies on an edge may have been rounded across it.
+            let inside = element::barycentric(self.triangles.corners(triangle), at).map(|l| l.max(0.0));
+            let sum: f64 = inside.iter().sum();
+            return inside.map(|l| l / sum);
+        }
+        element::sampled_barycentric(sampling::unit(draw), sampling::unit(sampling::hash(draw, streams::SECOND)))
     }
 
     /// Makes room for nodes that are new. If those that are there get more gathers, up to so many, the tests of the function as it was are forgotten.
     pub fn begin_gathers(&mut self, channels: usize, gathers: u32) {
-        if self.gathers.iter().any(|&has| has < gathers) {
+        if self.gathers.iter().any(|&has| 0 < has && has < gathers) {
             self.tests.clear();
             self.is_tested.fill(false);
         }
@@ -68,14 +116,41 @@ impl Growing {
         }
     }
 
-    /// The area of all elements, in m^2.
-    pub fn area(&self) -> f64 {
-        (0..self.triangles.triangles.len() as u32).map(|triangle| self.triangles.area(triangle)).sum()
+    /// What all elements weigh.
+    pub fn whole(&self) -> f64 {
+        (0..self.triangles.triangles.len() as u32).map(|triangle| self.weight(triangle)).sum()
     }
 
-    /// The area that a node stands for, in m^2.
+    /// What a node weighs in the mean.
     pub fn size(&self) -> f64 {
-        self.area() / self.triangles.nodes.len() as f64
+        let counts = |&number: &u32| self.weight(number) > 0.0;
+        let nodes = match &self.seen {
+            Some(_) => NODES * (0..self.triangles.triangles.len() as u32).filter(counts).count() as f64,
+            None => self.triangles.nodes.len() as f64,
+        };
+        self.whole() / nodes
+    }
+
+    /// What a node in a triangle weighs, where a view shows that: triangles of a surface cover more pixels or fewer. `None` where all are taken alike.
+    pub fn size_in(&self, triangle: u32) -> Option<f64> {
+        self.seen.as_ref().map(|seen| seen.weight(triangle) / NODES)
+    }
+
+    /// What each node weighs by the heaviest of its triangles; 0 if none of them counts.
+    pub fn node_sizes(&self) -> Vec<f64> {
+        let Some(seen) = &self.seen else { return vec![self.size(); self.triangles.nodes.len()] };
+        let mut sizes = vec![0.0_f64; self.triangles.nodes.len()];
+        for (number, element) in self.triangles.triangles.iter().enumerate() {
+            let size = seen.weight(number as u32) / NODES;
+            element.nodes().into_iter().for_each(|node| sizes[node as usize] = sizes[node as usize].max(size));
+        }
+        sizes
+    }
+
+    /// How many tests a triangle has, where one may stand for `most`.
+    pub fn tests_for(&self, triangle: u32, most: f64) -> u64 {
+        let weight = self.weight(triangle);
+        if weight > 0.0 { (weight / most).ceil().max(1.0) as u64 } else { 0 }
     }
 
     /// The function at a point of a triangle and its variance, in one of so many channels.
@@ -126,6 +201,7 @@ impl Growing {
                 [triangle, second].into_iter().for_each(|half| self.triangles.bisect(half));
             }
         }
+        self.follow_halvings();
         for (number, before) in before.iter().enumerate() {
             self.is_tested[number] &= self.triangles.triangles[number].middles == *before;
         }

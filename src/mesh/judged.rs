@@ -6,9 +6,9 @@ use crate::error::{ErrorNorm, claim};
 /// A norm over the surfaces of a mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Norm {
-    /// Relative to all light: its square over the area, in W^2/m^2.
+    /// Relative to all light: its square over the area, in W^2/m^2; or over the pixels that show it.
     Energy { light_sq: f64 },
-    /// Relative to the light at each place, or to typical light where it is darker: where there is light, in m^2, and the median of its square
+    /// Relative to the light at each place, or to typical light where it is darker: where there is light, in m^2 or pixels, and the median of its square
     /// over that.
     Local { lit: f64, typical_sq: f64 },
 }
@@ -25,18 +25,18 @@ pub(super) struct Judged {
 impl Norm {
     /// By the light that tests found; `None` where all is dark.
     pub fn of(norm: ErrorNorm, all: &[Growing]) -> Option<Self> {
-        // Tests share the area of their triangle.
+        // Tests share what their triangle weighs.
         let mut lit = Vec::new();
         for of in all {
             let mut counts = vec![0_u32; of.triangles.triangles.len()];
             of.tests.iter().for_each(|test| counts[test.triangle as usize] += 1);
-            let area = |test: &Test| of.triangles.area(test.triangle) / f64::from(counts[test.triangle as usize]);
-            lit.extend(of.tests.iter().filter(|test| test.light_sq > 0.0).map(|test| (test.light_sq, area(test))));
+            let part = |test: &Test| of.weight(test.triangle) / f64::from(counts[test.triangle as usize]);
+            lit.extend(of.tests.iter().filter(|test| test.light_sq > 0.0).map(|test| (test.light_sq, part(test))));
         }
         Self::by_light(norm, lit)
     }
 
-    /// By the squared light of places where there is some, each with the area that it stands for.
+    /// By the squared light of places where there is some, each with the part of the area, or of the pixels, that it stands for.
     pub fn by_light(norm: ErrorNorm, mut lit: Vec<(f64, f64)>) -> Option<Self> {
         if norm == ErrorNorm::Energy {
             let light_sq: f64 = lit.iter().map(|(light_sq, area)| light_sq * area).sum();
@@ -52,7 +52,7 @@ impl Norm {
         lit.iter().find(is_median).map(|&(typical_sq, _)| Self::Local { lit: area, typical_sq })
     }
 
-    /// What a squared error counts by m^2, where so much light is.
+    /// What a squared error counts by m^2, or by pixel, where so much light is.
     pub fn weight(&self, light_sq: f64) -> f64 {
         match *self {
             Self::Energy { light_sq: all } => 1.0 / all,
@@ -65,14 +65,14 @@ impl Judged {
     /// Where there is no light nothing is wrong.
     pub const DARK: Self = Self { measured: 0.0, claimed: 0.0, noise_sq: 0.0 };
 
-    /// By tests that each stand for as much of an area, with their squared errors.
-    pub fn by(tests: &[(Test, f64)], area: f64, norm: &Norm) -> Self {
+    /// By tests that each stand for as much of the whole, with their squared errors.
+    pub fn by(tests: &[(Test, f64)], whole: f64, norm: &Norm) -> Self {
         let count = tests.len() as f64;
-        let parts = || tests.iter().map(|(test, error_sq)| area / count * norm.weight(test.light_sq) * error_sq);
+        let parts = || tests.iter().map(|(test, error_sq)| whole / count * norm.weight(test.light_sq) * error_sq);
         let sum: f64 = parts().sum();
         let scatter: f64 = parts().map(|part| (part - sum / count).powi(2)).sum();
         let deviation = (scatter * count / (count - 1.0).max(1.0)).sqrt();
-        let noise_sq = tests.iter().map(|(test, _)| area / count * norm.weight(test.light_sq) * test.of_nodes_sq).sum();
+        let noise_sq = tests.iter().map(|(test, _)| whole / count * norm.weight(test.light_sq) * test.of_nodes_sq).sum();
         Self { measured: sum.max(0.0).sqrt(), claimed: claim(sum, deviation), noise_sq }
     }
 

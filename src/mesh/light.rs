@@ -23,7 +23,7 @@ pub(super) struct LightScratch {
 
 /// Some of the light that surfaces reflect.
 pub(super) trait Light: Sync {
-    /// The reflected radiosity at a place and its variance, by channel; `size` is about how large an area it stands for, in m^2. Returns how close
+    /// The reflected radiosity at a place and its variance, by channel; `size` is about what it weighs. Returns how close
     /// what is seen from there is, in 1/m, where that is known.
     fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) -> f64;
 
@@ -43,7 +43,7 @@ pub(super) struct Indirect<'a> {
     pub gather: &'a IndirectGather<'a>,
     /// How points are gathered, but for the number of rays.
     pub budget: RayBudget,
-    /// The rays of a point that stands for `size` m^2.
+    /// The rays of a point that weighs `size`.
     pub rays: f64,
     pub size: f64,
     /// The true variance for one that batches tell.
@@ -86,7 +86,7 @@ const MOST_RAYS: f64 = 16.0;
 
 impl Light for Indirect<'_> {
     fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) -> f64 {
-        // The variance over all area is least for all rays if these go with the root of the area.
+        // The variance of the whole is least for all rays if these go with the root of what a point stands for.
         let rays = self.rays * (size / self.size).sqrt().min(MOST_RAYS);
         let rays = rays.max(LEAST_RAYS).ceil() as u32;
         let closeness = self.gather.sampled_irradiance(place, RayBudget { rays, ..self.budget }, &mut scratch.gather, found);

@@ -13,13 +13,15 @@ mod limits;
 mod lit_mesh;
 mod locate;
 mod plane;
+mod seen;
 mod surface_mesh;
 mod triangles;
 mod triangulation;
 mod validate;
 
-pub(crate) use build::MeshBuilder;
+pub(crate) use build::{LEAST_GATHERS, MeshBuilder};
 pub(crate) use limits::{MeshLimit, MeshLimits};
 pub use lit_mesh::{LitMesh, MeshPart};
 pub(crate) use lit_mesh::{MeshIndex, MeshReader};
+pub(crate) use seen::{SeenPoint, SeenSurfaces};
 pub use triangles::triangulated;

@@ -25,6 +25,24 @@ impl SurfaceMesh {
         Self { nodes, triangles: triangles.triangles.iter().map(Triangle::nodes).collect(), reflected }
     }
 
+    /// The same with some of the triangles alone, and their nodes.
+    pub fn with_triangles(self, is_kept: impl Fn(usize) -> bool) -> Self {
+        let triangles = self.triangles.iter().enumerate().filter(|(number, _)| is_kept(*number)).map(|(_, nodes)| *nodes);
+        let mut triangles: Vec<[u32; 6]> = triangles.collect();
+        if triangles.len() == self.triangles.len() {
+            return self;
+        }
+        let channels = self.reflected.len() / self.nodes.len();
+        let mut kept: Vec<u32> = triangles.as_flattened().to_vec();
+        kept.sort_unstable();
+        kept.dedup();
+        let number = |node: u32| kept.partition_point(|&other| other < node) as u32;
+        triangles.as_flattened_mut().iter_mut().for_each(|node| *node = number(*node));
+        let nodes = kept.iter().map(|&node| self.nodes[node as usize]).collect();
+        let reflected = kept.iter().flat_map(|&node| self.reflected(node, channels)).copied().collect();
+        Self { nodes, triangles, reflected }
+    }
+
     pub fn nodes(&self) -> &[DVec2] {
         &self.nodes
     }

@@ -12,9 +12,6 @@ use super::bisection::{NONE, Triangles};
 /// Points closer than this part of the polygon's size are one.
 const WELDED: f64 = 1e-9;
 
-/// The square of an edge is at most so many times the largest area: along a narrow strip light changes as it does on what is wider.
-const MOST_STRETCHED: f64 = 4.0;
-
 /// A line within a polygon.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
@@ -47,7 +44,7 @@ pub(super) fn triangulate(polygon: &[DVec2], lines: &[Line], largest: f64) -> Tr
     // None is large.
     let mut number = 0;
     while number < triangles.triangles.len() as u32 {
-        if triangles.area(number) > largest || triangles.longest_sq(number) > MOST_STRETCHED * largest {
+        if triangles.is_large(number, largest) {
             triangles.bisect(number);
         } else {
             number += 1;

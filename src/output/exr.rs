@@ -37,7 +37,7 @@ pub fn write_exr(writer: &mut (impl Write + Seek), image: &Image, quantity: Quan
 
 /// What both EXR writers state.
 pub(super) fn comments(quantity: Quantity, provenance: &Provenance) -> String {
-    provenance.statements(quantity).map(|(key, text)| format!("{key}: {text}")).join("\n")
+    provenance.statements(quantity).iter().map(|(key, text)| format!("{key}: {text}")).collect::<Vec<_>>().join("\n")
 }
 
 /// The channels of an image with their names, each row after row; after those of the quantity those of its standard error, where it is known.

@@ -63,6 +63,8 @@ impl Quantity {
 pub struct Provenance {
     software: String,
     options: String,
+    /// What is claimed of the error, beside what the options ask for.
+    error: Option<String>,
 }
 
 impl Provenance {
@@ -72,7 +74,14 @@ impl Provenance {
             software: concat!("patchlight ", env!("CARGO_PKG_VERSION")).to_owned(),
             // Numbers and names only: nothing in it can fail to become JSON.
             options: serde_json::to_string(options).unwrap_or_default(),
+            error: None,
         }
+    }
+
+    /// The same of a result of whose error this is claimed.
+    #[must_use]
+    pub fn with_error(&self, claim: impl Into<String>) -> Self {
+        Self { error: Some(claim.into()), ..self.clone() }
     }
 
     /// Name and version, as in `patchlight 0.1.0`.
@@ -86,12 +95,14 @@ impl Provenance {
     }
 
     /// Key and text of all that a file with this quantity states.
-    pub(super) fn statements(&self, quantity: Quantity) -> [(&'static str, String); 4] {
-        [
+    pub(super) fn statements(&self, quantity: Quantity) -> Vec<(&'static str, String)> {
+        let mut statements = vec![
             ("software", self.software.clone()),
             ("quantity", quantity.name().to_owned()),
             ("unit", quantity.unit().to_owned()),
             ("options", self.options.clone()),
-        ]
+        ];
+        statements.extend(self.error.clone().map(|claim| ("error", claim)));
+        statements
     }
 }

@@ -100,7 +100,7 @@ pub fn write_solution(writer: &mut (impl Write + Seek), solution: &Solution, pro
     // The body first: its length and checksum are known when it is written.
     let start = writer.stream_position()?;
     writer.write_all(&[0; HEADER_LENGTH])?;
-    let about = provenance.statements(Quantity::Radiosity).map(|(key, text)| format!("{key}: {text}\n")).concat();
+    let about = provenance.statements(Quantity::Radiosity).iter().map(|(key, text)| format!("{key}: {text}\n")).collect::<String>();
     let body = Checksummed { writer: &mut *writer, crc: crc32fast::Hasher::new(), length: 0, failure: None };
     let mut body = BufWriter::with_capacity(1 << 16, body);
     if let Err(error) = postcard::to_io(&(about, solution), &mut body) {

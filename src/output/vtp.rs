@@ -83,7 +83,7 @@ pub(super) fn write(
 /// What the field data state.
 fn statements(patches: &Patches<'_>, provenance: &Provenance) -> Vec<(&'static str, String)> {
     let names: Vec<&str> = patches.scene.materials().iter().map(|material| material.name.as_str()).collect();
-    let mut statements = provenance.statements(Quantity::Radiosity).to_vec();
+    let mut statements = provenance.statements(Quantity::Radiosity);
     statements.push(("materials", names.join("\n")));
     statements
 }

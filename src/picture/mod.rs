@@ -1,5 +1,6 @@
 //! Pictures: cameras, views that show a scene, and the values at what each pixel sees; measuring planes.
 
+mod antialiased;
 mod camera;
 mod default_view;
 mod image;
@@ -17,7 +18,7 @@ pub(crate) use image::luminance;
 pub use lines::Marks;
 pub(crate) use lines::{Line, draw_lines};
 pub use measuring_plane::{MeasuringPlane, PlaneError, PlaneRequest};
-pub(crate) use of_mesh::render_mesh;
+pub(crate) use of_mesh::{render_mesh, seen_surfaces};
 pub(crate) use render::render;
 pub(crate) use shown::Shown;
 pub(crate) use width::render_width;

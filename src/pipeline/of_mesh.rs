@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Evaluator, PipelineError};
-use crate::mesh::{LitMesh, MeshIndex, MeshReader};
+use crate::mesh::{LEAST_GATHERS, LitMesh, MeshIndex, MeshReader};
 use crate::picture::{self, Camera, Image, Shown};
 use crate::progress::{Observer, Stop};
 use crate::scene::SurfacePoint;
@@ -40,6 +40,28 @@ impl Evaluator {
     pub fn lit_mesh(&self, error: f64, observer: &dyn Observer) -> Option<LitMesh> {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
         self.pool.install(|| self.solution.lit_mesh(&rays, error, observer))
+    }
+
+    /// Makes a lit mesh of what a camera sees, for a picture of that: there are elements on surfaces that the pixels show, sized by them, and `error` is
+    /// the largest that may be claimed for what the function differs from the values at points, in the norm of the options, over the pixels in place of
+    /// the area. Cancelled by the observer, it returns `None`.
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`].
+    pub fn view_mesh(&self, camera: &Camera, error: f64, observer: &dyn Observer) -> Result<Option<LitMesh>, PipelineError> {
+        let (through, scene) = (camera.rays()?, self.solution.scene());
+        let rays = Rays::new(&*self.visibility, scene);
+        Ok(self.pool.install(|| {
+            let seen = picture::seen_surfaces(scene, &rays, (&through, [camera.width, camera.height]), observer)?;
+            self.solution.lit_mesh_of_view(&rays, &seen, error, observer)
+        }))
+    }
+
+    /// Whether a mesh of what a camera sees takes less than to gather values for each of its pixels: it is judged at some thousand points, whatever the
+    /// picture is.
+    pub fn is_view_mesh_cheaper(&self, camera: &Camera) -> bool {
+        let pixels = u64::from(camera.width) * u64::from(camera.height);
+        pixels > LEAST_GATHERS as u64
     }
 
     /// The radiosities of a lit mesh of this solution at points, by point and channel; NaN where a point lies on no surface.

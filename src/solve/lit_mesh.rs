@@ -11,7 +11,7 @@ use super::solution::Solution;
 use crate::cells::CellRadiosities;
 use crate::direct::{Blockers, DirectLight};
 use crate::discontinuities;
-use crate::mesh::{LitMesh, MeshBuilder, MeshLimit, MeshLimits};
+use crate::mesh::{LitMesh, MeshBuilder, MeshLimit, MeshLimits, SeenSurfaces};
 use crate::paths::LightPaths;
 use crate::progress::{Observer, Progress, Stage, Stop};
 use crate::scene::SurfaceId;
@@ -30,7 +30,7 @@ pub(super) fn add(job: &Job<'_>, solution: &mut Solution, report: &mut SolveRepo
     let bytes = |elements: usize| besides + LitMesh::bytes_to_make(elements, job.kept_channels);
     let allows = |elements: usize| job.memory.allows(bytes(elements)) && job.observer.allows_memory(bytes(elements));
     let limits = MeshLimits::new(&allows, job.deadline());
-    let mesh = solution.lit_mesh_within(job.rays, requested, &limits, &job.stop(), job.observer);
+    let mesh = solution.lit_mesh_within((job.rays, None), requested, &limits, &job.stop(), job.observer);
 
     // What is told of it.
     report.lit_mesh = mesh.as_ref().map(|mesh| told(mesh, requested, report));
@@ -73,13 +73,24 @@ impl Solution {
     ///
     /// Elements follow the lines where surfaces touch, and the outlines of what stands close over them. Other discontinuities are met by refinement.
     pub(crate) fn lit_mesh(&self, rays: &Rays<'_>, error: f64, observer: &dyn Observer) -> Option<LitMesh> {
-        self.lit_mesh_within(rays, error, &MeshLimits::none(), &|| observer.cancelled(), observer)
+        self.lit_mesh_within((rays, None), error, &MeshLimits::none(), &|| observer.cancelled(), observer)
+    }
+
+    /// The same of what a view sees, for its picture: the error is one over the pixels.
+    pub(crate) fn lit_mesh_of_view(
+        &self,
+        rays: &Rays<'_>,
+        seen: &SeenSurfaces,
+        error: f64,
+        observer: &dyn Observer,
+    ) -> Option<LitMesh> {
+        self.lit_mesh_within((rays, Some(seen)), error, &MeshLimits::none(), &|| observer.cancelled(), observer)
     }
 
     /// The same within limits: what ends with them is judged as it is. `None` if stopped, or if they allow none.
     fn lit_mesh_within(
         &self,
-        rays: &Rays<'_>,
+        (rays, seen): (&Rays<'_>, Option<&SeenSurfaces>),
         error: f64,
         limits: &MeshLimits<'_>,
         stop: Stop<'_>,
@@ -109,9 +120,12 @@ impl Solution {
         let direct = &DirectLight { scene, rays, blockers: &blockers, emitters: &emitters };
 
         let lines = &discontinuities::of_shape(scene, stop);
-        let surfaces: Vec<SurfaceId> = all.filter(|&surface| scene.material_of(surface).reflects()).collect();
+        let is_wanted = |surface: &SurfaceId| seen.is_none_or(|seen| seen.weight(*surface) > 0.0);
+        let reflects = |surface: &SurfaceId| scene.material_of(*surface).reflects();
+        let surfaces: Vec<SurfaceId> = all.filter(reflects).filter(is_wanted).collect();
         let (budget, norm) = (RayBudget::of_values(self.point_rays, self.options.seed), self.options.norm.into());
-        let builder = MeshBuilder { scene, indirect: &indirect, direct, budget, lines, error, norm, limits, tell: &tell, stop };
+        let builder =
+            MeshBuilder { scene, indirect: &indirect, direct, budget, lines, seen, error, norm, limits, tell: &tell, stop };
         builder.build(&surfaces)
     }
 }

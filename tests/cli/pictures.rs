@@ -17,7 +17,9 @@ fn false_colours_and_lines_are_asked_for_in_full() {
         ("solve room.obj --scale 0..1", &["need --image"]),
         ("solve room.obj --image a.png --show dots", &["show is 'dots'", "mesh or curves"]),
         ("solve room.obj --image a.exr --show curves", &["--show is for .png"]),
-        ("solve room.obj --image a.png --show mesh", &["--show mesh needs --lit-mesh"]),
+        ("solve room.obj --image a.png --show mesh --from gather", &["--show mesh needs --lit-mesh"]),
+        ("render room.solution -o a.png --error 0", &["error is 0"]),
+        ("render room.solution -o a.png --error 0.1 --from gather", &["--error asks for a mesh", "leave --from"]),
     ] {
         place.run(arguments).failed(2, words);
     }
@@ -39,7 +41,35 @@ fn pictures_tell_numbers_in_false_colours_and_show_lines() {
     assert!(text("h.exr").contains("quantity: irradiance\nunit: W/m^2\n"));
     place.run("render s.solution -o n.png --show mesh --size 60x40").succeeded();
     place.run("solve room.obj --error 0.5 -o without.solution").succeeded();
-    place.run("render without.solution -o none.png --show mesh --size 60x40").failed(2, &["--show mesh", "no lit mesh"]);
+    place.run("render without.solution -o v.png --show mesh --size 60x40").succeeded();
+    place
+        .run("render without.solution -o none.png --show mesh --from gather --size 60x40")
+        .failed(2, &["--show mesh", "no lit mesh"]);
+}
+
+/// A picture of a solution without a mesh makes one; a small one, or one that is to be gathered, has standard errors instead.
+#[test]
+fn a_picture_tells_what_is_claimed_of_it() {
+    let place = Place::new();
+    let ran = place.run("solve room.obj --error 0.1 -o s.solution --image a.png --image a.exr --size 96x72 --threads 1");
+    assert!(ran.succeeded().stderr.contains("over the pixels"), "{}", ran.stderr);
+    let bytes = |name: &str| fs::read(place.path(name)).unwrap();
+    let text = |name: &str| String::from_utf8_lossy(&bytes(name)).into_owned();
+    let claim = "off the values at points, in the local norm over the pixels";
+    assert!(text("a.png").contains(claim) && text("a.exr").contains(claim) && !text("a.exr").contains("se.R\0"));
+
+    // Stored, the same again; another error is another picture.
+    place.run("render s.solution -o b.png -o b.exr --size 96x72 --threads 2").succeeded();
+    assert!(bytes("a.png") == bytes("b.png") && bytes("a.exr") == bytes("b.exr"));
+    place.run("render s.solution -o c.exr --size 96x72 --error 0.02").succeeded();
+    assert!(bytes("c.exr") != bytes("a.exr"));
+
+    for (flags, name) in [("--size 60x40", "small.exr"), ("--size 96x72 --from gather", "gathered.exr")] {
+        place.run(&format!("render s.solution -o {name} {flags}")).succeeded();
+        assert!(text(name).contains("se.R\0") && !text(name).contains(claim), "{name}");
+    }
+    place.run("solve room.obj --error 0.1 --memory 1 --image m.exr --size 96x72").succeeded();
+    assert!(text("m.exr").contains("se.R\0"), "a budget has no room for a mesh");
 }
 
 #[test]
