@@ -150,6 +150,7 @@ impl<'a> MeshReader<'a> {
         let (Some(mesh), Some((plane, locator))) = (&self.meshes[surface.index()], &index[surface.index()]) else { return };
         if let Some((triangle, at)) = locator.find(mesh, plane.to_plane(point)) {
             mesh.reflected_at(triangle, at, reflected);
+            self.scene.clear_dark(reflected);
         }
     }
 

@@ -324,6 +324,7 @@ impl Powers<'_> {
         let (mut energy, mut arrived) = (Energy::default(), 0.0);
         self.for_each_leaf(|leaf, exposed, arriving| {
             let material = scene.material_of(SurfaceId(hierarchy.node(leaf).surface));
+            let arriving = &arriving[..scene.deciding()];
             for (channel, arriving) in arriving.iter().enumerate() {
                 energy.emitted += exposed * material.exitance[channel];
                 energy.absorbed += (1.0 - material.reflectance[channel]) * exposed * arriving;

@@ -59,7 +59,8 @@ impl Radiosity {
         for node in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
             if let Some(surface) = hierarchy.surface_of(node) {
                 let exitance = &scene.material_of(surface).exitance;
-                reflected.of_mut(node).iter_mut().zip(exitance).for_each(|(b, e)| *b = (*b - e).max(0.0));
+                reflected.of_mut(node).iter_mut().zip(exitance).for_each(|(b, e)| *b -= e);
+                scene.clear_dark(reflected.of_mut(node));
             }
         }
         reflected.pull(hierarchy, exposure);
@@ -101,7 +102,7 @@ impl Radiosity {
 
     /// What a surface reflects, in W/m^2 in its brightest channel.
     pub(crate) fn reflected(&self, scene: &Scene, hierarchy: &Hierarchy, surface: SurfaceId) -> f64 {
-        let exitance = &scene.material_of(surface).exitance;
+        let exitance = &scene.material_of(surface).exitance[..scene.deciding()];
         let sent = self.of(hierarchy.node_of(surface));
         sent.iter().zip(exitance).map(|(sent, emitted)| sent - emitted).fold(0.0, f64::max)
     }
