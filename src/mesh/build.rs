@@ -82,16 +82,18 @@ impl MeshBuilder<'_> {
             ..self.grower(&light, part, area / tests)
         };
         let of_all = grower.grow(&mut growing)?;
-        let Judged { measured, claimed, .. } = of_indirect.with(of_all);
-        Some(LitMesh { surfaces: self.finish(growing), measured, claimed })
+        let Judged { measured, claimed, by_group, .. } = of_indirect.with(of_all);
+        Some(LitMesh { surfaces: self.finish(growing), measured, claimed, by_group })
     }
 
     fn grower<'b>(&'b self, light: &'b dyn Light, part: f64, test_area: f64) -> Grower<'b> {
         let Self { budget, error, norm, limits, tell, stop, .. } = *self;
-        let (channels, seed, error) = (self.scene.channels(), budget.seed, error * part.sqrt());
+        let (channels, deciding) = (self.scene.channels(), self.scene.deciding());
+        let (seed, error) = (budget.seed, error * part.sqrt());
         Grower {
             light,
             channels,
+            deciding,
             seed,
             error,
             norm,
@@ -116,7 +118,7 @@ impl MeshBuilder<'_> {
                 is_step: segment.degree == Degree::D0,
             };
             let lines: Vec<Line> = self.lines.of(surface).iter().map(line).collect();
-            Growing::new(surface, plane, triangulate(&corners, &lines, FIRST_PART * area))
+            Growing::new(surface, plane, triangulate(&corners, &lines, FIRST_PART * area), self.scene.deciding())
         };
         let growing: Vec<Growing> = surfaces.par_iter().map(begin).collect();
         let elements = growing.iter().map(|of| of.triangles.triangles.len()).sum();

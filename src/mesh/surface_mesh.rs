@@ -43,6 +43,11 @@ impl SurfaceMesh {
         Self { reflected: channels.expand(&self.reflected), ..self.clone() }
     }
 
+    /// The same with other radiosities at the nodes.
+    pub fn with_reflected(&self, reflected: Vec<f32>) -> Self {
+        Self { reflected, ..self.clone() }
+    }
+
     /// Bytes that this takes.
     pub fn memory_bytes(&self) -> u64 {
         (size_of::<Self>() + size_of_val(&*self.nodes) + size_of_val(&*self.triangles) + size_of_val(&*self.reflected)) as u64

@@ -21,6 +21,11 @@ const FLATTEST: f64 = 1e-12;
 const MOST: f32 = f32::MAX / 16.0;
 
 impl LitMesh {
+    /// Whether reflected radiosities at nodes are finite, and sums of some can be told in f32.
+    pub(crate) fn are_in_range(reflected: &[f32]) -> bool {
+        reflected.iter().all(|b| b.abs() <= MOST)
+    }
+
     /// Checks what was read from a file: that elements fill the surfaces that reflect, each once as far as areas tell, and that all numbers are finite.
     ///
     /// # Errors
@@ -75,7 +80,7 @@ impl<'a> Checked<'a> {
             return Err("there are too many or too few radiosities at the nodes".to_owned());
         }
         // Noise may take it below 0 in the dark.
-        if !reflected.iter().all(|b| b.abs() <= MOST) {
+        if !LitMesh::are_in_range(reflected) {
             return Err("a radiosity is not finite at a node".to_owned());
         }
         if !nodes.iter().all(|&at| self.is_inside(at)) {

@@ -64,6 +64,11 @@ impl DistinctChannels {
         self.of.len()
     }
 
+    /// How many channels an item of so many solved ones has, which may be many runs of them.
+    pub fn count_of(&self, solved: usize) -> usize {
+        self.count() * (solved / self.scene.channels)
+    }
+
     /// Values of all channels, item after item, from those of the solved ones. An item may be many runs of channels, as of light groups.
     pub fn expand<T: Copy + Default>(&self, solved: &[T]) -> Vec<T> {
         let item = |item: &'_ [T]| -> Vec<T> {

@@ -106,12 +106,18 @@ pub enum LightGroupError {
         /// Channels of the scene.
         bands: usize,
     },
+    /// It was solved without light groups.
+    #[error("light groups: this was solved without any; solve the scene with --light-groups")]
+    NoGroups,
+    /// Bounds are proved, and strategies of papers refine, for the light as it is.
+    #[error("light groups: they need the strategy default, and no bounds")]
+    Options,
     /// There is no such group.
-    #[error("light groups: there is no group '{name}'{}", known_groups(.known))]
+    #[error("light groups: there is no group '{name}', there are: {}", .known.join(", "))]
     UnknownGroup {
         /// What was asked for.
         name: String,
-        /// The groups that there are; none in a solution that was solved without.
+        /// The groups that there are.
         known: Vec<String>,
     },
     /// A weight is negative or not finite.
@@ -132,6 +138,9 @@ pub enum LightGroupError {
         /// Channels of the scene.
         needed: usize,
     },
+    /// With these weights radiosities are too large to be told.
+    #[error("light groups: with these weights radiosities are more than can be stored; take smaller ones")]
+    TooBright,
     /// With these weights the scene is too bright or too dim.
     #[error("light groups: {0}")]
     Scene(#[from] SceneError),
@@ -139,13 +148,6 @@ pub enum LightGroupError {
 
 fn of_object(object: &Option<String>) -> String {
     object.as_ref().map_or(String::new(), |name| format!(" in object '{name}'"))
-}
-
-fn known_groups(known: &[String]) -> String {
-    if known.is_empty() {
-        return ": this was solved without light groups".to_owned();
-    }
-    format!(", there are: {}", known.join(", "))
 }
 
 impl Scene {

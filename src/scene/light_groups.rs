@@ -10,6 +10,8 @@
 //! By the first of them, the deciding ones, all is decided: what is refined, where rays go, when it is enough. The others are carried along. So
 //! the light of all groups is what a solve without groups finds, to the bit.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 
 use super::{LightGroupError, Material, Scene, SceneError, SurfaceId};
@@ -129,8 +131,8 @@ impl Scene {
     }
 
     /// The same with a channel for each band of each light group behind its own, as the exitance is now; itself if it has no groups.
-    pub(crate) fn carrying_light_groups(&self) -> Self {
-        let Some(groups) = &self.light_groups else { return self.clone() };
+    pub(crate) fn carrying_light_groups(&self) -> Cow<'_, Self> {
+        let Some(groups) = &self.light_groups else { return Cow::Borrowed(self) };
         let (count, bands) = (groups.names.len(), self.channels);
         let carrying = |(material, own): (&Material, &Option<u32>)| {
             let mut exitance = material.exitance.clone();
@@ -141,7 +143,7 @@ impl Scene {
             Material { name: material.name.clone(), reflectance: material.reflectance.repeat(1 + count), exitance }
         };
         let materials = self.materials.iter().zip(&groups.of_material).map(carrying).collect();
-        Self { channels: bands * (1 + count), carried: bands * count, materials, ..self.clone() }
+        Cow::Owned(Self { channels: bands * (1 + count), carried: bands * count, materials, ..self.clone() })
     }
 
     /// The same with the exitance as it is now for all weights 1.

@@ -1,14 +1,14 @@
 //! The end of a solve: what is kept, and what is told.
 
+use super::grouped_light::GroupedLight;
 use super::linked::Linked;
 use super::report::{Counts, Energy, ErrorFigure, ErrorReport, Powers, SkippedWork, SolveReport, StoppedBy};
 use super::solution::Solution;
 use crate::bounds::{Light, bound_held_back};
 use crate::cells::CellRadiosities;
-use crate::error::{self, CONFIDENCE, ErrorEstimate};
+use crate::error::{self, CONFIDENCE, ErrorEstimate, KnownErrors};
 use crate::links::Pair;
 use crate::paths::Resolution;
-use crate::values::ErrorBars;
 
 /// What a solver found beside links.
 pub(super) struct Outcome {
@@ -18,7 +18,7 @@ pub(super) struct Outcome {
     pub resolution: Resolution,
     /// Where values end in cells.
     pub radiosities: Option<CellRadiosities>,
-    pub error_bars: Option<ErrorBars>,
+    pub known: Option<KnownErrors>,
 }
 
 /// The solution and its report.
@@ -26,7 +26,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     let energy = energy(&linked);
     let skipped = linked.skipped();
     let scene = linked.job.scene.clone();
-    let Outcome { error, stopped_by, point_rays, resolution, radiosities, error_bars } = outcome;
+    let Outcome { error, stopped_by, point_rays, resolution, radiosities, known } = outcome;
     let mut report = SolveReport { energy, stopped_by, converged: stopped_by == StoppedBy::Error, ..linked.report };
 
     let reflected = energy.sent - energy.emitted;
@@ -65,9 +65,10 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
         point_rays,
         resolution,
         cell_radiosities: radiosities,
-        error_bars,
+        error_bars: known.as_ref().map(|known| known.error_bars),
         bounds: None,
         mesh: None,
+        groups: known.and_then(|known| known.groups).map(GroupedLight::judged),
     };
     report.memory_bytes = solution.memory_bytes();
     (solution, report)

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::relight::LightGroupsReport;
 use crate::bounds::{BoundsReport, Certainty};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
@@ -254,6 +255,8 @@ pub struct SolveReport {
     pub error: ErrorReport,
     /// The lit mesh, if that was asked for and there is one.
     pub lit_mesh: Option<LitMeshReport>,
+    /// What is known of light groups, if the scene has any.
+    pub light_groups: Option<LightGroupsReport>,
     /// What is proved about the answer, if that was asked for.
     pub bounds: Option<BoundsReport>,
     /// How wrong radiosities may be by the links, for error-driven refinement.

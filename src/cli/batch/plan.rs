@@ -7,7 +7,7 @@ use super::super::exit::Failure;
 use super::changes::Change;
 use super::job_file::JobFile;
 use super::parameters::{Parameter, Rows};
-use super::reader::Said;
+use super::super::reader::Said;
 use super::template;
 
 /// One solve, and what is written of it.
