@@ -38,13 +38,14 @@ impl LitMesh {
         if self.surfaces.len() != scene.surfaces().len() {
             return Err("the lit mesh does not fit the scene".to_owned());
         }
+        let tolerance = values::tolerance(scene).max(CONTACTS * scene.contact_tolerance());
         for (number, mesh) in self.surfaces.iter().enumerate() {
             let surface = SurfaceId(number as u32);
             if let Some(mesh) = mesh {
                 if !scene.material_of(surface).reflects() {
                     return Err(format!("there is a lit mesh of surface {number}, which reflects nothing"));
                 }
-                Checked::new(scene, surface, mesh).check().map_err(|what| format!("{what} of surface {number}"))?;
+                Checked::new(scene, surface, mesh, tolerance).check().map_err(|what| format!("{what} of surface {number}"))?;
             }
         }
         Ok(())
@@ -66,11 +67,10 @@ struct Checked<'a> {
 }
 
 impl<'a> Checked<'a> {
-    fn new(scene: &Scene, surface: SurfaceId, mesh: &'a SurfaceMesh) -> Self {
+    fn new(scene: &Scene, surface: SurfaceId, mesh: &'a SurfaceMesh, tolerance: f64) -> Self {
         let (plane, facet) = (Plane::of(scene, surface), scene.surface(surface).polygon.facet());
         let corners: Vec<DVec2> = facet.vertices.iter().map(|&corner| plane.to_plane(corner)).collect();
         let perimeter = (0..corners.len()).map(|corner| corners[corner].distance(corners[(corner + 1) % corners.len()])).sum();
-        let tolerance = values::tolerance(scene).max(CONTACTS * scene.contact_tolerance());
         Self { mesh, channels: scene.channels(), corners, area: facet.area, size: facet.radius, perimeter, tolerance }
     }
 

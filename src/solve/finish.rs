@@ -9,6 +9,7 @@ use crate::cells::CellRadiosities;
 use crate::error::{self, CONFIDENCE, ErrorEstimate, KnownErrors};
 use crate::links::Pair;
 use crate::paths::Resolution;
+use crate::scene::SurfaceId;
 
 /// What a solver found beside links.
 pub(super) struct Outcome {
@@ -55,6 +56,10 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     let price = |work: &mut SkippedWork| work.estimate_saved_s = per_ray * work.estimate_saved_rays as f64;
     report.skipped.iter_mut().for_each(price);
 
+    let error_bars = known.as_ref().map(|known| known.error_bars);
+    let surfaces = (0..scene.surfaces().len() as u32).map(SurfaceId);
+    let reflected = || surfaces.map(|surface| linked.radiosity.reflected(&scene, &linked.hierarchy, surface)).collect();
+    let groups = known.and_then(|known| known.groups).map(|errors| GroupedLight::judged(errors, reflected()));
     let solution = Solution {
         scene,
         options: linked.job.options.clone(),
@@ -65,10 +70,10 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
         point_rays,
         resolution,
         cell_radiosities: radiosities,
-        error_bars: known.as_ref().map(|known| known.error_bars),
+        error_bars,
         bounds: None,
         mesh: None,
-        groups: known.and_then(|known| known.groups).map(GroupedLight::judged),
+        groups,
     };
     report.memory_bytes = solution.memory_bytes();
     (solution, report)

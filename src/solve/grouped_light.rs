@@ -26,9 +26,9 @@ pub(crate) struct GroupedLight {
 }
 
 impl GroupedLight {
-    /// What is known of the errors of values, before light is taken apart.
-    pub fn judged(errors: GroupErrors) -> Self {
-        Self { errors: Some(errors), ..Self::default() }
+    /// What is known of the errors of values, and what each surface reflects, before light is taken apart.
+    pub fn judged(errors: GroupErrors, reflected: Vec<f64>) -> Self {
+        Self { errors: Some(errors), reflected, ..Self::default() }
     }
 
     /// What a surface reflected as it was solved, in W/m^2 in its brightest channel.
