@@ -62,7 +62,11 @@ impl Grouping {
 
 /// Weights of groups: `NAME=W`, or `NAME=W,W,W` with one for each channel.
 pub fn parse_weight(typed: &str) -> Result<LightWeight, Failure> {
-    let bad = || Failure::usage(format_args!("--set {typed}: write --set GROUP=W, as in lamp=0.5, or a weight for each channel, as in lamp=0,0,2"));
+    let bad = || {
+        Failure::usage(format_args!(
+            "--set {typed}: write --set GROUP=W, as in lamp=0.5, or a weight for each channel, as in lamp=0,0,2"
+        ))
+    };
     let (group, weights) = typed.rsplit_once('=').ok_or_else(bad)?;
     let by_band: Vec<f64> = weights.split(',').map(|weight| weight.trim().parse().map_err(|_| bad())).collect::<Result<_, _>>()?;
     Ok(LightWeight { group: group.trim().to_owned(), by_band })

@@ -62,7 +62,9 @@ impl RelightRequest {
         let points = typed.points.zip(values);
         let asks = solution.is_some() || picture.is_some() || points.is_some() || mesh.is_some() || page.is_some();
         if !asks && flux.is_none() && report.is_none() {
-            return Err(Failure::usage("say what to write: -o, --image, --points with --values, --mesh, --flux, --html or --report"));
+            return Err(Failure::usage(
+                "say what to write: -o, --image, --points with --values, --mesh, --flux, --html or --report",
+            ));
         }
         let (run, voice) = (run_options(&typed.run)?, Voice::new(typed.run.progress));
         let (read, from) = (typed.solution, typed.picture.from);
@@ -79,7 +81,8 @@ pub fn relight(request: &RelightRequest) -> Result<Exit, Failure> {
     interrupt::listen(interrupt::OF_RUN);
     tell_groups(voice, &known);
 
-    let (evaluator, provenance) = (Evaluator::new(relit, &request.run)?, |evaluator: &Evaluator| Provenance::new(evaluator.solution().options()));
+    let (evaluator, provenance) =
+        (Evaluator::new(relit, &request.run)?, |evaluator: &Evaluator| Provenance::new(evaluator.solution().options()));
     let mut ending = Ending::new(Exit::Done);
     if let Some(destination) = &request.solution {
         ending.write(|| results::write_solution_to(destination, &evaluator, voice));
@@ -122,7 +125,11 @@ pub fn relight(request: &RelightRequest) -> Result<Exit, Failure> {
 /// Tells of light groups, each with its claim, and of all of them as they are weighted.
 pub fn tell_groups(voice: Voice, known: &LightGroupsReport) {
     let claim = |error: &ErrorFigure| {
-        if error.estimate.is_finite() { format!("{:.2}% claimed", 100.0 * error.estimate) } else { "nothing can be claimed".to_owned() }
+        if error.estimate.is_finite() {
+            format!("{:.2}% claimed", 100.0 * error.estimate)
+        } else {
+            "nothing can be claimed".to_owned()
+        }
     };
     let claims = |error: &ErrorFigure, mesh: &Option<ErrorFigure>| {
         let of_mesh = mesh.as_ref().map_or(String::new(), |mesh| format!(", of the lit mesh {}", claim(mesh)));

@@ -25,7 +25,10 @@ impl ErrorSamples {
         let (mut noise_sq, mut told_sq) = (0.0, 0.0);
         for (index, again) in again {
             let value = &self.values[*index][0];
-            let difference_sq = value.radiosity[channels.clone()].iter().zip(&again.radiosity[channels.clone()]).map(|(value, again)| (value - again).powi(2));
+            let difference_sq = value.radiosity[channels.clone()]
+                .iter()
+                .zip(&again.radiosity[channels.clone()])
+                .map(|(value, again)| (value - again).powi(2));
             noise_sq += weights[*index] * 0.5 * difference_sq.sum::<f64>();
             told_sq += weights[*index] * told(value);
         }

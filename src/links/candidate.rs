@@ -14,7 +14,8 @@ impl RefineContext<'_> {
         let (receiver, source) = (hierarchy.node(pair.receiver), hierarchy.node(pair.source));
         let radiosity = self.radiosity_of(hierarchy, pair.source);
         let reflectance = self.reflectance(hierarchy, pair.receiver);
-        let reflected_radiosity = reflectance.iter().zip(&radiosity[..self.scene.deciding()]).map(|(rho, b)| rho * b).fold(0.0, f64::max);
+        let reflected_radiosity =
+            reflectance.iter().zip(&radiosity[..self.scene.deciding()]).map(|(rho, b)| rho * b).fold(0.0, f64::max);
         Candidate {
             form_factor,
             transmittance,

@@ -40,7 +40,16 @@ pub(super) struct Test {
 
 impl Growing {
     pub fn new(surface: SurfaceId, plane: Plane, triangles: Triangles, deciding: usize) -> Self {
-        Self { surface, plane, triangles, deciding, found: Vec::new(), gathers: Vec::new(), tests: Vec::new(), is_tested: Vec::new() }
+        Self {
+            surface,
+            plane,
+            triangles,
+            deciding,
+            found: Vec::new(),
+            gathers: Vec::new(),
+            tests: Vec::new(),
+            is_tested: Vec::new(),
+        }
     }
 
     /// The function as it stands.

@@ -25,7 +25,7 @@ pub struct LitMesh {
     pub(super) surfaces: Vec<Option<SurfaceMesh>>,
     /// The root mean square of the differences, measured at random points that had no part in making it.
     pub measured: f64,
-    /// The upper confidence limit of that.
+    /// The upper confidence limit of that; infinite where nothing can be said, which may be with other weights of light groups.
     pub claimed: f64,
     /// What it is off by energy, of all light and of each light group; empty where there are none.
     pub(crate) by_group: Vec<MeshError>,

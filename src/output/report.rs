@@ -12,8 +12,8 @@ use serde::Serialize;
 use crate::bounds::BoundsReport;
 use crate::scene::Scene;
 use crate::solve::{
-    Counts, Energy, EnergyBalance, ErrorFigure, IterationReport, LightGroupsReport, LinkErrorReport, LitMeshReport, Norm, SkippedWork, SolveOptions,
-    SolveReport, StageTimes, StoppedBy,
+    Counts, Energy, EnergyBalance, ErrorFigure, IterationReport, LightGroupsReport, LinkErrorReport, LitMeshReport, Norm,
+    SkippedWork, SolveOptions, SolveReport, StageTimes, StoppedBy,
 };
 use crate::values::ValuesError;
 

@@ -89,7 +89,8 @@ impl LightGroups {
         if !fit || !exitance.iter().chain(weights).all(is_light) {
             return Err("the light groups do not fit the scene".to_owned());
         }
-        if names.is_empty() || (1..names.len()).any(|number| names[..number].contains(&names[number])) {
+        let is_named = |number: usize| !names[number].is_empty() && !names[..number].contains(&names[number]);
+        if names.is_empty() || !(0..names.len()).all(is_named) {
             return Err("light groups have no names of their own".to_owned());
         }
         for (material, (group, exitance)) in scene.materials.iter().zip(of_material.iter().zip(exitance)) {
@@ -112,12 +113,6 @@ impl Scene {
     /// The light groups, if the scene has any.
     pub fn light_groups(&self) -> Option<&LightGroups> {
         self.light_groups.as_ref()
-    }
-
-    /// The same without light groups.
-    #[must_use]
-    pub fn without_light_groups(self) -> Self {
-        Self { light_groups: None, ..self }
     }
 
     /// How many channels decide, which are the first ones. All of them, but where light groups are carried.

@@ -39,11 +39,11 @@ pub use options::{
     Bounds, CellOptions, ChangShih98Options, Holzschuch94Options, Interest, LinkOptions, Norm, OptionEntry, OptionGroup,
     OptionType, OptionsError, RunOptions, SolveOptions, Solver, Strategy, Subdivision, Sweep, UniformOptions,
 };
+pub use relight::{LightGroupReport, LightGroupsReport};
 pub use report::{
     Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LinkErrorReport, LitMeshReport, SkippedWork,
     SolveReport, StageTimes, StoppedBy,
 };
-pub use relight::{LightGroupReport, LightGroupsReport};
 pub use solution::Solution;
 
 use std::time::Instant;

@@ -16,6 +16,7 @@ use serde::Serialize;
 use super::options::Norm;
 use super::report::ErrorFigure;
 use super::solution::Solution;
+use crate::cells::CellRadiosities;
 use crate::error::{self, GroupErrors};
 use crate::mesh::{LitMesh, MeshError};
 use crate::scene::{LightGroupError, LightWeight};
@@ -71,19 +72,22 @@ impl Solution {
         let cell_radiosities = light.cells.as_ref().map(|cells| cells.mapped(scene.channels(), of_floats));
         let mesh = self.mesh.as_ref().zip(light.mesh.as_ref());
         let mesh = mesh.map(|(mesh, apart)| mesh.with_reflected(|surface, _| of_floats(&apart[surface])));
-        if !radiosity.is_in_range() || mesh.iter().flat_map(LitMesh::reflected).any(|reflected| !LitMesh::are_in_range(reflected)) {
+        let cells_fit = |cells: &CellRadiosities| cells.is_valid(cells.cells(), scene.channels());
+        if !radiosity.is_in_range()
+            || !cell_radiosities.as_ref().is_none_or(cells_fit)
+            || mesh.iter().flat_map(LitMesh::reflected).any(|reflected| !LitMesh::are_in_range(reflected))
+        {
             return Err(LightGroupError::TooBright);
         }
 
         // What is known of errors.
         let error_bars = light.errors.as_ref().filter(|_| self.error_bars.is_some()).map(|errors| sum.error_bars(errors));
         let groups = self.groups.clone();
-        let mut relit =
-            Self { scene, radiosity, cell_radiosities, mesh, groups, error_bars, bounds: None, ..self.clone() };
+        let mut relit = Self { scene, radiosity, cell_radiosities, mesh, groups, error_bars, bounds: None, ..self.clone() };
         relit.options.norm = Norm::Energy;
-        let off_values = relit.mesh_off_values();
-        if let (Some(mesh), Some(ErrorFigure { estimate, measured })) = (&mut relit.mesh, off_values) {
-            (mesh.measured, mesh.claimed) = (measured, estimate);
+        let off_values = relit.mesh_off_values(&by_group);
+        if let Some(mesh) = &mut relit.mesh {
+            (mesh.measured, mesh.claimed) = (off_values.measured, off_values.estimate);
         }
         Ok(relit)
     }
@@ -112,12 +116,10 @@ impl Solution {
         Some(LightGroupsReport { error, lit_mesh, groups: known.names().iter().enumerate().map(group).collect() })
     }
 
-    /// What the lit mesh is off values, by energy.
-    fn mesh_off_values(&self) -> Option<ErrorFigure> {
-        let (known, light) = (self.scene.light_groups()?, self.groups.as_ref()?);
-        let weights: Vec<Vec<f64>> = (0..known.names().len()).map(|group| known.weights_of(group).to_vec()).collect();
-        let errors = light.errors.as_ref()?;
-        Some(relative(bound_error(&light.mesh_errors, &weights), errors.light(&weights)))
+    /// What the lit mesh is off values, by energy, with these weights by group and band.
+    fn mesh_off_values(&self, weights: &[Vec<f64>]) -> ErrorFigure {
+        let errors = self.groups.as_ref().and_then(|light| Some((&light.mesh_errors, light.errors.as_ref()?)));
+        errors.map_or_else(ErrorFigure::default, |(of_mesh, errors)| relative(bound_error(of_mesh, weights), errors.light(weights)))
     }
 }
 
@@ -144,7 +146,8 @@ impl WeightedSum {
         if self.weights.iter().all(|weight| *weight == self.weights[0]) {
             return errors.error_bars[0];
         }
-        let lit = self.weights.chunks(self.bands).zip(&errors.error_bars[1..]).filter(|(weights, _)| weights.iter().any(|&w| w > 0.0));
+        let lit =
+            self.weights.chunks(self.bands).zip(&errors.error_bars[1..]).filter(|(weights, _)| weights.iter().any(|&w| w > 0.0));
         let worst = |worst: ErrorBars, (_, of): (_, &ErrorBars)| ErrorBars {
             noise: worst.noise.max(of.noise),
             bias: worst.bias.max(of.bias),
@@ -187,7 +190,8 @@ fn bound_error(errors: &[impl Errors], weights: &[Vec<f64>]) -> [f64; 2] {
 
 /// An error relative to so much light; where there is none, nothing is wrong.
 fn relative([measured, claimed]: [f64; 2], light: f64) -> ErrorFigure {
-    let of = |error: f64| if error == 0.0 { 0.0 } else { error / light };
+    let known = |error: f64| if error.is_nan() { f64::INFINITY } else { error };
+    let of = |error: f64| if error == 0.0 { 0.0 } else { known(error / light) };
     ErrorFigure { measured: of(measured), estimate: of(claimed) }
 }
 

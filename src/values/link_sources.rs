@@ -66,7 +66,12 @@ impl LinkGather<'_> {
         let cosine = receiver.normal.dot(direction) + if near { 1.0 } else { cluster.radius / distance_sq.sqrt() };
         let shown = self.hierarchy.shown_area(node, -direction).max(LEAST_SHOWN * cluster.area);
         let form_factor = cosine.clamp(0.0, 1.0) * shown / (PI * distance_sq.max(cluster.radius * cluster.radius));
-        let brightest = receiver.reflectance.iter().zip(&self.radiosity.of(node)[..self.scene.deciding()]).map(|(rho, b)| rho * b).fold(0.0, f64::max);
+        let brightest = receiver
+            .reflectance
+            .iter()
+            .zip(&self.radiosity.of(node)[..self.scene.deciding()])
+            .map(|(rho, b)| rho * b)
+            .fold(0.0, f64::max);
         let worth = form_factor.min(1.0) * brightest;
         SourcePiece::new(node, None, form_factor, worth, near, expected)
     }

@@ -7,10 +7,10 @@ use super::super::argument_groups::{PictureArguments, RunArguments, SettingArgum
 use super::super::arguments::SolveArguments;
 use super::super::exit::Failure;
 use super::super::progress::Voice;
+use super::super::reader::Said;
 use super::super::request::SolveRequest;
 use super::super::settings::Settings;
 use super::plan::Job;
-use super::super::reader::Said;
 use super::stock::{Stock, Wanted};
 
 /// A job that is ready to be done.
