@@ -204,15 +204,12 @@ fn a_furnace_of_two_groups_keeps_what_is_known_exactly() {
         // B is twice what is reflected, and that is what the claim is relative to.
         assert!(2.0 * off.sqrt() <= claim && claim <= 0.02);
 
-        // With the weights 1 and 0 the cube absorbs what three faces emit: half of B leaves no face again.
+        // With the weights 1 and 0 half of the walls emit. What they emit is absorbed: the mean of B over all walls is 1.
         let half = evaluator_of_all.solution().relit(&[weight("other", &[0.0])]).unwrap();
-        let claim = half.light_groups_report().unwrap().error.estimate;
-        let (half, exitance) = (evaluator(half), evaluator_of_surfaces(&scene, &points));
-        let found = half.values_at(&points, &Silent).unwrap().radiosity;
-        assert!(exitance.iter().all(|&e| e == 1.0));
-        let mean = found.iter().map(|&b| f64::from(b)).sum::<f64>() / found.len() as f64;
-        // The mean of 300 points that lie anywhere: B is about 1.4 and 0.6 on halves of the area, so it scatters by 0.4 / sqrt(300).
-        assert!((mean - 1.0).abs() < 4.0 * 0.4 / 300_f64.sqrt() + claim, "{mean}");
+        let root = half.hierarchy().ids().next().unwrap();
+        let mean = half.radiosity().of(root)[0];
+        println!("{solver:?}: the mean over half a furnace is {mean}");
+        assert!((mean - 1.0).abs() < 0.01, "{mean}");
     }
 }
 
@@ -266,7 +263,7 @@ fn groups_and_weights_that_are_none_are_refused() {
         many.quad([2.0 * f64::from(lamp), 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], material);
     }
     let many = many.scene().with_light_groups(&LightGrouping::Materials);
-    assert_eq!(many, Err(LightGroupError::TooMany { groups: 400, bands: 3 }));
+    assert_eq!(many, Err(LightGroupError::TooMany { groups: 400, bands: 3, most: 1024 }));
 
     // Options that know no groups.
     for options in [

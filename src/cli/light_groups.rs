@@ -1,4 +1,4 @@
-//! Light groups as they are typed: how emitters are grouped, and with what groups are weighted.
+//! Light groups as they are typed and told: how emitters are grouped, with what groups are weighted, and what is known of them.
 //!
 //! A file of groups is TOML, a group on each line: `lamps = ["object desk lamp", "material tube"]`.
 
@@ -6,8 +6,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use patchlight::scene::{LightGrouping, LightWeight, Lights, Scene};
+use patchlight::solve::{ErrorFigure, LightGroupsReport};
 
 use super::exit::Failure;
+use super::progress::Voice;
 use super::reader;
 
 /// How emitters are grouped.
@@ -70,4 +72,30 @@ pub fn parse_weight(typed: &str) -> Result<LightWeight, Failure> {
     let (group, weights) = typed.rsplit_once('=').ok_or_else(bad)?;
     let by_band: Vec<f64> = weights.split(',').map(|weight| weight.trim().parse().map_err(|_| bad())).collect::<Result<_, _>>()?;
     Ok(LightWeight { group: group.trim().to_owned(), by_band })
+}
+
+/// Weights as they are typed: one if all channels have the same.
+pub fn weight_in_words(weights: &[f64]) -> String {
+    let all: Vec<String> = weights.iter().map(f64::to_string).collect();
+    if weights.iter().all(|weight| *weight == weights[0]) { all[0].clone() } else { all.join(",") }
+}
+
+/// Tells of light groups, each with its claim, and of all of them as they are weighted.
+pub fn tell_groups(voice: Voice, known: &LightGroupsReport) {
+    let claim = |error: &ErrorFigure| {
+        if error.estimate.is_finite() {
+            format!("{:.2}% claimed", 100.0 * error.estimate)
+        } else {
+            "nothing can be claimed".to_owned()
+        }
+    };
+    let claims = |error: &ErrorFigure, mesh: &Option<ErrorFigure>| {
+        let of_mesh = mesh.as_ref().map_or(String::new(), |mesh| format!(", of the lit mesh {}", claim(mesh)));
+        format!("{} by energy{of_mesh}", claim(error))
+    };
+    for group in &known.groups {
+        let weight = weight_in_words(&group.weights);
+        voice.figure("group", format_args!("{}: weight {weight}; alone {}", group.name, claims(&group.error, &group.lit_mesh)));
+    }
+    voice.figure("groups", format_args!("all together {}", claims(&known.error, &known.lit_mesh)));
 }

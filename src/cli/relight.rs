@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use patchlight::output::{Destination, ExportFormat, Provenance, write_fluxes, write_light_groups};
 use patchlight::pipeline::Evaluator;
 use patchlight::scene::LightWeight;
-use patchlight::solve::{ErrorFigure, LightGroupsReport, RunOptions};
+use patchlight::solve::RunOptions;
 
 use super::argument_groups::Whence;
 use super::arguments::RelightArguments;
 use super::exit::{Exit, Failure};
 use super::files::{self, Outputs, Sink};
-use super::light_groups::parse_weight;
+use super::light_groups::{parse_weight, tell_groups};
 use super::progress::Voice;
 use super::request::{PictureRequest, page_file};
 use super::settings::run_options;
@@ -120,26 +120,4 @@ pub fn relight(request: &RelightRequest) -> Result<Exit, Failure> {
     // The program ends: the system takes all memory back at once.
     std::mem::forget(evaluator);
     ending.finish()
-}
-
-/// Tells of light groups, each with its claim, and of all of them as they are weighted.
-pub fn tell_groups(voice: Voice, known: &LightGroupsReport) {
-    let claim = |error: &ErrorFigure| {
-        if error.estimate.is_finite() {
-            format!("{:.2}% claimed", 100.0 * error.estimate)
-        } else {
-            "nothing can be claimed".to_owned()
-        }
-    };
-    let claims = |error: &ErrorFigure, mesh: &Option<ErrorFigure>| {
-        let of_mesh = mesh.as_ref().map_or(String::new(), |mesh| format!(", of the lit mesh {}", claim(mesh)));
-        format!("{} by energy{of_mesh}", claim(error))
-    };
-    for group in &known.groups {
-        let weights: Vec<String> = group.weights.iter().map(f64::to_string).collect();
-        let is_even = group.weights.iter().all(|weight| *weight == group.weights[0]);
-        let weight = if is_even { weights[0].clone() } else { weights.join(",") };
-        voice.figure("group", format_args!("{}: weight {weight}; alone {}", group.name, claims(&group.error, &group.lit_mesh)));
-    }
-    voice.figure("groups", format_args!("all together {}", claims(&known.error, &known.lit_mesh)));
 }

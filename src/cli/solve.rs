@@ -12,8 +12,8 @@ use patchlight::solve::{ErrorReport, LitMeshReport, Norm, RunOptions, SolveOptio
 use patchlight::values::{Values, ValuesError};
 
 use super::exit::{Exit, Failure};
+use super::light_groups::tell_groups;
 use super::progress::{Voice, Watcher};
-use super::relight::tell_groups;
 use super::request::SolveRequest;
 use super::stderr::say;
 use super::{files, interrupt, process, results};

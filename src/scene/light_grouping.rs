@@ -1,13 +1,9 @@
 //! Which emitters make up which light group.
 
 use std::collections::BTreeMap;
-use std::fmt;
-use std::str::FromStr;
-
-use thiserror::Error;
 
 use super::light_groups::LightGroups;
-use super::{MOST_CHANNELS, Scene, SceneError, Surface};
+use super::{LightGroupError, Lights, MOST_CHANNELS, Scene, Surface};
 
 /// How emitters are grouped.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,136 +14,6 @@ pub enum LightGrouping {
     Objects,
     /// Groups by name, each with what is in it.
     Named(Vec<(String, Vec<Lights>)>),
-}
-
-/// Emitters of one name.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Lights {
-    /// Those of a material.
-    Material(String),
-    /// Those of an object.
-    Object(String),
-}
-
-impl Lights {
-    /// How it is written.
-    pub const FORM: &'static str = "'material NAME' or 'object NAME'";
-}
-
-impl FromStr for Lights {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text.split_once(' ').map(|(kind, name)| (kind, name.trim())) {
-            Some(("material", name)) if !name.is_empty() => Ok(Self::Material(name.to_owned())),
-            Some(("object", name)) if !name.is_empty() => Ok(Self::Object(name.to_owned())),
-            _ => Err(format!("'{text}' names no lights, write {}", Self::FORM)),
-        }
-    }
-}
-
-impl fmt::Display for Lights {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Material(name) => write!(f, "material {name}"),
-            Self::Object(name) => write!(f, "object {name}"),
-        }
-    }
-}
-
-/// Why lights cannot be grouped or weighted.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum LightGroupError {
-    /// Nothing emits.
-    #[error("light groups: nothing in the scene emits light")]
-    NoLight,
-    /// A face that emits lies in no object.
-    #[error("light groups: face {face} emits light and lies in no object; group by material, or name groups in a file")]
-    NoObject {
-        /// Its number in the input, from 1.
-        face: u32,
-    },
-    /// A group has nothing in it that emits.
-    #[error("light groups: '{lights}' in group '{group}' emits no light in this scene")]
-    NothingEmits {
-        /// The group.
-        group: String,
-        /// What stands in it.
-        lights: Lights,
-    },
-    /// A face that emits is in no group.
-    #[error("light groups: face {face} of material '{material}'{} emits light and is in no group; add it to one", of_object(.object))]
-    InNoGroup {
-        /// Its number in the input, from 1.
-        face: u32,
-        /// Its material.
-        material: String,
-        /// Its object.
-        object: Option<String>,
-    },
-    /// A face that emits is in two groups.
-    #[error("light groups: face {face} of material '{material}' is in the groups '{}' and '{}'; take it out of one", .groups[0], .groups[1])]
-    InTwoGroups {
-        /// Its number in the input, from 1.
-        face: u32,
-        /// Its material.
-        material: String,
-        /// Two groups that it is in.
-        groups: [String; 2],
-    },
-    /// Two groups have one name, or one has none.
-    #[error("light groups: '{0}' must be the name of one group, and not empty")]
-    BadName(String),
-    /// More channels than there may be.
-    #[error("light groups: {groups} groups of {bands} channels are more than {MOST_CHANNELS} channels with those of their sum")]
-    TooMany {
-        /// How many groups there are.
-        groups: usize,
-        /// Channels of the scene.
-        bands: usize,
-    },
-    /// It was solved without light groups.
-    #[error("light groups: this was solved without any; solve the scene with --light-groups")]
-    NoGroups,
-    /// Bounds are proved, and strategies of papers refine, for the light as it is.
-    #[error("light groups: they need the strategy default, and no bounds")]
-    Options,
-    /// There is no such group.
-    #[error("light groups: there is no group '{name}', there are: {}", .known.join(", "))]
-    UnknownGroup {
-        /// What was asked for.
-        name: String,
-        /// The groups that there are.
-        known: Vec<String>,
-    },
-    /// A weight is negative or not finite.
-    #[error("light groups: the weight {weight} of group '{name}' must be a number from 0 on")]
-    BadWeight {
-        /// The group.
-        name: String,
-        /// The weight.
-        weight: f64,
-    },
-    /// Neither one weight nor one for each channel.
-    #[error("light groups: group '{name}' has {given} weights, it must have one, or {needed}")]
-    Bands {
-        /// The group.
-        name: String,
-        /// How many there are.
-        given: usize,
-        /// Channels of the scene.
-        needed: usize,
-    },
-    /// With these weights radiosities are too large to be told.
-    #[error("light groups: with these weights radiosities are more than can be stored; take smaller ones")]
-    TooBright,
-    /// With these weights the scene is too bright or too dim.
-    #[error("light groups: {0}")]
-    Scene(#[from] SceneError),
-}
-
-fn of_object(object: &Option<String>) -> String {
-    object.as_ref().map_or(String::new(), |name| format!(" in object '{name}'"))
 }
 
 impl Scene {
@@ -194,14 +60,15 @@ impl Scene {
             scene.surfaces[index].material = material;
         }
         if names.len() >= MOST_CHANNELS / self.channels {
-            return Err(LightGroupError::TooMany { groups: names.len(), bands: self.channels });
+            return Err(LightGroupError::TooMany { groups: names.len(), bands: self.channels, most: MOST_CHANNELS });
         }
 
         // A material that no surface has emits nothing.
         for (material, _) in scene.materials.iter_mut().zip(&of_material).filter(|(_, group)| group.is_none()) {
             material.exitance.fill(0.0);
         }
-        scene.light_groups = Some(LightGroups::new(names, of_material, &scene));
+        let groups = LightGroups::new(names, of_material, &scene.materials);
+        scene.light_groups = Some(groups);
         Ok(scene)
     }
 

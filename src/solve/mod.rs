@@ -10,6 +10,7 @@ mod effort;
 mod finish;
 mod flux;
 mod grouped_light;
+mod groups_apart;
 mod interest;
 mod job;
 mod judge;
@@ -39,10 +40,9 @@ pub use options::{
     Bounds, CellOptions, ChangShih98Options, Holzschuch94Options, Interest, LinkOptions, Norm, OptionEntry, OptionGroup,
     OptionType, OptionsError, RunOptions, SolveOptions, Solver, Strategy, Subdivision, Sweep, UniformOptions,
 };
-pub use relight::{LightGroupReport, LightGroupsReport};
 pub use report::{
-    Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LinkErrorReport, LitMeshReport, SkippedWork,
-    SolveReport, StageTimes, StoppedBy,
+    Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LightGroupReport, LightGroupsReport, LinkErrorReport,
+    LitMeshReport, SkippedWork, SolveReport, StageTimes, StoppedBy,
 };
 pub use solution::Solution;
 
@@ -76,7 +76,7 @@ pub(crate) fn solve(
     rays: &Rays<'_>,
     observer: &dyn Observer,
 ) -> (Solution, SolveReport) {
-    let scene = scene.as_solved();
+    let scene = scene.with_weights_of_one();
     let merges = options.links.skips.channels && options.strategy == Strategy::Default;
     let distinct = DistinctChannels::of(&scene).filter(|_| merges);
     let solved = distinct.as_ref().map_or(&scene, |channels| &channels.scene).carrying_light_groups();

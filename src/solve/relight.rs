@@ -11,42 +11,14 @@
 //! by the triangle inequality, and s is chosen by which that is least: with all weights alike it is the error of the solve, and with one group alone
 //! that of the group. It is no estimate of the error itself: errors of groups may cancel. The error is by energy; locally no such law holds.
 
-use serde::Serialize;
-
 use super::options::Norm;
-use super::report::ErrorFigure;
+use super::report::{ErrorFigure, LightGroupReport, LightGroupsReport};
 use super::solution::Solution;
 use crate::cells::CellRadiosities;
 use crate::error::{self, GroupErrors};
 use crate::mesh::{LitMesh, MeshError};
 use crate::scene::{LightGroupError, LightWeight};
 use crate::values::ErrorBars;
-
-/// What is known of light groups, with the weights that they have.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct LightGroupsReport {
-    /// The error of values at points of all light, by energy; with other weights than were solved for, bounded by what is known of groups.
-    pub error: ErrorFigure,
-    /// The error of the lit mesh, if there is one: what it is off values, and what these are off.
-    pub lit_mesh: Option<ErrorFigure>,
-    /// Group by group, each as if it were alone with the weight 1.
-    pub groups: Vec<LightGroupReport>,
-}
-
-/// What is known of one light group.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LightGroupReport {
-    /// Its name.
-    pub name: String,
-    /// Its weights, by channel.
-    pub weights: Vec<f64>,
-    /// The root mean square of what is reflected of its light, over the area of the surfaces that reflect, channels added, in W/m^2.
-    pub light: f64,
-    /// The error of values at points, by energy, relative to this light.
-    pub error: ErrorFigure,
-    /// The error of the lit mesh, if there is one.
-    pub lit_mesh: Option<ErrorFigure>,
-}
 
 impl Solution {
     /// The same with other weights for some light groups: a weighted sum of what is stored. Others keep theirs; a group may be named by a later call

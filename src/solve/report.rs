@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use super::relight::LightGroupsReport;
 use crate::bounds::{BoundsReport, Certainty};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
@@ -240,6 +239,32 @@ pub struct LitMeshReport {
     pub off_values: ErrorFigure,
     /// The error of the function: the root of the squares of what it is off the values, and of their error.
     pub whole: ErrorFigure,
+}
+
+/// What is known of light groups, with the weights that they have.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LightGroupsReport {
+    /// The error of values at points of all light, by energy; with other weights than were solved for, bounded by what is known of groups.
+    pub error: ErrorFigure,
+    /// The error of the lit mesh, if there is one: what it is off values, and what these are off.
+    pub lit_mesh: Option<ErrorFigure>,
+    /// Group by group, each as if it were alone with the weight 1.
+    pub groups: Vec<LightGroupReport>,
+}
+
+/// What is known of one light group.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LightGroupReport {
+    /// Its name.
+    pub name: String,
+    /// Its weights, by channel.
+    pub weights: Vec<f64>,
+    /// The root mean square of what is reflected of its light, over the area of the surfaces that reflect, channels added, in W/m^2.
+    pub light: f64,
+    /// The error of values at points, by energy, relative to this light.
+    pub error: ErrorFigure,
+    /// The error of the lit mesh, if there is one.
+    pub lit_mesh: Option<ErrorFigure>,
 }
 
 /// What a solve tells about itself: everything that is not the answer.
