@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::cells::CellRadiosities;
 use crate::error::GroupErrors;
 use crate::mesh::MeshError;
-use crate::scene::{DistinctChannels, SurfaceId};
+use crate::scene::{DistinctChannels, Scene, SurfaceId};
 
 /// What the emitters of each light group bring, with the weight 1: all that a solution holds of light. Noise may take it below 0.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -33,6 +33,12 @@ impl GroupedLight {
     /// What a surface reflected as it was solved, in W/m^2 in its brightest channel.
     pub fn reflected_as_solved(&self, surface: SurfaceId) -> f64 {
         self.reflected[surface.index()]
+    }
+
+    /// Whether what surfaces reflected is told for all of a scene, in range.
+    pub fn tells_brightness(&self, scene: &Scene) -> bool {
+        let is_light = |reflected: &f64| (0.0..=f64::from(f32::MAX)).contains(reflected);
+        self.reflected.len() == scene.surfaces().len() && self.reflected.iter().all(is_light)
     }
 
     /// The same for all channels, from those that were solved for.

@@ -48,8 +48,6 @@ impl Solution {
         let is_number = |value: &f64| value.abs() <= f64::from(f32::MAX);
         let fits = light.leaves.len() == leaves * count * bands
             && light.leaves.iter().all(is_number)
-            && light.reflected.len() == self.scene.surfaces().len()
-            && light.reflected.iter().all(|value| is_number(value) && *value >= 0.0)
             && light.errors.as_ref().is_none_or(|errors| errors.is_valid(count, bands));
         let of_cells = match (&self.cell_radiosities, &light.cells) {
             (Some(all), Some(apart)) => apart.is_valid(all.cells(), count * bands),

@@ -198,7 +198,9 @@ impl Solution {
             return Err("the exposures do not fit the hierarchy".to_owned());
         }
         self.radiosity.validate(&self.hierarchy, &self.exposure, channels)?;
-        self.validate_groups()?;
+        if self.groups.as_ref().is_some_and(|groups| !groups.tells_brightness(&self.scene)) {
+            return Err("the light of groups does not fit the scene".to_owned());
+        }
         if self.point_rays == 0 || self.point_rays > 1 << 20 {
             return Err("the number of rays to a point is out of range".to_owned());
         }
@@ -221,7 +223,7 @@ impl Solution {
         if let Some(mesh) = &self.mesh {
             mesh.validate(&self.scene)?;
         }
-        Ok(())
+        self.validate_groups()
     }
 }
 
