@@ -16,8 +16,8 @@ use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceB
 use crate::mesh::MeshIndex;
 use crate::picture::{self, Camera, Image, Shown};
 use crate::progress::Observer;
-use crate::scene::{Scene, SurfacePoint};
-use crate::solve::{self, Bounds, InitialImportance, Interest, RunOptions, Solution, SolveOptions, SolveReport};
+use crate::scene::{LightGroupError, Scene, SurfacePoint};
+use crate::solve::{self, Bounds, InitialImportance, Interest, RunOptions, Solution, SolveOptions, SolveReport, Strategy};
 use crate::sweep::Importance;
 use crate::transmittance::Rays;
 use crate::values::{self, ShadingMethod, Values};
@@ -57,9 +57,7 @@ pub fn solve_on(
     run: &RunOptions,
     observer: &dyn Observer,
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
-    options.validate()?;
-    run.validate()?;
-    check_memory(&scene, run)?;
+    check(&scene, options, run)?;
     let start = Instant::now();
     let mesh = visibility::OccluderMesh::of_scene(&scene);
     let visibility = pool.install(|| visibility::build(run.backend, &mesh))?;
@@ -102,9 +100,7 @@ pub fn solve_asking_on(
     run: &RunOptions,
     observer: &dyn Observer,
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
-    options.validate()?;
-    run.validate()?;
-    check_memory(&scene, run)?;
+    check(&scene, options, run)?;
     solve_in(pool, visibility, scene, options, run, observer)
 }
 
@@ -135,8 +131,14 @@ fn solve_in(
     Ok((evaluator, report))
 }
 
-/// Whether the budget of memory is enough to begin.
-fn check_memory(scene: &Scene, run: &RunOptions) -> Result<(), PipelineError> {
+/// Whether options are in range and know the light groups of the scene, and the budget of memory is enough to begin.
+fn check(scene: &Scene, options: &SolveOptions, run: &RunOptions) -> Result<(), PipelineError> {
+    options.validate()?;
+    run.validate()?;
+    let knows_groups = options.strategy == Strategy::Default && options.bounds != Bounds::Guaranteed;
+    if scene.light_groups().is_some() && !knows_groups {
+        return Err(LightGroupError::Options.into());
+    }
     let Some(given) = run.memory_bytes else { return Ok(()) };
     let needed = solve::least_bytes(scene, run.backend);
     if needed > given { Err(PipelineError::Memory { needed, given }) } else { Ok(()) }

@@ -12,7 +12,7 @@ use patchlight::output::{
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
 use patchlight::scene::import::Diagnostics;
-use patchlight::scene::{Material, Scene, SceneSummary, Sides, SurfacePoint};
+use patchlight::scene::{LightWeight, Material, Scene, SceneSummary, Sides, SurfacePoint};
 use patchlight::solve::{RunOptions, SolveOptions, Solver};
 
 /// Bytes of the header: magic, version, length and checksum of the body.
@@ -55,6 +55,13 @@ fn look_at(bytes: &[u8]) -> bool {
         .map(|surface| SurfacePoint { position: surface.polygon.centroid(), normal: surface.polygon.normal() })
         .take(8)
         .collect();
+    if let Some(groups) = solution.scene().light_groups() {
+        let weights = [LightWeight { group: groups.names()[0].clone(), by_band: vec![0.5] }];
+        if let Ok(relit) = solution.relit(&weights) {
+            assert_eq!(relit.validate(), Ok(()));
+        }
+        assert!(solution.light_groups_report().is_some());
+    }
     let summary = SceneSummary::new(solution.scene(), &Diagnostics::default());
     assert!(!summary.to_string().is_empty());
     write_ply(&mut Vec::new(), &solution, &Provenance::new(solution.options())).expect("memory suffices");

@@ -83,7 +83,10 @@ impl From<OptionsError> for Failure {
 impl From<PipelineError> for Failure {
     fn from(error: PipelineError) -> Self {
         let class = match error {
-            PipelineError::Options(_) | PipelineError::Interest(_) | PipelineError::Memory { .. } => "OptionError",
+            PipelineError::Options(_)
+            | PipelineError::Interest(_)
+            | PipelineError::LightGroups(_)
+            | PipelineError::Memory { .. } => "OptionError",
             PipelineError::Visibility(VisibilityError::OutOfMemory { .. }) => "ResourceError",
             PipelineError::Visibility(_) => "BackendError",
             PipelineError::Camera(_) => "ArgumentError",

@@ -57,7 +57,7 @@ impl Equations {
     /// Follows `count` paths from the position of each cell, and casts as many next-event rays from its view points. `None` if stopped before
     /// all is done.
     pub fn of_paths(paths: &LightPaths<'_>, cells: &[Option<Place>], count: u32, seed: u64, stop: Stop<'_>) -> Option<Self> {
-        let mut equations = Self::empty(cells.len(), count as usize, paths.scene.channels());
+        let mut equations = Self::empty(cells.len(), count as usize, [paths.scene.channels(), paths.scene.deciding()]);
         let arrivals = equations.follow(paths, cells, seed, stop);
         if stop() {
             return None;

@@ -25,6 +25,8 @@ const MAX_RATIO: f64 = 0.9999;
 /// One equation for each cell: `B = constant + sum over paths of weight * B_end + terms of reflectors`.
 pub(super) struct Equations {
     pub channels: usize,
+    /// The first so many of them tell when it is enough.
+    pub deciding: usize,
     /// Paths from each cell.
     pub paths: usize,
     /// By cell and channel.
@@ -85,9 +87,10 @@ impl ReflectorTerms {
 
 impl Equations {
     /// Rows in which no light comes from anywhere yet.
-    pub fn empty(cells: usize, paths: usize, channels: usize) -> Self {
+    pub fn empty(cells: usize, paths: usize, [channels, deciding]: [usize; 2]) -> Self {
         Self {
             channels,
+            deciding,
             paths,
             constant: vec![0.0; cells * channels],
             end: vec![NO_CELL; cells * paths],
@@ -115,7 +118,9 @@ impl Equations {
             // A step, and how much it changes.
             self.sweep(&values, &mut between);
             self.sweep(&between, &mut next);
-            let changes = next.par_iter().zip(&values).map(|(new, old)| ((new - old).abs(), *new));
+            let pairs = next.par_chunks(self.channels).zip(values.par_chunks(self.channels)).with_min_len(1024);
+            let deciding = pairs.flat_map_iter(|(new, old)| new.iter().zip(old).take(self.deciding));
+            let changes = deciding.map(|(new, old)| ((new - old).abs(), *new));
             let (change, brightest) = changes.reduce(|| (0.0, 0.0), |a, b| (f64::max(a.0, b.0), f64::max(a.1, b.1)));
 
             // An extrapolation after which changes are larger is taken back.

@@ -14,6 +14,8 @@
 //! (`view_points.rs`), the places where others see the cell. Emission that next-event estimation brings to others is left out of
 //! `B_i`.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use super::assemble::bytes_to_assemble;
@@ -43,7 +45,18 @@ impl CellRadiosities {
 
     /// The same for all channels, from those that were solved for.
     pub fn expanded(&self, channels: &DistinctChannels) -> Self {
-        Self { channels: channels.count(), values: channels.expand(&self.values) }
+        Self { channels: channels.count_of(self.channels), values: channels.expand(&self.values) }
+    }
+
+    /// The same in some of the channels.
+    pub fn of_channels(&self, channels: Range<usize>) -> Self {
+        let values = self.values.chunks(self.channels).flat_map(|of_cell| &of_cell[channels.clone()]).copied().collect();
+        Self { channels: channels.len(), values }
+    }
+
+    /// With other values in so many channels, by cell and channel, of what all of these become together.
+    pub fn mapped(&self, channels: usize, map: impl Fn(&[f32]) -> Vec<f32>) -> Self {
+        Self { channels, values: map(&self.values) }
     }
 
     /// The radiosity of a cell by channel.

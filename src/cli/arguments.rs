@@ -42,6 +42,9 @@ pub enum Command {
     /// Take a picture of a solution
     #[command(after_help = EXIT_CODES)]
     Render(RenderArguments),
+    /// Weight the light groups of a solution: a sum of what is stored, in a moment, with the error that follows
+    #[command(after_help = EXIT_CODES)]
+    Relight(Box<RelightArguments>),
     /// Write the elements of a solution with their radiosities, or the power that surfaces emit and absorb
     #[command(after_help = EXIT_CODES)]
     Export(ExportArguments),
@@ -66,6 +69,10 @@ pub struct SolveArguments {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub settings: SettingArguments,
+    /// Keep the light of emitters apart, so that 'patchlight relight' can weight it: a group for each material or object that emits (material, object),
+    /// or as a TOML file says, a group on each line: lamps = ["object desk lamp", "material tube"]
+    #[arg(long, value_name = "GROUPS")]
+    pub light_groups: Option<PathBuf>,
     #[command(flatten)]
     pub trust: TrustArguments,
     /// Take a picture: .png to look at, .exr or .hdr with linear radiances; may be repeated, to have it in both
@@ -141,6 +148,45 @@ pub struct RenderArguments {
     pub error: Option<String>,
     #[command(flatten)]
     pub picture: PictureArguments,
+    #[command(flatten)]
+    pub run: RunArguments,
+}
+
+/// `patchlight relight`.
+#[derive(Debug, Args)]
+pub struct RelightArguments {
+    /// A solution that 'patchlight solve --light-groups -o' wrote, or this command
+    pub solution: PathBuf,
+    /// The weight of a group, from 0 on, as in lamp=0.5, or one for each channel, as in lamp=0,0,2; 1 is what was solved; may be repeated. Others keep
+    /// theirs
+    #[arg(long, value_name = "GROUP=W")]
+    pub set: Vec<String>,
+    /// Write the solution with these weights; it can be relit again
+    #[arg(short, long, value_name = "SOLUTION")]
+    pub output: Option<PathBuf>,
+    /// Take a picture: .png to look at, .exr or .hdr with linear radiances; may be repeated, to have it in both
+    #[arg(long, value_name = "FILE")]
+    pub image: Vec<PathBuf>,
+    #[command(flatten)]
+    pub picture: PictureArguments,
+    /// Evaluate at the points of this CSV file (x,y,z,nx,ny,nz), '-' for stdin: by rays, or with --from mesh off the lit mesh
+    #[arg(long, value_name = "P.csv", requires = "values")]
+    pub points: Option<PathBuf>,
+    /// Write the values at the points, '-' for stdout
+    #[arg(long, value_name = "V.csv", requires = "points")]
+    pub values: Option<PathBuf>,
+    /// Write the lit mesh: .ply with radiosities at nodes, .glb for viewers, .vtp for ParaView
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Option<PathBuf>,
+    /// Write the power in W that is emitted, arrives and is absorbed, as 'patchlight export' does; '-' for stdout
+    #[arg(long, value_name = "FLUX.csv")]
+    pub flux: Option<PathBuf>,
+    /// Write a page for browsers: the lit scene in 3D
+    #[arg(long, value_name = "FILE.html")]
+    pub html: Option<PathBuf>,
+    /// Write what is known of the groups and of their weighted sum as JSON, '-' for stdout
+    #[arg(long, value_name = "R.json")]
+    pub report: Option<PathBuf>,
     #[command(flatten)]
     pub run: RunArguments,
 }

@@ -13,6 +13,7 @@ use patchlight::visibility::{self, Backend, OccluderMesh};
 use super::arguments::InfoArguments;
 use super::exit::{Exit, Failure};
 use super::files;
+use super::light_groups::weight_in_words;
 use super::settings::parse_sides;
 
 /// Tells what is in a file.
@@ -48,6 +49,11 @@ fn describe_solution(path: &Path, solution: &Solution) -> String {
         let (elements, nodes, off) = (mesh.elements(), mesh.nodes(), 100.0 * mesh.claimed);
         format!("lit mesh     {elements} elements, {nodes} nodes, claimed to be {off:.2}% off the values at points\n")
     });
+    let groups = solution.scene().light_groups().map_or(String::new(), |groups| {
+        let weight = |(number, name): (usize, &String)| format!("{name}={}", weight_in_words(groups.weights_of(number)));
+        let weights: Vec<String> = groups.names().iter().enumerate().map(weight).collect();
+        format!("light groups {}\n", weights.join(" "))
+    });
     let options = serde_json::to_string(solution.options()).unwrap_or_default();
-    format!("{}: solution\n{summary}leaves       {leaves}\n{mesh}options      {options}\n", path.display())
+    format!("{}: solution\n{summary}leaves       {leaves}\n{mesh}{groups}options      {options}\n", path.display())
 }

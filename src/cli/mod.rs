@@ -9,11 +9,14 @@ mod exit;
 mod files;
 mod info;
 mod interrupt;
+mod light_groups;
 mod memory_guard;
 mod option_help;
 mod pictures;
 mod process;
 mod progress;
+mod reader;
+mod relight;
 mod request;
 mod results;
 mod sensors;
@@ -53,6 +56,7 @@ fn execute(command: Command) -> Result<Exit, Failure> {
         Command::Solve(arguments) => solve::solve(request::SolveRequest::new(*arguments)?),
         Command::Sample(arguments) => results::sample(request::SampleRequest::new(arguments)?),
         Command::Render(arguments) => pictures::render(request::RenderRequest::new(arguments)?),
+        Command::Relight(arguments) => relight::relight(&relight::RelightRequest::new(*arguments)?),
         Command::Export(arguments) => results::export(request::ExportRequest::new(arguments)?),
         Command::Report(arguments) => results::report(request::ReportRequest::new(arguments)?),
         Command::Batch(arguments) => batch::batch(*arguments),

@@ -11,6 +11,7 @@ use super::argument_groups::{PictureArguments, Whence};
 use super::arguments::{ExportArguments, RenderArguments, ReportArguments, SampleArguments, SolveArguments};
 use super::exit::Failure;
 use super::files::{Outputs, Sink};
+use super::light_groups::Grouping;
 use super::progress::Voice;
 use super::sensors::SensorRequest;
 use super::settings::{Settings, run_options};
@@ -43,7 +44,8 @@ pub enum Show {
 }
 
 impl PictureRequest {
-    fn new(paths: &[PathBuf], typed: &PictureArguments, outputs: &mut Outputs) -> Result<Self, Failure> {
+    /// Validates what was typed of a picture in these files.
+    pub fn new(paths: &[PathBuf], typed: &PictureArguments, outputs: &mut Outputs) -> Result<Self, Failure> {
         let camera = typed.camera.as_deref().unwrap_or("").parse().map_err(Failure::usage)?;
         let size = typed.size.as_deref().map_or(Ok(DEFAULT_SIZE), parse_size)?;
         let quantity = typed.quantity.as_deref().map_or(Ok(Quantity::Radiance), parse_quantity)?;
@@ -73,6 +75,7 @@ pub struct SolveRequest {
     pub scene: PathBuf,
     pub import: ImportOptions,
     pub options: SolveOptions,
+    pub light_groups: Option<Grouping>,
     pub run: RunOptions,
     pub voice: Voice,
     pub solution: Option<Destination>,
@@ -95,7 +98,9 @@ impl SolveRequest {
 
         // Outputs, before anything is computed.
         let points = typed.points.as_deref();
-        let mut outputs = Outputs::beside(&[&[typed.scene.as_path()], points.as_slice()].concat());
+        let light_groups = typed.light_groups.as_deref().map(Grouping::new).transpose()?;
+        let groups = light_groups.as_ref().and_then(Grouping::file);
+        let mut outputs = Outputs::beside(&[&[typed.scene.as_path()], points.as_slice(), groups.as_slice()].concat());
         let solution = typed.output.as_deref().map(|path| outputs.file(path)).transpose()?;
         let mut picture = Self::picture(&typed, &settings.options, &mut outputs)?;
         picture.iter_mut().for_each(|picture| picture.may_make_mesh = settings.run.memory_bytes.is_none());
@@ -107,6 +112,7 @@ impl SolveRequest {
             scene: typed.scene,
             import: typed.trust.import(settings.sides),
             options: settings.options,
+            light_groups,
             run: settings.run,
             voice: Voice::new(typed.run.progress),
             solution,
@@ -272,7 +278,7 @@ impl ReportRequest {
 }
 
 /// The file of a page, by its extension.
-fn page_file(path: &Path, flag: &str, outputs: &mut Outputs) -> Result<Destination, Failure> {
+pub fn page_file(path: &Path, flag: &str, outputs: &mut Outputs) -> Result<Destination, Failure> {
     if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
         return Err(Failure::usage(format_args!("{flag} writes HTML: name the file {}", path.with_extension("html").display())));
     }

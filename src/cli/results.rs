@@ -52,12 +52,13 @@ pub fn values_at(evaluator: &Evaluator, points: &Points, voice: Voice) -> Option
 }
 
 /// Values at points by the lit mesh, with their bounds.
-fn values_of_mesh(evaluator: &Evaluator, points: &Points) -> Result<BoundedValues, Failure> {
+pub fn values_of_mesh(evaluator: &Evaluator, points: &Points) -> Result<BoundedValues, Failure> {
     let points = points.surface_points();
     let values = evaluator.mesh_values_at(&points).ok_or_else(|| no_mesh("--from mesh"))?;
     Ok((values, evaluator.bounds_at(&points)))
 }
 
+/// There is no lit mesh for what a flag asks for.
 pub fn no_mesh(flag: &str) -> Failure {
     Failure::usage(format_args!("{flag}: this solution has no lit mesh; solve the scene with --lit-mesh"))
 }

@@ -12,6 +12,7 @@ use patchlight::solve::{ErrorReport, LitMeshReport, Norm, RunOptions, SolveOptio
 use patchlight::values::{Values, ValuesError};
 
 use super::exit::{Exit, Failure};
+use super::light_groups::tell_groups;
 use super::progress::{Voice, Watcher};
 use super::request::SolveRequest;
 use super::stderr::say;
@@ -98,7 +99,11 @@ fn read(request: &SolveRequest) -> Result<(Scene, Vec<String>), Failure> {
         let more = warnings.len() - PRINTED_WARNINGS;
         request.voice.warn(format_args!("{more} more; 'patchlight info {}' prints all", request.scene.display()));
     }
-    Ok((imported.scene, warnings))
+    let scene = match &request.light_groups {
+        Some(grouping) => grouping.apply_to(&imported.scene)?,
+        None => imported.scene,
+    };
+    Ok((scene, warnings))
 }
 
 /// What is known of values that were written.
@@ -170,6 +175,9 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
         let reached = if report.converged { "reached" } else { "not reached" };
         let asked = 100.0 * run.options.error;
         voice.figure("error", format_args!("{claim}; {asked:.2}% asked for: {reached} (stopped by {})", stopped_by_name(report)));
+    }
+    if let Some(groups) = &report.light_groups {
+        tell_groups(voice, groups);
     }
     if let Some(links) = &report.link_error {
         let part = 100.0 * links.estimated_error / links.reflected;
@@ -276,13 +284,14 @@ impl Ending {
     }
 
     /// Does some writing, and counts its time.
-    fn write(&mut self, work: impl FnOnce() -> Result<(), Failure>) {
+    pub fn write(&mut self, work: impl FnOnce() -> Result<(), Failure>) {
         let start = Instant::now();
         self.note(work());
         self.output_s += start.elapsed().as_secs_f64();
     }
 
-    fn cancel(&mut self, voice: Voice, left_out: &str) {
+    /// An interrupt keeps something from being written.
+    pub fn cancel(&mut self, voice: Voice, left_out: &str) {
         voice.warn(format_args!("{left_out} is not written: interrupted"));
         self.exit = Exit::Cancelled;
     }

@@ -22,7 +22,12 @@ const LEFT_BY_SWEEPS: f64 = 2e-5;
 
 /// The upper limit that is claimed for a measured square with this standard deviation.
 pub(crate) fn claim(error_sq: f64, deviation: f64) -> f64 {
-    (error_sq.max(0.0) + SIGMAS * deviation).sqrt() + LEFT_BY_SWEEPS
+    upper_limit(error_sq, deviation) + LEFT_BY_SWEEPS
+}
+
+/// The same where nothing is left by sweeps: of what is off values.
+pub(crate) fn upper_limit(error_sq: f64, deviation: f64) -> f64 {
+    (error_sq.max(0.0) + SIGMAS * deviation).sqrt()
 }
 
 /// The standard deviation that leaves room for a claim of 1, if the square of the error is `error_sq`.

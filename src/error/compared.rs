@@ -1,5 +1,7 @@
 //! Values at points beside what replicates found there.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::norm::Lit;
@@ -36,15 +38,16 @@ impl Compared {
     }
 }
 
-/// What is known at a point, by channel.
+/// What is known at a point, in these channels one by one.
 pub(super) fn compared<'a>(
     sample: &'a ErrorSample,
     gather: &'a Gather<'_>,
     values: &'a [Gathered; 2],
+    channels: Range<usize>,
 ) -> impl Iterator<Item = Compared> + 'a {
     let material = gather.scene.material_of(sample.place.surface);
     let finds_residual = is_taken_twice(gather);
-    (0..gather.scene.channels()).map(move |channel| {
+    channels.map(move |channel| {
         let values = [0, 1].map(|half: usize| values[half].radiosity[channel] - material.exitance[channel]);
         let value = 0.5 * (values[0] + values[1]);
         let residuals = sample.found.each_ref().map(|found| {
@@ -53,6 +56,11 @@ pub(super) fn compared<'a>(
         });
         Compared { values, residuals }
     })
+}
+
+/// The channels in which the error is judged: those of all light groups together.
+pub(super) fn judged(gather: &Gather<'_>) -> Range<usize> {
+    0..gather.scene.deciding()
 }
 
 /// Whether values are taken twice: over cells, where replicates find residuals.

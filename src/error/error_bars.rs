@@ -2,6 +2,7 @@
 //! what else is off.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use std::ops::Range;
 
 use super::compared::{by_other_rays, compared, is_taken_twice, values_at};
 use super::estimate::{AGAIN, ErrorSamples, Moments, TWICE};
@@ -12,24 +13,24 @@ use crate::progress::Stop;
 use crate::values::{ErrorBars, Gather, Gathered};
 
 impl ErrorSamples {
-    /// What the errors of the values that `gather` gives hang on, relative to the light at each point; `None` if stopped, or if there are
-    /// no points.
-    pub fn error_bars(&mut self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<ErrorBars> {
-        self.take_values(gather, stop).filter(|()| !self.is_empty())?;
-        let again = self.taken_again(gather, stop)?;
-        let Some(weights) = NormWeights::new(ErrorNorm::Local, &self.lit(gather, &self.values)) else {
+    /// What the errors of values hang on in some channels, relative to the light at each point; `again` are second values at some of them.
+    pub(super) fn error_bars(&self, gather: &Gather<'_>, again: &[(usize, Gathered)], channels: Range<usize>) -> Option<ErrorBars> {
+        let Some(weights) = NormWeights::new(ErrorNorm::Local, &self.lit(gather, &self.values, channels.clone())) else {
             return Some(ErrorBars { noise: 1.0, bias: 0.0 });
         };
         let weights = weights.by_point;
 
         // The noise that was found, beside what samples tell.
-        let told = |value: &Gathered| value.variance.iter().sum::<f64>();
+        let told = |value: &Gathered| value.variance[channels.clone()].iter().sum::<f64>();
         let (mut noise_sq, mut told_sq) = (0.0, 0.0);
         for (index, again) in again {
-            let value = &self.values[index][0];
-            let difference_sq = value.radiosity.iter().zip(&again.radiosity).map(|(value, again)| (value - again).powi(2));
-            noise_sq += weights[index] * 0.5 * difference_sq.sum::<f64>();
-            told_sq += weights[index] * told(value);
+            let value = &self.values[*index][0];
+            let difference_sq = value.radiosity[channels.clone()]
+                .iter()
+                .zip(&again.radiosity[channels.clone()])
+                .map(|(value, again)| (value - again).powi(2));
+            noise_sq += weights[*index] * 0.5 * difference_sq.sum::<f64>();
+            told_sq += weights[*index] * told(value);
         }
         let noise = if told_sq > 0.0 { noise_sq / told_sq } else { 1.0 };
 
@@ -37,10 +38,10 @@ impl ErrorSamples {
         let (mut bias_sq, mut by_sources_sq) = (Moments::default(), 0.0);
         for ((sample, values), weight) in self.samples.iter().zip(&self.values).zip(weights) {
             let mut products = PairProducts::default();
-            compared(sample, gather, values).for_each(|compared| products.add(weight, compared.residuals));
+            compared(sample, gather, values, channels.clone()).for_each(|compared| products.add(weight, compared.residuals));
             let of_values = if is_taken_twice(gather) { 0.0 } else { weight * noise * told(&values[0]) };
             bias_sq.add(products.all - of_values);
-            by_sources_sq += weight * values[0].by_sources_sq.iter().sum::<f64>();
+            by_sources_sq += weight * values[0].by_sources_sq[channels.clone()].iter().sum::<f64>();
         }
         let bias_sq = mean_if_positive(bias_sq.sum, bias_sq.deviation_of_sum());
         let bias = if by_sources_sq > 0.0 { (bias_sq / by_sources_sq).sqrt() } else { 0.0 };
@@ -48,7 +49,7 @@ impl ErrorSamples {
     }
 
     /// Second values at some of the points, with their numbers; `None` if stopped.
-    fn taken_again(&self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<Vec<(usize, Gathered)>> {
+    pub(super) fn taken_again(&self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<Vec<(usize, Gathered)>> {
         if is_taken_twice(gather) {
             return Some(self.values.iter().enumerate().step_by(TWICE).map(|(index, [_, again])| (index, again.clone())).collect());
         }

@@ -24,10 +24,13 @@
 //! It does not see errors on areas so small that no point falls on them, or errors of light paths as such: leaks of rays, and the size of
 //! cells two bounces away.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::claim::{Doubts, FEW_REPLICATES, claim};
-use super::compared::{by_other_rays, compared, is_taken_twice, lit, values_at};
+use super::compared::{by_other_rays, compared, is_taken_twice, judged, lit, values_at};
 use super::norm::{ErrorNorm, Lit, NormWeights, lit_points};
 use super::pairs::{PairProducts, mean_and_variance, variance_by_noise};
 use super::points::{ErrorPoint, Surroundings};
@@ -38,7 +41,7 @@ use crate::progress::Stop;
 use crate::values::{Gather, Gathered};
 
 /// An error with its upper confidence limit, see [`claim`]; infinite where nothing can be said.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ErrorFigure {
     /// The error itself. Its square is unbiased; 0 where that came out negative.
     pub measured: f64,
@@ -46,7 +49,7 @@ pub(crate) struct ErrorFigure {
 }
 
 impl ErrorFigure {
-    const UNKNOWN: Self = Self { measured: f64::INFINITY, claimed: f64::INFINITY };
+    pub(super) const UNKNOWN: Self = Self { measured: f64::INFINITY, claimed: f64::INFINITY };
 }
 
 /// The estimated error.
@@ -213,7 +216,7 @@ impl ErrorSamples {
         // The light, and the noise of values, by the differences of two.
         let (mut lit, mut variances) = (Vec::new(), Vec::new());
         for (sample, (values, again)) in samples.iter().zip(values.iter().zip(&again)) {
-            let exitance = &gather.scene.material_of(sample.place.surface).exitance;
+            let exitance = &gather.scene.material_of(sample.place.surface).exitance[judged(gather)];
             let channels =
                 || values.radiosity.iter().zip(&again.radiosity).zip(exitance).map(|((value, again), e)| (value - e, again - e));
             let light_sq: f64 = channels().map(|(value, again)| value * again).sum();
@@ -251,14 +254,14 @@ impl ErrorSamples {
     /// nothing can be said. `None` if stopped.
     pub fn estimate(&mut self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<ErrorEstimate> {
         self.take_values(gather, stop)?;
-        let lit = self.lit(gather, &self.values);
+        let lit = self.lit(gather, &self.values, judged(gather));
         if lit.iter().all(|point| point.light == 0.0 && point.light_sq == 0.0) {
             return Some(ErrorEstimate::default());
         }
 
         let in_norm = |norm| {
             let weights = NormWeights::new(norm, &lit)?.by_point;
-            let estimate = self.estimate_weighted(gather, &weights);
+            let estimate = self.estimate_weighted(gather, &weights, judged(gather));
             estimate.measured.is_finite().then_some(estimate)
         };
         let estimates = [ErrorNorm::Energy, ErrorNorm::Local].map(in_norm);
@@ -278,15 +281,15 @@ impl ErrorSamples {
         Some(ErrorEstimate { energy, local, lit: part, ..asked })
     }
 
-    /// The estimate with a weight for the squares at each point.
-    fn estimate_weighted(&self, gather: &Gather<'_>, weights: &[f64]) -> ErrorEstimate {
+    /// The estimate in some channels, with a weight for the squares at each point.
+    pub(super) fn estimate_weighted(&self, gather: &Gather<'_>, weights: &[f64], channels: Range<usize>) -> ErrorEstimate {
         // Point by point, the products of replicates and the variances of values.
         let (mut replicates, mut noise, mut both) = (Moments::default(), Moments::default(), Moments::default());
         let mut all = PairProducts::default();
         let (mut variance_at_points, mut ray_variance) = (0.0, 0.0);
         for ((sample, values), &weight) in self.samples.iter().zip(&self.values).zip(weights) {
             let (mut products, mut of_rays, mut of_values) = (PairProducts::default(), 0.0, 0.0);
-            for compared in compared(sample, gather, values) {
+            for compared in compared(sample, gather, values, channels.clone()) {
                 products.add(weight, compared.residuals);
                 of_rays += weight * REPLICATES as f64 * mean_and_variance(compared.residuals).1;
                 of_values += weight * TWICE as f64 * compared.variance();
@@ -319,10 +322,10 @@ impl ErrorSamples {
     pub fn sampled_value_noise(&self, gather: &Gather<'_>, stop: Stop<'_>) -> f64 {
         let places: Vec<Place> = self.samples.iter().step_by(AGAIN).map(|sample| sample.place).collect();
         let Some(again) = values_at(&places, gather, by_other_rays(gather.budget), stop) else { return 0.0 };
-        let Some(weights) = NormWeights::new(self.norm, &self.lit(gather, &self.values)) else { return 0.0 };
+        let Some(weights) = NormWeights::new(self.norm, &self.lit(gather, &self.values, judged(gather))) else { return 0.0 };
         let noise_of = |(weight, ([value, _], again)): (&f64, (&[Gathered; 2], &Gathered))| {
-            let difference_sq: f64 =
-                value.radiosity.iter().zip(&again.radiosity).map(|(value, again)| (value - again).powi(2)).sum();
+            let pairs = value.radiosity[judged(gather)].iter().zip(&again.radiosity);
+            let difference_sq: f64 = pairs.map(|(value, again)| (value - again).powi(2)).sum();
             weight * AGAIN as f64 * 0.5 * difference_sq
         };
         weights.by_point.iter().step_by(AGAIN).zip(self.values.iter().step_by(AGAIN).zip(&again)).map(noise_of).sum::<f64>().sqrt()
@@ -334,12 +337,12 @@ impl ErrorSamples {
         let values = values_at(&places, gather, gather.budget, stop)?;
         let again = values_at(&places, gather, by_other_rays(gather.budget), stop)?;
         let values: Vec<[Gathered; 2]> = values.into_iter().zip(again).map(|(value, again)| [value, again]).collect();
-        let weights = NormWeights::new(self.norm, &self.lit(gather, &values))?.by_point;
+        let weights = NormWeights::new(self.norm, &self.lit(gather, &values, judged(gather)))?.by_point;
         let (mut bias_sq, mut noise_sq, mut all) = (Moments::default(), 0.0, PairProducts::default());
         for ((sample, values), &weight) in self.samples.iter().zip(&values).zip(&weights) {
             // Of (B~_1 - T_i) (B~_2 - T_j), over all pairs.
             let (mut residuals, mut variance) = (PairProducts::default(), 0.0);
-            for compared in compared(sample, gather, values) {
+            for compared in compared(sample, gather, values, judged(gather)) {
                 residuals.add(weight, compared.residuals);
                 variance += weight * compared.variance();
             }
@@ -351,13 +354,13 @@ impl ErrorSamples {
         Some(ErrorParts { bias: (bias_sq.sum - doubt).max(0.0).sqrt(), noise_sq })
     }
 
-    /// The points as norms see them.
-    pub(super) fn lit(&self, gather: &Gather<'_>, values: &[[Gathered; 2]]) -> Vec<Lit> {
+    /// The points as norms see them, in some channels.
+    pub(super) fn lit(&self, gather: &Gather<'_>, values: &[[Gathered; 2]], channels: Range<usize>) -> Vec<Lit> {
         let area = |sample: &ErrorSample| sample.stands_for / self.samples.len() as f64;
         self.samples
             .iter()
             .zip(values)
-            .map(|(sample, values)| lit(area(sample), compared(sample, gather, values), gather))
+            .map(|(sample, values)| lit(area(sample), compared(sample, gather, values, channels.clone()), gather))
             .collect()
     }
 

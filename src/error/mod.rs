@@ -7,14 +7,16 @@ mod claim;
 mod compared;
 mod error_bars;
 mod estimate;
+mod groups;
 mod norm;
 mod pairs;
 mod points;
 mod replicates;
 mod residual;
 
-pub(crate) use claim::{CONFIDENCE, Doubts, SIGMAS, claim, doubt_for_claim};
+pub(crate) use claim::{CONFIDENCE, Doubts, SIGMAS, claim, doubt_for_claim, upper_limit};
 pub(crate) use estimate::{ErrorEstimate, ErrorFigure, ErrorParts, ErrorSamples, Pilot, TWICE};
+pub(crate) use groups::{GroupErrors, KnownErrors};
 pub(crate) use norm::ErrorNorm;
 pub(crate) use replicates::{REPLICATES, ReplicateGather, Replication};
 pub(crate) use residual::ResidualGather;

@@ -83,7 +83,7 @@ impl Surroundings<'_> {
         let reflects = |leaf: NodeId| scene.material_of(surface_of(leaf)).reflectance.iter().any(|&rho| rho > 0.0);
         let leaves: Vec<NodeId> = hierarchy.leaves_in_order().into_iter().filter(|&leaf| reflects(leaf)).collect();
         let reflected = |leaf: NodeId| {
-            let exitance = &scene.material_of(surface_of(leaf)).exitance;
+            let exitance = &scene.material_of(surface_of(leaf)).exitance[..scene.deciding()];
             radiosity.of(leaf).iter().zip(exitance).map(|(b, e)| b - e).fold(0.0, f64::max)
         };
 

@@ -61,8 +61,9 @@ impl ReplicateGather<'_> {
         let rays: Vec<Place> = (0..u64::from(count)).map(of_ray).collect();
         let mut found = vec![0.0; rays.len() * channels];
         gather.sampled_residual(&rays, 1, scratch, &mut found);
-        let reflectance = scene.material_of(place.surface).reflectance.iter().cycle();
-        found.iter().zip(reflectance).map(|(found, rho)| (rho * found).powi(2)).sum::<f64>() / f64::from(count)
+        let reflectance = &scene.material_of(place.surface).reflectance[..scene.deciding()];
+        let deciding = found.chunks(channels).flat_map(|found| found.iter().zip(reflectance));
+        deciding.map(|(found, rho)| (rho * found).powi(2)).sum::<f64>() / f64::from(count)
     }
 
     fn sample(&self, place: Place, rays: u32, scratch: &mut PathScratch, found: &mut [f64]) {

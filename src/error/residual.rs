@@ -28,7 +28,10 @@ impl ResidualGather<'_> {
     /// solutions.
     pub fn estimate_reflected(&self, place: &Place) -> f64 {
         let Some(cell) = self.paths.cell_at(place.surface, place.point) else { return 0.0 };
-        let sent = self.of_values.of(cell).iter().zip(self.onward.of(cell)).map(|(&one, &other)| f64::from(one.min(other)));
+        let sent = self.of_values.of(cell)[..self.paths.scene.deciding()]
+            .iter()
+            .zip(self.onward.of(cell))
+            .map(|(&one, &other)| f64::from(one.min(other)));
         let exitance = self.paths.unsampled_exitance(place.surface);
         let reflected = sent.enumerate().map(|(channel, sent)| sent - exitance.map_or(0.0, |exitance| exitance[channel]));
         reflected.fold(0.0, f64::max)

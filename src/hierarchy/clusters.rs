@@ -38,7 +38,7 @@ fn build(scene: &Scene, stop: Stop<'_>) -> Hierarchy {
 
     // Emitters in one subtree, everything else in the other.
     let (emitters, others): (Vec<u32>, Vec<u32>) =
-        (0..surfaces.len() as u32).partition(|&surface| scene.material_of(SurfaceId(surface)).emits());
+        (0..surfaces.len() as u32).partition(|&surface| scene.exitance_as_solved(SurfaceId(surface)).iter().any(|&e| e > 0.0));
     let tree = match (emitters.is_empty(), others.is_empty()) {
         (false, false) => {
             let (emitters, others) = rayon::join(|| cut(emitters, &bounds, 1, stop), || cut(others, &bounds, 1, stop));

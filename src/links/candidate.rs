@@ -14,7 +14,8 @@ impl RefineContext<'_> {
         let (receiver, source) = (hierarchy.node(pair.receiver), hierarchy.node(pair.source));
         let radiosity = self.radiosity_of(hierarchy, pair.source);
         let reflectance = self.reflectance(hierarchy, pair.receiver);
-        let reflected_radiosity = reflectance.iter().zip(radiosity).map(|(rho, b)| rho * b).fold(0.0, f64::max);
+        let reflected_radiosity =
+            reflectance.iter().zip(&radiosity[..self.scene.deciding()]).map(|(rho, b)| rho * b).fold(0.0, f64::max);
         Candidate {
             form_factor,
             transmittance,
@@ -31,7 +32,7 @@ impl RefineContext<'_> {
 
     /// How much B varies over a node, relative to B: measured between its children, else guessed as half of what is reflected.
     fn variation(&self, hierarchy: &Hierarchy, node: NodeId) -> f64 {
-        let brightest = |radiosity: &[f64]| radiosity.iter().copied().fold(0.0, f64::max);
+        let brightest = |radiosity: &[f64]| radiosity[..self.scene.deciding()].iter().copied().fold(0.0, f64::max);
         let mean = brightest(self.radiosity_of(hierarchy, node));
         if mean <= 0.0 {
             return 0.0;

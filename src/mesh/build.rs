@@ -89,8 +89,8 @@ impl MeshBuilder<'_> {
             ..self.grower(&light, part, whole / tests)
         };
         let of_all = grower.grow(&mut growing)?;
-        let Judged { measured, claimed, .. } = of_indirect.with(of_all);
-        Some(LitMesh { surfaces: self.finish(growing, false), measured, claimed })
+        let Judged { measured, claimed, by_group, .. } = of_indirect.with(of_all);
+        Some(LitMesh { surfaces: self.finish(growing, false), measured, claimed, by_group })
     }
 
     /// What all surfaces weigh.
@@ -104,10 +104,12 @@ impl MeshBuilder<'_> {
 
     fn grower<'b>(&'b self, light: &'b dyn Light, part: f64, test_weight: f64) -> Grower<'b> {
         let Self { budget, error, norm, limits, tell, stop, .. } = *self;
-        let (channels, seed, error) = (self.scene.channels(), budget.seed, error * part.sqrt());
+        let (channels, deciding) = (self.scene.channels(), self.scene.deciding());
+        let (seed, error) = (budget.seed, error * part.sqrt());
         Grower {
             light,
             channels,
+            deciding,
             seed,
             error,
             norm,
@@ -134,12 +136,13 @@ impl MeshBuilder<'_> {
                 is_step: segment.degree == Degree::D0,
             };
             let lines: Vec<Line> = self.lines.of(surface).iter().map(line).collect();
+            let deciding = self.scene.deciding();
             let Some(seen) = self.seen else {
-                return Growing::new(surface, plane, triangulate(&corners, &lines, largest), None);
+                return Growing::new(surface, plane, triangulate(&corners, &lines, largest), None, deciding);
             };
             let triangles = triangulate(&corners, &lines, f64::INFINITY);
             let seen = SeenTriangles::new(seen.of(surface), &triangles);
-            let mut growing = Growing::new(surface, plane, triangles, Some(seen));
+            let mut growing = Growing::new(surface, plane, triangles, Some(seen), deciding);
             growing.bisect_to(largest);
             growing
         };

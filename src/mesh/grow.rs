@@ -43,6 +43,8 @@ const BATCH: usize = 64;
 pub(super) struct Grower<'a> {
     pub light: &'a dyn Light,
     pub channels: usize,
+    /// The first so many of them decide.
+    pub deciding: usize,
     pub seed: u64,
     /// The largest error that may be claimed, and in which norm.
     pub error: f64,
@@ -103,13 +105,14 @@ impl Grower<'_> {
             let is_steady = left >= std::mem::replace(&mut before, left);
             if is_steady || left <= self.followed * self.error.powi(2) {
                 let found = self.judge(all, round, &norm)?;
-                judged = Some(found);
                 (worst, _) = self.worst(all, &norm);
-                if found.claimed <= self.error {
-                    break;
-                }
                 // If noise is left, gathers help; else more elements.
                 let is_noise = found.noise_sq >= NOISY * found.measured.powi(2);
+                let is_enough = found.claimed <= self.error;
+                judged = Some(found);
+                if is_enough {
+                    break;
+                }
                 if is_noise && gathers == self.most_gathers {
                     break;
                 }
@@ -195,10 +198,10 @@ impl Grower<'_> {
 
         let found = spots.iter().zip(&first).zip(second).map(|((spot, (light, told)), second)| {
             let &Spot { index, triangle, at, .. } = spot;
-            let error_sq = all[index].sampled_error_sq(triangle, at, [light, second]);
-            (all[index].test(triangle, at, light, *told), error_sq)
+            let errors_sq = all[index].sampled_errors_sq(triangle, at, [light, second]);
+            (all[index].test(triangle, at, light, *told), errors_sq)
         });
-        let found: Vec<(Test, f64)> = found.collect();
+        let found: Vec<(Test, Vec<f64>)> = found.collect();
         let judged = Judged::by(&found, whole, norm);
         found.into_iter().zip(&spots).for_each(|((test, _), spot)| all[spot.index].tests.push(test));
         (!(self.stop)()).then_some(judged)
@@ -216,7 +219,7 @@ impl Grower<'_> {
         let (wanted, again) = (self.wanted(all, &spots, 0), self.wanted(all, &spots, streams::MESH_AGAIN));
         let second = self.take(&again, |taken, _, _, found| found.push(taken.light.to_vec()));
         let found: Vec<[f64; 3]> = self.take(&wanted, |Taken { light, .. }, number, scratch, found| {
-            let pairs = || light.iter().zip(&second[number]);
+            let pairs = || light.iter().zip(&second[number]).take(self.deciding);
             let differences: f64 = pairs().map(|(first, second)| (first[0] - second[0]).powi(2)).sum();
             let told: f64 = pairs().map(|(first, second)| first[1] + second[1]).sum();
             found.push([self.light.all_sq(&wanted[number].place, scratch, light), 0.5 * differences, 0.5 * told]);

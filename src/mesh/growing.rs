@@ -18,6 +18,8 @@ pub(super) struct Growing {
     pub triangles: Triangles,
     /// What a view sees of them, if they are made for one.
     seen: Option<SeenTriangles>,
+    /// So many channels decide, the first ones; others carry the light of groups.
+    pub deciding: usize,
     /// By node and channel: reflected radiosity in W/m^2, and its variance.
     pub found: Vec<[f32; 2]>,
     /// By node: how many gathers that is the mean of; 0 where none is wanted.
@@ -44,9 +46,9 @@ pub(super) struct Test {
 }
 
 impl Growing {
-    pub fn new(surface: SurfaceId, plane: Plane, triangles: Triangles, seen: Option<SeenTriangles>) -> Self {
+    pub fn new(surface: SurfaceId, plane: Plane, triangles: Triangles, seen: Option<SeenTriangles>, deciding: usize) -> Self {
         let (found, gathers, tests, is_tested) = Default::default();
-        Self { surface, plane, triangles, seen, found, gathers, tests, is_tested }
+        Self { surface, plane, triangles, seen, deciding, found, gathers, tests, is_tested }
     }
 
     /// The function as it stands; with what is not seen as well, or without.
@@ -170,7 +172,7 @@ impl Growing {
     pub fn test(&self, triangle: u32, at: [f64; 3], light: &[[f64; 2]], [light_sq, closeness]: [f64; 2]) -> Test {
         let (weights, relative_size) = (element::weights(at), closeness * self.triangles.area(triangle).sqrt());
         let mut test = Test { triangle, difference_sq: 0.0, noise_sq: 0.0, of_nodes_sq: 0.0, light_sq, relative_size };
-        for (channel, &[value, variance]) in light.iter().enumerate() {
+        for (channel, &[value, variance]) in light.iter().enumerate().take(self.deciding) {
             let [function, noise] = self.at(triangle, weights, channel, light.len());
             test.difference_sq += (function - value).powi(2);
             test.noise_sq += variance + noise;
@@ -179,15 +181,16 @@ impl Growing {
         test
     }
 
-    /// The squared error of the function at a point of a triangle, by two independent samples of the light there: without bias, so that it may
-    /// be negative.
-    pub fn sampled_error_sq(&self, triangle: u32, at: [f64; 3], light: [&[[f64; 2]]; 2]) -> f64 {
+    /// The squared errors of the function at a point of a triangle, of all light and of each light group: by two independent samples of the light
+    /// there, without bias, so that they may be negative.
+    pub fn sampled_errors_sq(&self, triangle: u32, at: [f64; 3], light: [&[[f64; 2]]; 2]) -> Vec<f64> {
         let (weights, [first, second]) = (element::weights(at), light);
         let of_channel = |(channel, (first, second)): (usize, (&[f64; 2], &[f64; 2]))| {
             let [function, _] = self.at(triangle, weights, channel, light[0].len());
             (function - first[0]) * (function - second[0])
         };
-        first.iter().zip(second).enumerate().map(of_channel).sum()
+        let by_channel: Vec<f64> = first.iter().zip(second).enumerate().map(of_channel).collect();
+        by_channel.chunks(self.deciding).map(|of_group| of_group.iter().sum()).collect()
     }
 
     /// Bisects triangles twice, and forgets the tests of all that changed.

@@ -1,7 +1,9 @@
 //! How wrong a function on the surfaces is, in either norm.
 
+use serde::{Deserialize, Serialize};
+
 use super::growing::{Growing, Test};
-use crate::error::{ErrorNorm, claim};
+use crate::error::{ErrorNorm, claim, upper_limit};
 
 /// A norm over the surfaces of a mesh.
 #[derive(Clone, Copy, Debug)]
@@ -14,12 +16,43 @@ pub(super) enum Norm {
 }
 
 /// An error with its upper confidence limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Judged {
     pub measured: f64,
     pub claimed: f64,
     /// What noise of nodes has of the squared error.
     pub noise_sq: f64,
+    /// Of all light and of each light group, if there are any: root mean squares over the area, channels added, in W/m^2.
+    pub by_group: Vec<MeshError>,
+}
+
+/// What a mesh is off values in the root mean square over its area, channels added, in W/m^2.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct MeshError {
+    pub measured: f64,
+    pub claimed: f64,
+}
+
+impl MeshError {
+    /// By squared errors at places that each stand for as much of the area.
+    fn by(squares: impl Iterator<Item = f64> + Clone) -> Self {
+        let count = squares.clone().count() as f64;
+        let mean = squares.clone().sum::<f64>() / count;
+        let scatter: f64 = squares.map(|square| (square - mean).powi(2)).sum();
+        let deviation = (scatter / (count * (count - 1.0).max(1.0))).sqrt();
+        Self { measured: mean.max(0.0).sqrt(), claimed: upper_limit(mean, deviation) }
+    }
+
+    /// Of so many channels for each.
+    pub fn of_copies(&self, copies: usize) -> Self {
+        let scale = (copies as f64).sqrt();
+        Self { measured: scale * self.measured, claimed: scale * self.claimed }
+    }
+
+    /// Of two errors that have nothing to do with each other.
+    fn with(self, other: &Self) -> Self {
+        Self { measured: self.measured.hypot(other.measured), claimed: self.claimed.hypot(other.claimed) }
+    }
 }
 
 impl Norm {
@@ -63,22 +96,32 @@ impl Norm {
 
 impl Judged {
     /// Where there is no light nothing is wrong.
-    pub const DARK: Self = Self { measured: 0.0, claimed: 0.0, noise_sq: 0.0 };
+    pub const DARK: Self = Self { measured: 0.0, claimed: 0.0, noise_sq: 0.0, by_group: Vec::new() };
 
-    /// By tests that each stand for as much of the whole, with their squared errors.
-    pub fn by(tests: &[(Test, f64)], whole: f64, norm: &Norm) -> Self {
+    /// By tests that each stand for as much of the whole, with their squared errors, of all light and of each light group.
+    pub fn by(tests: &[(Test, Vec<f64>)], whole: f64, norm: &Norm) -> Self {
         let count = tests.len() as f64;
-        let parts = || tests.iter().map(|(test, error_sq)| whole / count * norm.weight(test.light_sq) * error_sq);
+        let parts = || tests.iter().map(|(test, errors_sq)| whole / count * norm.weight(test.light_sq) * errors_sq[0]);
         let sum: f64 = parts().sum();
         let scatter: f64 = parts().map(|part| (part - sum / count).powi(2)).sum();
         let deviation = (scatter * count / (count - 1.0).max(1.0)).sqrt();
         let noise_sq = tests.iter().map(|(test, _)| whole / count * norm.weight(test.light_sq) * test.of_nodes_sq).sum();
-        Self { measured: sum.max(0.0).sqrt(), claimed: claim(sum, deviation), noise_sq }
+        let groups = tests.first().map_or(0, |(_, errors_sq)| errors_sq.len());
+        let of_group = |group: usize| MeshError::by(tests.iter().map(move |(_, errors_sq)| errors_sq[group]));
+        let by_group = if groups > 1 { (0..groups).map(of_group).collect() } else { Vec::new() };
+        Self { measured: sum.max(0.0).sqrt(), claimed: claim(sum, deviation), noise_sq, by_group }
     }
 
     /// Of two errors that have nothing to do with each other.
     pub fn with(self, other: Self) -> Self {
         let noise_sq = self.noise_sq + other.noise_sq;
-        Self { measured: self.measured.hypot(other.measured), claimed: self.claimed.hypot(other.claimed), noise_sq }
+        let (measured, claimed) = (self.measured.hypot(other.measured), self.claimed.hypot(other.claimed));
+        // Where one of them is dark, there is nothing of it.
+        let by_group = match (self.by_group, other.by_group) {
+            (of_one, none) if none.is_empty() => of_one,
+            (none, of_other) if none.is_empty() => of_other,
+            (of_one, of_other) => of_one.into_iter().zip(&of_other).map(|(one, other)| one.with(other)).collect(),
+        };
+        Self { measured, claimed, noise_sq, by_group }
     }
 }

@@ -103,7 +103,7 @@ impl Light for Indirect<'_> {
         all.clear();
         all.extend_from_slice(found);
         self.direct.add(place, COARSE, direct, numbers, all);
-        all.iter().map(|[value, _]| value * value).sum()
+        all[..self.direct.scene.deciding()].iter().map(|[value, _]| value * value).sum()
     }
 }
 
@@ -118,6 +118,6 @@ impl Light for All<'_> {
     }
 
     fn all_sq(&self, _place: &Place, _scratch: &mut LightScratch, found: &[[f64; 2]]) -> f64 {
-        found.iter().map(|[value, _]| value * value).sum()
+        found[..self.direct.scene.deciding()].iter().map(|[value, _]| value * value).sum()
     }
 }

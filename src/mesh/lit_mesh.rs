@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+use super::judged::MeshError;
 use super::locate::Locator;
 use super::plane::Plane;
 use super::surface_mesh::SurfaceMesh;
@@ -24,8 +25,10 @@ pub struct LitMesh {
     pub(super) surfaces: Vec<Option<SurfaceMesh>>,
     /// The root mean square of the differences, measured at random points that had no part in making it.
     pub measured: f64,
-    /// The upper confidence limit of that.
+    /// The upper confidence limit of that; infinite where nothing can be said, which may be with other weights of light groups.
     pub claimed: f64,
+    /// What it is off by energy, of all light and of each light group; empty where there are none.
+    pub(crate) by_group: Vec<MeshError>,
 }
 
 /// The elements on one surface.
@@ -100,10 +103,25 @@ impl LitMesh {
         }
     }
 
+    /// The same with other radiosities at the nodes: what those of each surface become, by node and channel.
+    pub(crate) fn with_reflected(&self, mut of_surface: impl FnMut(usize, &[f32]) -> Vec<f32>) -> Self {
+        let with = |(number, mesh): (usize, &Option<SurfaceMesh>)| {
+            let mesh = mesh.as_ref()?;
+            Some(mesh.with_reflected(of_surface(number, mesh.all_reflected())))
+        };
+        Self { surfaces: self.surfaces.iter().enumerate().map(with).collect(), ..self.clone() }
+    }
+
+    /// The reflected radiosities at nodes, surface by surface, by node and channel.
+    pub(crate) fn reflected(&self) -> impl Iterator<Item = &[f32]> {
+        self.surfaces.iter().map(|mesh| mesh.as_ref().map_or(&[][..], SurfaceMesh::all_reflected))
+    }
+
     /// The same for all channels, from those that were solved for.
     pub(crate) fn expanded(&self, channels: &DistinctChannels) -> Self {
         let expanded = |mesh: &Option<SurfaceMesh>| mesh.as_ref().map(|mesh| mesh.expanded(channels));
-        Self { surfaces: self.surfaces.iter().map(expanded).collect(), ..*self }
+        let by_group = self.by_group.iter().map(|error| error.of_copies(channels.copies)).collect();
+        Self { surfaces: self.surfaces.iter().map(expanded).collect(), by_group, ..*self }
     }
 }
 
@@ -150,6 +168,7 @@ impl<'a> MeshReader<'a> {
         let (Some(mesh), Some((plane, locator))) = (&self.meshes[surface.index()], &index[surface.index()]) else { return };
         if let Some((triangle, at)) = locator.find(mesh, plane.to_plane(point)) {
             mesh.reflected_at(triangle, at, reflected);
+            self.scene.clear_dark(reflected);
         }
     }
 

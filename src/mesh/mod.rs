@@ -20,6 +20,7 @@ mod triangulation;
 mod validate;
 
 pub(crate) use build::{LEAST_GATHERS, MeshBuilder};
+pub(crate) use judged::MeshError;
 pub(crate) use limits::{MeshLimit, MeshLimits};
 pub use lit_mesh::{LitMesh, MeshPart};
 pub(crate) use lit_mesh::{MeshIndex, MeshReader};

@@ -61,6 +61,11 @@ impl SurfaceMesh {
         Self { reflected: channels.expand(&self.reflected), ..self.clone() }
     }
 
+    /// The same with other radiosities at the nodes.
+    pub fn with_reflected(&self, reflected: Vec<f32>) -> Self {
+        Self { reflected, ..self.clone() }
+    }
+
     /// Bytes that this takes.
     pub fn memory_bytes(&self) -> u64 {
         (size_of::<Self>() + size_of_val(&*self.nodes) + size_of_val(&*self.triangles) + size_of_val(&*self.reflected)) as u64
@@ -77,12 +82,12 @@ impl SurfaceMesh {
         [a, b, c].map(|node| self.nodes[node as usize])
     }
 
-    /// The reflected radiosity in a triangle at barycentric coordinates, by channel.
+    /// The reflected radiosity in a triangle at barycentric coordinates, by channel; below 0 where noise or the function's shape take it there.
     pub fn reflected_at(&self, triangle: usize, at: [f64; 3], reflected: &mut [f64]) {
         let (weights, channels) = (element::weights(at), reflected.len());
         for (channel, sum) in reflected.iter_mut().enumerate() {
             let of_node = |(&node, weight): (&u32, f64)| weight * f64::from(self.reflected[node as usize * channels + channel]);
-            *sum = self.triangles[triangle].iter().zip(weights).map(of_node).sum::<f64>().max(0.0);
+            *sum = self.triangles[triangle].iter().zip(weights).map(of_node).sum();
         }
     }
 }

@@ -21,25 +21,31 @@ const FLATTEST: f64 = 1e-12;
 const MOST: f32 = f32::MAX / 16.0;
 
 impl LitMesh {
+    /// Whether reflected radiosities at nodes are finite, and sums of some can be told in f32.
+    pub(crate) fn are_in_range(reflected: &[f32]) -> bool {
+        reflected.iter().all(|b| b.abs() <= MOST)
+    }
+
     /// Checks what was read from a file: that elements fill the surfaces that reflect, each once as far as areas tell, and that all numbers are finite.
     ///
     /// # Errors
     /// Says what is wrong.
     pub(crate) fn validate(&self, scene: &Scene) -> Result<(), String> {
-        let is_error = |error: f64| error >= 0.0 && error.is_finite();
-        if !is_error(self.measured) || !is_error(self.claimed) {
-            return Err("the error of the lit mesh is negative or not finite".to_owned());
+        // Infinite where nothing can be said, as of light groups with other weights.
+        if !(self.measured >= 0.0 && self.claimed >= 0.0) {
+            return Err("the error of the lit mesh is negative, or no number".to_owned());
         }
         if self.surfaces.len() != scene.surfaces().len() {
             return Err("the lit mesh does not fit the scene".to_owned());
         }
+        let tolerance = values::tolerance(scene).max(CONTACTS * scene.contact_tolerance());
         for (number, mesh) in self.surfaces.iter().enumerate() {
             let surface = SurfaceId(number as u32);
             if let Some(mesh) = mesh {
                 if !scene.material_of(surface).reflects() {
                     return Err(format!("there is a lit mesh of surface {number}, which reflects nothing"));
                 }
-                Checked::new(scene, surface, mesh).check().map_err(|what| format!("{what} of surface {number}"))?;
+                Checked::new(scene, surface, mesh, tolerance).check().map_err(|what| format!("{what} of surface {number}"))?;
             }
         }
         Ok(())
@@ -61,11 +67,10 @@ struct Checked<'a> {
 }
 
 impl<'a> Checked<'a> {
-    fn new(scene: &Scene, surface: SurfaceId, mesh: &'a SurfaceMesh) -> Self {
+    fn new(scene: &Scene, surface: SurfaceId, mesh: &'a SurfaceMesh, tolerance: f64) -> Self {
         let (plane, facet) = (Plane::of(scene, surface), scene.surface(surface).polygon.facet());
         let corners: Vec<DVec2> = facet.vertices.iter().map(|&corner| plane.to_plane(corner)).collect();
         let perimeter = (0..corners.len()).map(|corner| corners[corner].distance(corners[(corner + 1) % corners.len()])).sum();
-        let tolerance = values::tolerance(scene).max(CONTACTS * scene.contact_tolerance());
         Self { mesh, channels: scene.channels(), corners, area: facet.area, size: facet.radius, perimeter, tolerance }
     }
 
@@ -75,7 +80,7 @@ impl<'a> Checked<'a> {
             return Err("there are too many or too few radiosities at the nodes".to_owned());
         }
         // Noise may take it below 0 in the dark.
-        if !reflected.iter().all(|b| b.abs() <= MOST) {
+        if !LitMesh::are_in_range(reflected) {
             return Err("a radiosity is not finite at a node".to_owned());
         }
         if !nodes.iter().all(|&at| self.is_inside(at)) {

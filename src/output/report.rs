@@ -12,8 +12,8 @@ use serde::Serialize;
 use crate::bounds::BoundsReport;
 use crate::scene::Scene;
 use crate::solve::{
-    Counts, Energy, EnergyBalance, ErrorFigure, IterationReport, LinkErrorReport, LitMeshReport, Norm, SkippedWork, SolveOptions,
-    SolveReport, StageTimes, StoppedBy,
+    Counts, Energy, EnergyBalance, ErrorFigure, IterationReport, LightGroupsReport, LinkErrorReport, LitMeshReport, Norm,
+    SkippedWork, SolveOptions, SolveReport, StageTimes, StoppedBy,
 };
 use crate::values::ValuesError;
 
@@ -47,6 +47,8 @@ pub struct RunReport {
     pub error: ErrorFigures,
     /// The lit mesh, where that was asked for and there is one.
     pub lit_mesh: Option<LitMeshReport>,
+    /// What is known of light groups, where the scene has any.
+    pub light_groups: Option<LightGroupsReport>,
     /// What is proved about the answer, where that was asked for.
     pub bounds: Option<BoundsReport>,
     /// How wrong radiosities may be by the links, for error-driven refinement.
@@ -201,6 +203,7 @@ impl RunReport {
                 points: None,
             },
             lit_mesh: report.lit_mesh,
+            light_groups: report.light_groups.clone(),
             bounds: report.bounds.clone(),
             link_error: report.link_error,
             energy: report.energy,
@@ -220,6 +223,15 @@ impl RunReport {
 /// What the writer says.
 pub fn write_report(writer: &mut impl Write, report: &RunReport) -> io::Result<()> {
     serde_json::to_writer_pretty(&mut *writer, report)?;
+    writeln!(writer)
+}
+
+/// Writes what is known of light groups as indented JSON.
+///
+/// # Errors
+/// What the writer says.
+pub fn write_light_groups(writer: &mut impl Write, known: &LightGroupsReport) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *writer, known)?;
     writeln!(writer)
 }
 

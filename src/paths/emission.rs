@@ -44,11 +44,11 @@ impl<'a> Emission<'a> {
     /// The power of one of `count` particles from an emitter, by channel, in W.
     pub fn spectrum(&self, emitter: SurfaceId, count: u32) -> impl Iterator<Item = f64> {
         let per_exitance = self.power() / f64::from(count) / exitance(self.scene, emitter);
-        self.scene.material_of(emitter).exitance.iter().map(move |e| e * per_exitance)
+        self.scene.material_of(emitter).exitance[..self.scene.deciding()].iter().map(move |e| e * per_exitance)
     }
 }
 
 /// In W/m^2, all channels added.
 fn exitance(scene: &Scene, surface: SurfaceId) -> f64 {
-    scene.material_of(surface).exitance.iter().sum()
+    scene.material_of(surface).exitance[..scene.deciding()].iter().sum()
 }

@@ -30,7 +30,7 @@ impl<'a> Emitters<'a> {
     pub fn new(scene: &'a Scene, rays: &'a Rays<'a>) -> Self {
         let area = |id: SurfaceId| scene.surface(id).polygon.area();
         let all = || (0..scene.surfaces().len() as u32).map(SurfaceId);
-        let mut surfaces: Vec<SurfaceId> = all().filter(|&id| scene.material_of(id).emits()).collect();
+        let mut surfaces: Vec<SurfaceId> = all().filter(|&id| brightest_as_solved(scene, id) > 0.0).collect();
 
         // Random rays meet emitters by their part of all area (reciprocity), unless many rays leave the scene. Where occluders keep
         // them from emitters, next-event rays are blocked as often.
@@ -39,7 +39,7 @@ impl<'a> Emitters<'a> {
         let mut dimmest = 0.0;
         if emitting > MOSTLY_EMITTING * total && sampled_share_lost(scene, rays, total) < OFTEN_LOST {
             // Noise goes with the square of the exitance: sample the brightest, one level of exitance after the other.
-            let mut levels: Vec<(f64, f64)> = surfaces.iter().map(|&id| (brightest(scene, id), area(id))).collect();
+            let mut levels: Vec<(f64, f64)> = surfaces.iter().map(|&id| (brightest_as_solved(scene, id), area(id))).collect();
             levels.sort_by(|a, b| b.0.total_cmp(&a.0));
             let mut taken = 0.0;
             dimmest = f64::INFINITY;
@@ -50,15 +50,19 @@ impl<'a> Emitters<'a> {
                 }
                 dimmest = level[0].0;
             }
-            surfaces.retain(|&id| brightest(scene, id) >= dimmest);
+            surfaces.retain(|&id| brightest_as_solved(scene, id) >= dimmest);
         }
+
+        // Light groups may be off.
+        surfaces.retain(|&id| scene.material_of(id).emits());
         let tree = (!surfaces.is_empty()).then(|| LightTree::new(surfaces.iter().map(|&emitter| source(scene, emitter)).collect()));
         Self { scene, rays, surfaces, dimmest, tree }
     }
 
     /// Whether next-event estimation brings the emission of a surface, so that paths must leave it out.
     pub fn contains(&self, surface: SurfaceId) -> bool {
-        self.scene.material_of(surface).emits() && brightest(self.scene, surface) >= self.dimmest
+        let brightest = brightest_as_solved(self.scene, surface);
+        brightest > 0.0 && brightest >= self.dimmest
     }
 }
 
@@ -72,6 +76,11 @@ fn source(scene: &Scene, emitter: SurfaceId) -> Source {
 /// The exitance of a surface in its brightest channel, in W/m^2.
 pub(super) fn brightest(scene: &Scene, surface: SurfaceId) -> f64 {
     scene.material_of(surface).exitance.iter().copied().fold(0.0, f64::max)
+}
+
+/// The same where light groups have the weights with which cells were found: these leave out what rays bring.
+fn brightest_as_solved(scene: &Scene, surface: SurfaceId) -> f64 {
+    scene.exitance_as_solved(surface).iter().copied().fold(0.0, f64::max)
 }
 
 /// The part of cosine-distributed rays from random points of all surfaces that leaves the scene.

@@ -85,7 +85,7 @@ impl Illumination {
                 Particle { number, place, surface }
             })
             .collect();
-        let channels = scene.channels();
+        let channels = scene.deciding();
         let mut by_channel = vec![0.0; channels];
         let mut power: Vec<f64> = on_way.iter().flat_map(|particle| emission.spectrum(particle.surface, PARTICLES)).collect();
         let (mut directions, mut hits, mut landings) = (Vec::new(), Vec::new(), Vec::new());

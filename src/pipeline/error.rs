@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::picture::CameraError;
+use crate::scene::LightGroupError;
 use crate::solve::{InterestError, OptionsError};
 use crate::visibility::VisibilityError;
 
@@ -21,6 +22,9 @@ pub enum PipelineError {
     /// The scene has nothing of what the answer is wanted for.
     #[error(transparent)]
     Interest(#[from] InterestError),
+    /// Light groups with options that know none.
+    #[error(transparent)]
+    LightGroups(#[from] LightGroupError),
     /// The memory budget is less than the solve takes at least; nothing was done.
     #[error(
         "the scene takes {:.3} GB at least before it is solved, and the budget is {:.3} GB: give more memory or fewer surfaces",

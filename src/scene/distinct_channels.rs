@@ -49,7 +49,8 @@ impl DistinctChannels {
             Material { name: name.clone(), reflectance: pick(reflectance), exitance: pick(exitance) }
         };
         let materials = scene.materials.iter().map(pick_of).collect();
-        let scene = Scene { channels: solved.len(), materials, ..scene.clone() };
+        let light_groups = scene.light_groups.as_ref().map(|groups| groups.of_bands(&pick));
+        let scene = Scene { channels: solved.len(), materials, light_groups, ..scene.clone() };
         Some(Self { scene, copies, of })
     }
 
@@ -63,7 +64,12 @@ impl DistinctChannels {
         self.of.len()
     }
 
-    /// Values of all channels, item after item, from those of the solved ones.
+    /// How many channels an item of so many solved ones has, which may be many runs of them.
+    pub fn count_of(&self, solved: usize) -> usize {
+        self.count() * (solved / self.scene.channels)
+    }
+
+    /// Values of all channels, item after item, from those of the solved ones. An item may be many runs of channels, as of light groups.
     pub fn expand<T: Copy + Default>(&self, solved: &[T]) -> Vec<T> {
         let item = |item: &'_ [T]| -> Vec<T> {
             self.of.iter().map(|channel| channel.map_or_else(T::default, |channel| item[channel])).collect()

@@ -5,6 +5,11 @@ mod error;
 mod face_names;
 pub mod import;
 mod largest;
+mod light_channels;
+mod light_group_error;
+mod light_grouping;
+mod light_groups;
+mod lights;
 mod material;
 mod planes;
 mod point;
@@ -15,6 +20,10 @@ pub(crate) use distinct_channels::DistinctChannels;
 pub use error::SceneError;
 pub use face_names::FaceNames;
 pub(crate) use largest::largest;
+pub use light_group_error::LightGroupError;
+pub use light_grouping::LightGrouping;
+pub use light_groups::{LightGroups, LightWeight};
+pub use lights::Lights;
 pub use material::Material;
 pub use point::{PointError, SurfacePoint};
 pub use summary::SceneSummary;
@@ -86,6 +95,11 @@ pub struct Scene {
     /// What their faces belong to.
     objects: FaceNames,
     groups: FaceNames,
+    /// Emitters whose light is kept apart.
+    light_groups: Option<LightGroups>,
+    /// How many of the channels, the last ones, carry the light of groups; none in a scene that is stored.
+    #[serde(skip)]
+    carried: usize,
 }
 
 impl Scene {
@@ -115,14 +129,14 @@ impl Scene {
         let surfaces =
             faces.into_iter().map(|(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None }).collect();
         let (objects, groups) = (FaceNames::default(), FaceNames::default());
-        let mut scene = Self { channels, materials, surfaces, sides, objects, groups };
+        let mut scene = Self { channels, materials, surfaces, sides, objects, groups, light_groups: None, carried: 0 };
         scene.check_materials()?;
         scene.add_twins();
         scene.group_planes();
         Ok(scene)
     }
 
-    /// The same surfaces of other materials, in the order of [`Scene::materials`].
+    /// The same surfaces of other materials, in the order of [`Scene::materials`], without light groups.
     ///
     /// # Errors
     /// [`SceneError::Materials`] for more or fewer of them, and what [`Scene::new`] says of materials.
@@ -130,7 +144,7 @@ impl Scene {
         if materials.len() != self.materials.len() {
             return Err(SceneError::Materials { given: materials.len(), needed: self.materials.len() });
         }
-        let scene = Self { materials, ..self.clone() };
+        let scene = Self { materials, light_groups: None, ..self.clone() };
         scene.check_materials()?;
         Ok(scene)
     }
@@ -158,6 +172,7 @@ impl Scene {
     /// Says what is wrong.
     pub(crate) fn validate(&self) -> Result<(), String> {
         self.check_materials().map_err(|error| error.to_string())?;
+        self.check_light_groups()?;
         let (count, mut planes) = (self.surfaces.len(), 0);
         for (index, surface) in self.surfaces.iter().enumerate() {
             if surface.plane > planes {

@@ -130,12 +130,12 @@ impl<'a> Way<'a> for CellsWay<'a> {
 
     fn finish(self: Box<Self>, stopped_by: StoppedBy) -> (Solution, SolveReport) {
         let Self { linked, plan, cells, mut judge, judged, .. } = *self;
-        let (error, point_rays, error_bars, cells) = match judged {
-            Some((Judged { error, point_rays, error_bars }, cells)) => (Some(error), point_rays, error_bars, cells),
+        let (error, point_rays, known, cells) = match judged {
+            Some((Judged { error, point_rays, known }, cells)) => (Some(error), point_rays, known, cells),
             None => {
                 let (rays, stop) = (plan.point_rays(), linked.job.stop());
-                let error_bars = cells.as_ref().and_then(|own| judge.error_bars(&user_gather(&linked, own, rays), &stop));
-                (judge.error, rays, error_bars, cells)
+                let known = cells.as_ref().and_then(|own| judge.known_errors(&user_gather(&linked, own, rays), &stop));
+                (judge.error, rays, known, cells)
             }
         };
         drop(judge);
@@ -144,7 +144,7 @@ impl<'a> Way<'a> for CellsWay<'a> {
             Ok(SolvedCells { radiosities: [radiosities], .. }) => radiosities,
             Err(shared) => shared.radiosities[0].clone(),
         });
-        finish(linked, Outcome { error_bars, error, stopped_by, point_rays, resolution, radiosities })
+        finish(linked, Outcome { known, error, stopped_by, point_rays, resolution, radiosities })
     }
 }
 

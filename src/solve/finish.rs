@@ -1,14 +1,15 @@
 //! The end of a solve: what is kept, and what is told.
 
+use super::grouped_light::GroupedLight;
 use super::linked::Linked;
 use super::report::{Counts, Energy, ErrorFigure, ErrorReport, Powers, SkippedWork, SolveReport, StoppedBy};
 use super::solution::Solution;
 use crate::bounds::{Light, bound_held_back};
 use crate::cells::CellRadiosities;
-use crate::error::{self, CONFIDENCE, ErrorEstimate};
+use crate::error::{self, CONFIDENCE, ErrorEstimate, KnownErrors};
 use crate::links::Pair;
 use crate::paths::Resolution;
-use crate::values::ErrorBars;
+use crate::scene::SurfaceId;
 
 /// What a solver found beside links.
 pub(super) struct Outcome {
@@ -18,7 +19,7 @@ pub(super) struct Outcome {
     pub resolution: Resolution,
     /// Where values end in cells.
     pub radiosities: Option<CellRadiosities>,
-    pub error_bars: Option<ErrorBars>,
+    pub known: Option<KnownErrors>,
 }
 
 /// The solution and its report.
@@ -26,7 +27,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     let energy = energy(&linked);
     let skipped = linked.skipped();
     let scene = linked.job.scene.clone();
-    let Outcome { error, stopped_by, point_rays, resolution, radiosities, error_bars } = outcome;
+    let Outcome { error, stopped_by, point_rays, resolution, radiosities, known } = outcome;
     let mut report = SolveReport { energy, stopped_by, converged: stopped_by == StoppedBy::Error, ..linked.report };
 
     let reflected = energy.sent - energy.emitted;
@@ -55,6 +56,10 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     let price = |work: &mut SkippedWork| work.estimate_saved_s = per_ray * work.estimate_saved_rays as f64;
     report.skipped.iter_mut().for_each(price);
 
+    let error_bars = known.as_ref().map(|known| known.error_bars);
+    let surfaces = (0..scene.surfaces().len() as u32).map(SurfaceId);
+    let reflected = || surfaces.map(|surface| linked.radiosity.reflected(&scene, &linked.hierarchy, surface)).collect();
+    let groups = known.and_then(|known| known.groups).map(|errors| GroupedLight::judged(errors, reflected()));
     let solution = Solution {
         scene,
         options: linked.job.options.clone(),
@@ -68,6 +73,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
         error_bars,
         bounds: None,
         mesh: None,
+        groups,
     };
     report.memory_bytes = solution.memory_bytes();
     (solution, report)

@@ -6,18 +6,18 @@ use std::time::Instant;
 use super::linked::Linked;
 use super::plan::Plan;
 use crate::cells::SolvedCells;
-use crate::error::{ErrorEstimate, ErrorNorm, ErrorSamples, Pilot, REPLICATES, ReplicateGather, Replication};
+use crate::error::{ErrorEstimate, ErrorNorm, ErrorSamples, KnownErrors, Pilot, REPLICATES, ReplicateGather, Replication};
 use crate::geometry::{sampling, streams};
 use crate::paths::{LightPaths, Resolution};
 use crate::progress::{Stage, Stop};
-use crate::values::{ErrorBars, Gather};
+use crate::values::Gather;
 
 /// Values that were judged, to go back to where the time ends before better ones are judged as well.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Judged {
     pub error: ErrorEstimate,
     pub point_rays: u32,
-    pub error_bars: Option<ErrorBars>,
+    pub known: Option<KnownErrors>,
 }
 
 /// Samples of the error, the cells in which the paths of their replicates end, and what was estimated last.
@@ -95,16 +95,16 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// What the errors of the values that `gather` gives hang on; `None` where no error was estimated, or if stopped.
-    pub fn error_bars(&mut self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<ErrorBars> {
+    /// What is known of the values that `gather` gives beside their error; `None` where that was not estimated, or if stopped.
+    pub fn known_errors(&mut self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<KnownErrors> {
         self.error?;
-        self.samples.error_bars(gather, stop)
+        self.samples.known_errors(gather, stop)
     }
 
     /// The values that `gather` gives as they were judged last, if they were.
     pub fn judged(&mut self, point_rays: u32, gather: &Gather<'_>, stop: Stop<'_>) -> Option<Judged> {
         let error = self.error?;
-        Some(Judged { error, point_rays, error_bars: self.samples.error_bars(gather, stop) })
+        Some(Judged { error, point_rays, known: self.samples.known_errors(gather, stop) })
     }
 
     /// The part of the error estimated last that is noise of the values that `gather` gives.

@@ -134,15 +134,15 @@ impl<'a> Way<'a> for LinksWay<'a> {
 
     fn finish(self: Box<Self>, stopped_by: StoppedBy) -> (Solution, SolveReport) {
         let Self { linked, plan, mut judge, judged, .. } = *self;
-        let (error, point_rays, error_bars) = match judged {
-            Some(Judged { error, point_rays, error_bars }) => (Some(error), point_rays, error_bars),
+        let (error, point_rays, known) = match judged {
+            Some(Judged { error, point_rays, known }) => (Some(error), point_rays, known),
             None => {
                 let (rays, stop) = (plan.point_rays(), linked.job.stop());
-                let error_bars = judge.error.and_then(|_| judge.error_bars(&user_gather(&linked, rays), &stop));
-                (judge.error, rays, error_bars)
+                let known = judge.error.and_then(|_| judge.known_errors(&user_gather(&linked, rays), &stop));
+                (judge.error, rays, known)
             }
         };
-        finish(linked, Outcome { error_bars, error, stopped_by, point_rays, resolution: plan.resolution(), radiosities: None })
+        finish(linked, Outcome { known, error, stopped_by, point_rays, resolution: plan.resolution(), radiosities: None })
     }
 }
 

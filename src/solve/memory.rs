@@ -111,7 +111,7 @@ impl MemoryLedger {
         let surfaces = scene.surfaces().len();
         let clusters = (CLUSTERS * surfaces as f64) as usize;
         let corners = scene.surfaces().iter().map(|surface| surface.polygon.facet().vertices.len()).sum();
-        let nodes: u64 = Self::node_bytes(surfaces + clusters, clusters, scene.channels()).iter().sum();
+        let nodes: u64 = Self::node_bytes(surfaces + clusters, clusters, scene.channels_with_groups()).iter().sum();
         self.fixed + Hierarchy::bytes_of(surfaces, clusters, corners) + nodes + FIRST_LINKS
     }
 

@@ -9,6 +9,8 @@ mod cuts;
 mod effort;
 mod finish;
 mod flux;
+mod grouped_light;
+mod groups_apart;
 mod interest;
 mod job;
 mod judge;
@@ -19,6 +21,7 @@ mod memory;
 mod next_step;
 mod options;
 mod plan;
+mod relight;
 mod report;
 mod scale;
 mod shares;
@@ -38,8 +41,8 @@ pub use options::{
     OptionType, OptionsError, RunOptions, SolveOptions, Solver, Strategy, Subdivision, Sweep, UniformOptions,
 };
 pub use report::{
-    Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LinkErrorReport, LitMeshReport, SkippedWork,
-    SolveReport, StageTimes, StoppedBy,
+    Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LightGroupReport, LightGroupsReport, LinkErrorReport,
+    LitMeshReport, SkippedWork, SolveReport, StageTimes, StoppedBy,
 };
 pub use solution::Solution;
 
@@ -64,7 +67,7 @@ pub(crate) fn least_bytes(scene: &Scene, backend: Backend) -> u64 {
 
 /// Solves `scene` in the current rayon pool; `importance` is looked at by error-driven refinement alone.
 ///
-/// Channels that repeat others, or in which no light is on, are read off the others.
+/// Channels that repeat others, or in which no light is on, are read off the others. Light groups are carried along, and taken apart at the end.
 pub(crate) fn solve(
     scene: Scene,
     options: &SolveOptions,
@@ -73,21 +76,25 @@ pub(crate) fn solve(
     rays: &Rays<'_>,
     observer: &dyn Observer,
 ) -> (Solution, SolveReport) {
+    let scene = scene.with_weights_of_one();
     let merges = options.links.skips.channels && options.strategy == Strategy::Default;
-    let Some(channels) = DistinctChannels::of(&scene).filter(|_| merges) else {
-        let job = Job::new(&scene, scene.channels(), options, run, rays, observer);
-        return solve_to_the_end(&job, importance);
-    };
-    let job = Job::new(&channels.scene, scene.channels(), options, run, rays, observer);
-    let (solution, mut report) = solve_to_the_end(&job, importance);
-    let solution = solution.expanded(&channels, scene);
-    report.energy = report.energy.times(channels.copies as f64);
+    let distinct = DistinctChannels::of(&scene).filter(|_| merges);
+    let solved = distinct.as_ref().map_or(&scene, |channels| &channels.scene).carrying_light_groups();
+    let job = Job::new(&solved, scene.channels_with_groups(), options, run, rays, observer);
+    let (mut solution, mut report) = solve_to_the_end(&job, importance);
+    if let Some(channels) = &distinct {
+        solution = solution.expanded(channels);
+        report.energy = report.energy.times(channels.copies as f64);
+        report.skipped.push(SkippedWork {
+            what: "channels that repeat others, or in which no light is on".to_owned(),
+            count: channels.spared() as u64,
+            ..SkippedWork::default()
+        });
+    }
+    drop(solved);
+    let solution = solution.with_groups_apart(scene);
     report.memory_bytes = solution.memory_bytes();
-    report.skipped.push(SkippedWork {
-        what: "channels that repeat others, or in which no light is on".to_owned(),
-        count: channels.spared() as u64,
-        ..SkippedWork::default()
-    });
+    report.light_groups = solution.light_groups_report();
     (solution, report)
 }
 

@@ -241,6 +241,32 @@ pub struct LitMeshReport {
     pub whole: ErrorFigure,
 }
 
+/// What is known of light groups, with the weights that they have.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LightGroupsReport {
+    /// The error of values at points of all light, by energy; with other weights than were solved for, bounded by what is known of groups.
+    pub error: ErrorFigure,
+    /// The error of the lit mesh, if there is one: what it is off values, and what these are off.
+    pub lit_mesh: Option<ErrorFigure>,
+    /// Group by group, each as if it were alone with the weight 1.
+    pub groups: Vec<LightGroupReport>,
+}
+
+/// What is known of one light group.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LightGroupReport {
+    /// Its name.
+    pub name: String,
+    /// Its weights, by channel.
+    pub weights: Vec<f64>,
+    /// The root mean square of what is reflected of its light, over the area of the surfaces that reflect, channels added, in W/m^2.
+    pub light: f64,
+    /// The error of values at points, by energy, relative to this light.
+    pub error: ErrorFigure,
+    /// The error of the lit mesh, if there is one.
+    pub lit_mesh: Option<ErrorFigure>,
+}
+
 /// What a solve tells about itself: everything that is not the answer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SolveReport {
@@ -254,6 +280,8 @@ pub struct SolveReport {
     pub error: ErrorReport,
     /// The lit mesh, if that was asked for and there is one.
     pub lit_mesh: Option<LitMeshReport>,
+    /// What is known of light groups, if the scene has any.
+    pub light_groups: Option<LightGroupsReport>,
     /// What is proved about the answer, if that was asked for.
     pub bounds: Option<BoundsReport>,
     /// How wrong radiosities may be by the links, for error-driven refinement.
@@ -324,6 +352,7 @@ impl Powers<'_> {
         let (mut energy, mut arrived) = (Energy::default(), 0.0);
         self.for_each_leaf(|leaf, exposed, arriving| {
             let material = scene.material_of(SurfaceId(hierarchy.node(leaf).surface));
+            let arriving = &arriving[..scene.deciding()];
             for (channel, arriving) in arriving.iter().enumerate() {
                 energy.emitted += exposed * material.exitance[channel];
                 energy.absorbed += (1.0 - material.reflectance[channel]) * exposed * arriving;

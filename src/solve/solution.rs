@@ -4,6 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::grouped_light::GroupedLight;
 use super::interest::InitialImportance;
 use super::judge::particle_seed;
 use super::options::{SolveOptions, Solver};
@@ -41,6 +42,8 @@ pub struct Solution {
     pub(crate) bounds: Option<RadiosityBounds>,
     /// The answer as a function, if that was asked for.
     pub(crate) mesh: Option<LitMesh>,
+    /// The light of groups apart, if it was solved with any.
+    pub(crate) groups: Option<GroupedLight>,
 }
 
 impl Solution {
@@ -95,8 +98,12 @@ impl Solution {
 
     /// How bright surfaces are, by the radiosities over the links.
     fn brightness(&self) -> Brightness {
-        let Self { scene, hierarchy, radiosity, .. } = self;
-        Brightness::of_surfaces(scene, |surface| radiosity.reflected(scene, hierarchy, surface))
+        let Self { scene, hierarchy, radiosity, groups, .. } = self;
+        // Cells are laid out by what they were solved for.
+        match groups {
+            Some(groups) => Brightness::of_surfaces(scene, |surface| groups.reflected_as_solved(surface)),
+            None => Brightness::of_surfaces(scene, |surface| radiosity.reflected(scene, hierarchy, surface)),
+        }
     }
 
     /// The light paths that values at points take, where these end in cells.
@@ -140,12 +147,13 @@ impl Solution {
         values
     }
 
-    /// The same for all channels of `scene`, from those that were solved.
-    pub(super) fn expanded(self, channels: &DistinctChannels, scene: Scene) -> Self {
+    /// The same for all channels, from those that were solved.
+    pub(super) fn expanded(self, channels: &DistinctChannels) -> Self {
         let radiosity = self.radiosity.expanded(channels);
         let cell_radiosities = self.cell_radiosities.map(|radiosities| radiosities.expanded(channels));
         let mesh = self.mesh.map(|mesh| mesh.expanded(channels));
-        Self { scene, radiosity, cell_radiosities, mesh, ..self }
+        let groups = self.groups.map(|groups| groups.expanded(channels));
+        Self { radiosity, cell_radiosities, mesh, groups, ..self }
     }
 
     /// Visits the leaves of the hierarchy: polygon (counter-clockwise), surface index, radiosity per channel in W/m^2.
@@ -173,6 +181,7 @@ impl Solution {
             + size_of_val(self.radiosity.values()) as u64
             + self.cell_radiosities.as_ref().map_or(0, CellRadiosities::memory_bytes)
             + self.mesh.as_ref().map_or(0, LitMesh::memory_bytes)
+            + self.groups.as_ref().map_or(0, GroupedLight::memory_bytes)
     }
 
     /// Checks everything that later stages rely on: ids in range, trees well formed, numbers finite.
@@ -189,6 +198,9 @@ impl Solution {
             return Err("the exposures do not fit the hierarchy".to_owned());
         }
         self.radiosity.validate(&self.hierarchy, &self.exposure, channels)?;
+        if self.groups.as_ref().is_some_and(|groups| !groups.tells_brightness(&self.scene)) {
+            return Err("the light of groups does not fit the scene".to_owned());
+        }
         if self.point_rays == 0 || self.point_rays > 1 << 20 {
             return Err("the number of rays to a point is out of range".to_owned());
         }
@@ -211,7 +223,7 @@ impl Solution {
         if let Some(mesh) = &self.mesh {
             mesh.validate(&self.scene)?;
         }
-        Ok(())
+        self.validate_groups()
     }
 }
 

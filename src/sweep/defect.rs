@@ -31,7 +31,8 @@ impl Reflections<'_> {
         let Self { scene, hierarchy, links, exposure, closure } = *self;
         let leaves: Vec<NodeId> = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)).collect();
         let size = |change: &Radiosity| {
-            leaves.iter().map(|&leaf| hierarchy.area(leaf) * change.of(leaf).iter().map(|b| b.abs()).sum::<f64>()).sum::<f64>()
+            let of_leaf = |leaf| change.of(leaf)[..scene.deciding()].iter().map(|b| b.abs()).sum::<f64>();
+            leaves.iter().map(|&leaf| hierarchy.area(leaf) * of_leaf(leaf)).sum::<f64>()
         };
         let enough = TOLERANCE * size(&change);
         for _ in 0..MOST_REFLECTIONS {
@@ -45,8 +46,9 @@ impl Reflections<'_> {
                 for (channel, (rho, h)) in reflectance.iter().zip(arriving).enumerate() {
                     let reflected = rho * factor * h;
                     change.of_mut(leaf)[channel] = reflected;
-                    radiosity.of_mut(leaf)[channel] = (radiosity.of(leaf)[channel] + reflected).max(0.0);
+                    radiosity.of_mut(leaf)[channel] += reflected;
                 }
+                scene.clear_dark(radiosity.of_mut(leaf));
             }
             if size(&change) <= enough || stop() {
                 return;

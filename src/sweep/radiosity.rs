@@ -59,7 +59,8 @@ impl Radiosity {
         for node in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
             if let Some(surface) = hierarchy.surface_of(node) {
                 let exitance = &scene.material_of(surface).exitance;
-                reflected.of_mut(node).iter_mut().zip(exitance).for_each(|(b, e)| *b = (*b - e).max(0.0));
+                reflected.of_mut(node).iter_mut().zip(exitance).for_each(|(b, e)| *b -= e);
+                scene.clear_dark(reflected.of_mut(node));
             }
         }
         reflected.pull(hierarchy, exposure);
@@ -101,7 +102,7 @@ impl Radiosity {
 
     /// What a surface reflects, in W/m^2 in its brightest channel.
     pub(crate) fn reflected(&self, scene: &Scene, hierarchy: &Hierarchy, surface: SurfaceId) -> f64 {
-        let exitance = &scene.material_of(surface).exitance;
+        let exitance = &scene.material_of(surface).exitance[..scene.deciding()];
         let sent = self.of(hierarchy.node_of(surface));
         sent.iter().zip(exitance).map(|(sent, emitted)| sent - emitted).fold(0.0, f64::max)
     }
@@ -115,7 +116,23 @@ impl Radiosity {
     /// The same for all channels, from those that were solved for.
     pub(crate) fn expanded(&self, channels: &DistinctChannels) -> Self {
         let (values, shown) = (channels.expand(&self.values), channels.expand(&self.shown));
-        Self { channels: channels.count(), values, exposed: self.exposed.clone(), shown }
+        Self { channels: channels.count_of(self.channels), values, exposed: self.exposed.clone(), shown }
+    }
+
+    /// The same in some of the channels.
+    pub(crate) fn of_channels(&self, channels: Range<usize>) -> Self {
+        let values = self.values.chunks(self.channels).flat_map(|of_node| &of_node[channels.clone()]).copied().collect();
+        let shown = self.shown.chunks(self.channels).flat_map(|of_cluster| &of_cluster[channels.clone()]).copied().collect();
+        Self { channels: channels.len(), values, exposed: self.exposed.clone(), shown }
+    }
+
+    /// The same with other radiosities of the leaves, by leaf and channel; in the order of their ids.
+    pub(crate) fn with_leaves(&self, hierarchy: &Hierarchy, exposure: &Exposure, leaves: &[f64]) -> Self {
+        let mut radiosity = self.clone();
+        let nodes = hierarchy.ids().filter(|&node| hierarchy.is_leaf(node));
+        nodes.zip(leaves.chunks(self.channels)).for_each(|(node, b)| radiosity.of_mut(node).copy_from_slice(b));
+        radiosity.pull(hierarchy, exposure);
+        radiosity
     }
 
     /// Checks what later stages rely on, in a scene of so many channels.
@@ -128,8 +145,7 @@ impl Radiosity {
         if !of_nodes || self.exposed.len() != clusters || self.shown.len() != channels * clusters {
             return Err("the radiosities do not fit the hierarchy".to_owned());
         }
-        // Results are told in f32.
-        if self.values.iter().any(|b| !(0.0..=f64::from(f32::MAX)).contains(b)) {
+        if !self.is_in_range() {
             return Err("a radiosity is negative or not finite".to_owned());
         }
         let mut pulled = self.clone();
@@ -138,6 +154,11 @@ impl Radiosity {
             return Err("the radiosity of a node is not that of its children".to_owned());
         }
         Ok(())
+    }
+
+    /// Whether no radiosity is negative, and all can be told in f32.
+    pub(crate) fn is_in_range(&self) -> bool {
+        self.values.iter().all(|b| (0.0..=f64::from(f32::MAX)).contains(b))
     }
 
     /// All values, node after node.
@@ -208,14 +229,15 @@ impl Radiosity {
         });
     }
 
-    /// The area-weighted root mean square of `B - E` over all surfaces, channels pooled, in W/m^2.
+    /// The area-weighted root mean square of `B - E` over all surfaces, channels pooled, in W/m^2; those of light groups are left out.
     pub fn reflected_rms(&self, scene: &Scene, hierarchy: &Hierarchy) -> f64 {
         let (mut sum, mut area) = (0.0, 0.0);
         for node in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
             let weight = hierarchy.area(node);
             let exitance = &scene.material_of(SurfaceId(hierarchy.node(node).surface)).exitance;
-            sum += weight * self.of(node).iter().zip(exitance).map(|(b, e)| (b - e) * (b - e)).sum::<f64>();
-            area += weight * self.channels as f64;
+            let reflected = self.of(node).iter().zip(exitance).take(scene.deciding()).map(|(b, e)| b - e);
+            sum += weight * reflected.map(|reflected| reflected * reflected).sum::<f64>();
+            area += weight * scene.deciding() as f64;
         }
         (sum / area).sqrt()
     }

@@ -18,12 +18,18 @@ impl Reflection<'_> {
             closure.close(leaf, irradiance);
         }
         let material = self.scene.material_of(surface);
-        let mut change = Change::default();
+        let (mut change, reflected) = (Change::default(), irradiance);
+        reflected.iter_mut().zip(&material.reflectance).for_each(|(h, rho)| *h *= rho);
+        for reflected in &reflected[..self.scene.deciding()] {
+            change.brightest = change.brightest.max(reflected.abs());
+        }
+        // Links are unbiased samples: in the dark their noise may take the irradiance below zero.
+        self.scene.clear_dark(reflected);
         for (channel, b) in radiosity.iter_mut().enumerate() {
-            let reflected = material.reflectance[channel] * irradiance[channel];
-            // Links are unbiased samples: in the dark their noise may take the irradiance below zero.
-            let new = material.exitance[channel] + reflected.max(0.0);
-            change = change.and(Change { largest: (new - *b).abs(), brightest: reflected.abs() });
+            let new = material.exitance[channel] + reflected[channel];
+            if channel < self.scene.deciding() {
+                change.largest = change.largest.max((new - *b).abs());
+            }
             *b = new;
         }
         change

@@ -126,7 +126,8 @@ impl Gather<'_> {
         for (place, radiosity) in places.iter().zip(gathered.radiosity.chunks_mut(self.scene.channels())) {
             let exitance = &self.scene.material_of(place.surface).exitance;
             // Noise may take the light below zero where all is dark.
-            radiosity.iter_mut().zip(exitance).for_each(|(radiosity, e)| *radiosity = e + radiosity.max(0.0));
+            self.scene.clear_dark(radiosity);
+            radiosity.iter_mut().zip(exitance).for_each(|(radiosity, e)| *radiosity += e);
         }
     }
 

@@ -66,7 +66,12 @@ impl LinkGather<'_> {
         let cosine = receiver.normal.dot(direction) + if near { 1.0 } else { cluster.radius / distance_sq.sqrt() };
         let shown = self.hierarchy.shown_area(node, -direction).max(LEAST_SHOWN * cluster.area);
         let form_factor = cosine.clamp(0.0, 1.0) * shown / (PI * distance_sq.max(cluster.radius * cluster.radius));
-        let brightest = receiver.reflectance.iter().zip(self.radiosity.of(node)).map(|(rho, b)| rho * b).fold(0.0, f64::max);
+        let brightest = receiver
+            .reflectance
+            .iter()
+            .zip(&self.radiosity.of(node)[..self.scene.deciding()])
+            .map(|(rho, b)| rho * b)
+            .fold(0.0, f64::max);
         let worth = form_factor.min(1.0) * brightest;
         SourcePiece::new(node, None, form_factor, worth, near, expected)
     }
@@ -88,7 +93,7 @@ impl LinkGather<'_> {
         let doubt = expected.doubt();
         let shrunk = if part.is_some() { facet.radius / self.hierarchy.node(node).radius } else { 1.0 };
         let scatter = |(b, deviation): (&f64, &f64)| ((b * doubt).powi(2) + (2.0 * deviation * shrunk).powi(2)).sqrt();
-        let scatters = self.radiosity.of(node).iter().zip(self.variation.deviation(node)).map(scatter);
+        let scatters = self.radiosity.of(node)[..self.scene.deciding()].iter().zip(self.variation.deviation(node)).map(scatter);
         let worth = form_factor * receiver.reflectance.iter().zip(scatters).map(|(rho, scatter)| rho * scatter).fold(0.0, f64::max);
         let near = facet.radius * facet.radius > NEAR * NEAR * receiver.point.distance_squared(facet.centroid);
         SourcePiece::new(node, part, form_factor, worth, near, expected)

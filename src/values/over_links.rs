@@ -181,9 +181,10 @@ impl<'a> LinkGather<'a> {
         let material = self.scene.material_of(place.surface);
         let receiver = self.receiver(leaf, place);
         self.irradiance(&receiver, budget, scratch, radiosity);
+        // Noise may take the irradiance below zero where all is dark.
+        self.scene.clear_dark(radiosity);
         for (channel, value) in radiosity.iter_mut().enumerate() {
-            // Noise may take the irradiance below zero where all is dark.
-            *value = material.exitance[channel] + material.reflectance[channel] * value.max(0.0);
+            *value = material.exitance[channel] + material.reflectance[channel] * *value;
         }
     }
 
@@ -285,7 +286,8 @@ impl<'a> LinkGather<'a> {
     /// The radiosity at a point of a leaf by the leaf's own and its slope, by channel.
     fn leaf_radiosity_at(&self, leaf: NodeId, point: DVec3, radiosity: &mut [f64]) {
         let rise = self.variation.rise(leaf, point - self.hierarchy.node(leaf).centroid);
-        radiosity.iter_mut().zip(self.radiosity.of(leaf)).zip(rise).for_each(|((there, b), rise)| *there = (b + rise).max(0.0));
+        radiosity.iter_mut().zip(self.radiosity.of(leaf)).zip(rise).for_each(|((there, b), rise)| *there = b + rise);
+        self.scene.clear_dark(radiosity);
     }
 
     /// Places the rays to every piece, as many as it is worth; a piece worth less than one ray gets one by chance.

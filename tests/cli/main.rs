@@ -5,6 +5,7 @@ mod commands;
 mod hostile;
 mod lit_mesh;
 mod pictures;
+mod relight;
 mod sensors;
 mod solve;
 #[path = "../support/mod.rs"]

@@ -1,6 +1,6 @@
 //! Solutions of which a byte or a field was changed: what is still read can be asked for values, bounds, pictures and exports.
 
-use patchlight::scene::Sides;
+use patchlight::scene::{LightGrouping, Sides};
 use patchlight::solve::{Bounds, Solution, SolveOptions, Solver};
 use serde::Deserialize;
 use serde_json::{Number, Value};
@@ -23,7 +23,17 @@ fn solutions() -> Vec<Solution> {
         assert!(solution.mesh().is_some());
         solution
     };
+    // The light of an emitter kept apart, by either solver.
+    let with_groups = |name: &str, solver, lit_mesh| {
+        let grouped = scene(name, Sides::Front).with_light_groups(&LightGrouping::Materials).unwrap();
+        let options = SolveOptions { error: 0.9, solver, lit_mesh, max_links: Some(100), ..SolveOptions::default() };
+        let solution = solved(grouped, &options).solution().clone();
+        assert!(solution.light_groups_report().is_some_and(|report| report.error.estimate.is_finite()));
+        solution
+    };
     vec![
+        with_groups("furnace.obj", Solver::Links, true),
+        with_groups("cornell.obj", Solver::Cells, false),
         of("furnace.obj", Sides::Front, Solver::Links, Bounds::Guaranteed, 1000),
         of("four_polygons.obj", Sides::Both, Solver::Links, Bounds::Guaranteed, 200),
         of("cornell.obj", Sides::Both, Solver::Links, Bounds::Estimate, 200),
@@ -132,6 +142,43 @@ fn meshes_that_are_none_are_refused() {
     refused(&of("nodes/0/0"), &|x| Value::from(number(x) + 10.0), "outside of the polygon");
     refused(&of("reflected/0"), &|_| Value::from(3e38), "not finite at a node");
     refused(&of("reflected"), &|all| Value::from(all.as_array().unwrap()[1..].to_vec()), "too many or too few");
+}
+
+/// Light of groups that does not fit, or names that are none.
+#[test]
+fn light_groups_that_are_none_are_refused() {
+    let scene = scene("cornell.obj", Sides::Front).with_light_groups(&LightGrouping::Materials).unwrap();
+    let options = SolveOptions { error: 0.5, solver: Solver::Cells, lit_mesh: true, ..SolveOptions::default() };
+    let value = serde_json::to_value(solved(scene, &options).solution()).unwrap();
+    let refused = |path: &str, change: &dyn Fn(&Value) -> Value, words: &str| {
+        let mut value = value.clone();
+        let place = value.pointer_mut(path).unwrap_or_else(|| panic!("{path}"));
+        *place = change(place);
+        let error = Solution::deserialize(&value).unwrap().validate().unwrap_err();
+        assert!(error.contains(words), "{path}: {error}");
+    };
+    let shorter = |all: &Value| Value::from(all.as_array().unwrap()[1..].to_vec());
+    for (path, words) in [
+        ("/scene/light_groups/of_material", "do not fit the scene"),
+        ("/scene/light_groups/exitance", "do not fit the scene"),
+        ("/scene/light_groups/names", "do not fit the scene"),
+        ("/groups/leaves", "does not fit the scene"),
+        ("/groups/reflected", "does not fit the scene"),
+        ("/groups/cells/values", "does not fit the scene"),
+        ("/groups/mesh", "does not fit the scene"),
+        ("/groups/mesh_errors", "does not fit the scene"),
+        ("/groups/errors/values", "does not fit the scene"),
+        ("/groups/errors/light", "does not fit the scene"),
+    ] {
+        refused(path, &shorter, words);
+    }
+    refused("/groups/leaves/0", &|_| Value::from(1e300), "does not fit the scene");
+    refused("/groups/reflected/0", &|_| Value::from(-1.0), "does not fit the scene");
+    refused("/groups", &|_| Value::Null, "is missing, or of none");
+    refused("/scene/light_groups", &|_| Value::Null, "is missing, or of none");
+    refused("/scene/light_groups/weights/0/0", &|_| Value::from(2.0), "not what its light group says");
+    refused("/scene/light_groups/weights/0/0", &|_| Value::from(-1.0), "do not fit the scene");
+    refused("/scene/light_groups/names/0", &|_| Value::from(""), "names of their own");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use patchlight::scene::{Material, Scene};
 
 use super::super::exit::Failure;
-use super::reader::Said;
+use super::super::reader::Said;
 
 /// What of a material is changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -12,7 +12,6 @@ mod parameters;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod plan;
-mod reader;
 mod stock;
 mod table;
 mod tasks;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::super::exit::Failure;
-use super::reader::{Entry, Said};
+use super::super::reader::{Entry, Said};
 
 /// A parameter with all its values.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -103,11 +103,11 @@ pub fn read_rows(said: &Said, path: &Path) -> Result<Rows, Failure> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::reader::read;
+    use super::super::super::reader::read;
     use super::*;
 
     fn parameter(text: &str) -> Result<Vec<String>, String> {
-        let of_first = |table: super::super::reader::Table<'_>| Parameter::new(table.entries()[0]);
+        let of_first = |table: super::super::super::reader::Table<'_>| Parameter::new(table.entries()[0]);
         read(Path::new("jobs.toml"), text, of_first).map(|found| found.values).map_err(|failure| failure.message)
     }
 

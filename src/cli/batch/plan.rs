@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path};
 
 use super::super::exit::Failure;
+use super::super::reader::Said;
 use super::changes::Change;
 use super::job_file::JobFile;
 use super::parameters::{Parameter, Rows};
-use super::reader::Said;
 use super::template;
 
 /// One solve, and what is written of it.

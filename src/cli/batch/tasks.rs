@@ -7,10 +7,10 @@ use super::super::argument_groups::{PictureArguments, RunArguments, SettingArgum
 use super::super::arguments::SolveArguments;
 use super::super::exit::Failure;
 use super::super::progress::Voice;
+use super::super::reader::Said;
 use super::super::request::SolveRequest;
 use super::super::settings::Settings;
 use super::plan::Job;
-use super::reader::Said;
 use super::stock::{Stock, Wanted};
 
 /// A job that is ready to be done.
@@ -83,6 +83,7 @@ impl Common<'_> {
                 set: job.options.iter().map(|said| format!("{}={}", said.key, said.text)).collect(),
                 ..SettingArguments::default()
             },
+            light_groups: None,
             trust: self.trust,
             image: outputs("image"),
             picture: PictureArguments {

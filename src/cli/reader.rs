@@ -5,7 +5,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::super::exit::Failure;
+use super::exit::Failure;
 
 /// A text of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,0 +1,123 @@
+//! `patchlight relight`: a solution with other weights for its light groups, as a solution and as all that is made from one.
+
+use std::path::PathBuf;
+
+use patchlight::output::{Destination, ExportFormat, Provenance, write_fluxes, write_light_groups};
+use patchlight::pipeline::Evaluator;
+use patchlight::scene::LightWeight;
+use patchlight::solve::RunOptions;
+
+use super::argument_groups::Whence;
+use super::arguments::RelightArguments;
+use super::exit::{Exit, Failure};
+use super::files::{self, Outputs, Sink};
+use super::light_groups::{parse_weight, tell_groups};
+use super::progress::Voice;
+use super::request::{PictureRequest, page_file};
+use super::settings::run_options;
+use super::solve::Ending;
+use super::{interrupt, pictures, results};
+
+/// What is asked for.
+#[derive(Debug)]
+pub struct RelightRequest {
+    read: PathBuf,
+    weights: Vec<LightWeight>,
+    solution: Option<Destination>,
+    picture: Option<PictureRequest>,
+    points: Option<(PathBuf, Sink)>,
+    /// Where values come from.
+    from: Option<Whence>,
+    mesh: Option<(Destination, ExportFormat)>,
+    flux: Option<Sink>,
+    page: Option<Destination>,
+    report: Option<Sink>,
+    run: RunOptions,
+    voice: Voice,
+}
+
+impl RelightRequest {
+    /// Validates what was typed.
+    pub fn new(typed: RelightArguments) -> Result<Self, Failure> {
+        let weights = typed.set.iter().map(|weight| parse_weight(weight)).collect::<Result<_, _>>()?;
+        let mut outputs = Outputs::beside(&[&[typed.solution.as_path()], typed.points.as_deref().as_slice()].concat());
+        let solution = typed.output.as_deref().map(|path| outputs.file(path)).transpose()?;
+        let picture = if typed.image.is_empty() {
+            let flags = &typed.picture;
+            let of_pngs = [&flags.exposure, &flags.scale, &flags.show];
+            if of_pngs.into_iter().chain([&flags.camera, &flags.size, &flags.quantity]).any(Option::is_some) {
+                return Err(Failure::usage("--camera, --size, --exposure, --quantity, --scale and --show need --image FILE"));
+            }
+            None
+        } else {
+            Some(PictureRequest::new(&typed.image, &typed.picture, &mut outputs)?)
+        };
+        let mesh = match &typed.mesh {
+            Some(path) => Some((outputs.file(path)?, ExportFormat::of_path(path).map_err(Failure::usage)?)),
+            None => None,
+        };
+        let mut sink = |path: &Option<PathBuf>| path.as_deref().map(|path| outputs.sink(path)).transpose();
+        let (values, flux, report) = (sink(&typed.values)?, sink(&typed.flux)?, sink(&typed.report)?);
+        let page = typed.html.as_deref().map(|path| page_file(path, "--html", &mut outputs)).transpose()?;
+        let points = typed.points.zip(values);
+        let asks = solution.is_some() || picture.is_some() || points.is_some() || mesh.is_some() || page.is_some();
+        if !asks && flux.is_none() && report.is_none() {
+            return Err(Failure::usage(
+                "say what to write: -o, --image, --points with --values, --mesh, --flux, --html or --report",
+            ));
+        }
+        let (run, voice) = (run_options(&typed.run)?, Voice::new(typed.run.progress));
+        let (read, from) = (typed.solution, typed.picture.from);
+        Ok(Self { read, weights, solution, picture, points, from, mesh, flux, page, report, run, voice })
+    }
+}
+
+/// Relights, and writes what is asked for.
+pub fn relight(request: &RelightRequest) -> Result<Exit, Failure> {
+    let voice = request.voice;
+    let points = request.points.as_ref().map(|(path, _)| files::read_points(path)).transpose()?;
+    let relit = files::read_solution(&request.read)?.relit(&request.weights).map_err(Failure::usage)?;
+    let known = relit.light_groups_report().unwrap_or_default();
+    interrupt::listen(interrupt::OF_RUN);
+    tell_groups(voice, &known);
+
+    let (evaluator, provenance) =
+        (Evaluator::new(relit, &request.run)?, |evaluator: &Evaluator| Provenance::new(evaluator.solution().options()));
+    let mut ending = Ending::new(Exit::Done);
+    if let Some(destination) = &request.solution {
+        ending.write(|| results::write_solution_to(destination, &evaluator, voice));
+    }
+    if let (Some((_, sink)), Some(points)) = (&request.points, &points) {
+        let values = match request.from {
+            Some(Whence::Mesh) => Some(results::values_of_mesh(&evaluator, points)?),
+            _ => results::values_at(&evaluator, points, voice),
+        };
+        match values {
+            Some(values) => ending.write(|| results::write_values_to(sink, points, &values, voice)),
+            None => ending.cancel(voice, &sink.name()),
+        }
+    }
+    if let Some(mesh) = &request.mesh {
+        let lit = evaluator.mesh().ok_or_else(|| results::no_mesh("--mesh"))?;
+        ending.write(|| results::write_mesh_to(mesh, &evaluator, lit, voice));
+    }
+    if let Some(picture) = &request.picture {
+        match pictures::take_picture(&evaluator, picture, voice)? {
+            Some(image) => ending.write(|| pictures::write_picture(&image, picture, &provenance(&evaluator), voice)),
+            None => ending.cancel(voice, "the picture"),
+        }
+    }
+    if let Some(sink) = &request.flux {
+        ending.write(|| sink.write(|mut writer| write_fluxes(&mut writer, evaluator.solution())));
+    }
+    if let Some(page) = &request.page {
+        let name = request.read.file_name().unwrap_or_default().to_string_lossy();
+        ending.write(|| results::write_page_to(page, &evaluator, (&name, None), voice));
+    }
+    if let Some(sink) = &request.report {
+        ending.write(|| sink.write(|mut writer| write_light_groups(&mut writer, &known)));
+    }
+    // The program ends: the system takes all memory back at once.
+    std::mem::forget(evaluator);
+    ending.finish()
+}

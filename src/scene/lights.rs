@@ -1,0 +1,39 @@
+//! Emitters by name, as they are put into light groups.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Emitters of one name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Lights {
+    /// Those of a material.
+    Material(String),
+    /// Those of an object.
+    Object(String),
+}
+
+impl Lights {
+    /// How it is written.
+    pub const FORM: &'static str = "'material NAME' or 'object NAME'";
+}
+
+impl FromStr for Lights {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.split_once(' ').map(|(kind, name)| (kind, name.trim())) {
+            Some(("material", name)) if !name.is_empty() => Ok(Self::Material(name.to_owned())),
+            Some(("object", name)) if !name.is_empty() => Ok(Self::Object(name.to_owned())),
+            _ => Err(format!("'{text}' names no lights, write {}", Self::FORM)),
+        }
+    }
+}
+
+impl fmt::Display for Lights {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Material(name) => write!(f, "material {name}"),
+            Self::Object(name) => write!(f, "object {name}"),
+        }
+    }
+}
