@@ -60,7 +60,8 @@ fn values_of_mesh(evaluator: &Evaluator, points: &Points) -> Result<BoundedValue
     Ok((values, evaluator.bounds_at(&points)))
 }
 
-fn no_mesh(flag: &str) -> Failure {
+/// There is no mesh to read.
+pub fn no_mesh(flag: &str) -> Failure {
     Failure::usage(format_args!("{flag}: this solution has no lit mesh; solve the scene with --lit-mesh"))
 }
 

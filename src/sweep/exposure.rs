@@ -160,6 +160,34 @@ pub(crate) fn sampled_exposed_point(
     }
 }
 
+/// Tells which points of surfaces are hidden: by what stands on them alone, not by what lies close over them.
+pub(crate) struct HiddenPoints<'a> {
+    by_plane: ByPlane<'a>,
+    rays: &'a Rays<'a>,
+}
+
+impl<'a> HiddenPoints<'a> {
+    pub(crate) fn of(scene: &'a Scene, rays: &'a Rays<'a>) -> Self {
+        Self { by_plane: ByPlane::new(scene), rays }
+    }
+
+    /// Whether each of some points of a surface is hidden.
+    pub(crate) fn among(&self, surface: SurfaceId, points: &[DVec3], seed: u64) -> Vec<bool> {
+        let Self { by_plane, rays } = self;
+        let of_scene = by_plane.scene.surface(surface);
+        let (facet, plane) = (of_scene.polygon.facet(), of_scene.plane);
+        let mut from = PointsOfNode { by_plane, rays, facet, surface, plane, opposite: None, points: Vec::new() };
+        let (directions, frame) = (sampling::shifted_sobol_2d(seed), Frame::around(facet.normal));
+        let ray = |(number, point): (u32, &DVec3)| {
+            let [s, t] = directions(number);
+            Ray { origin: point.to_array(), direction: frame.sampled_by_cosine(s, t).to_array(), origin_plane: plane }
+        };
+        from.cast(&(0..).zip(points).map(ray).collect::<Vec<Ray>>());
+        from.cast_again_where_hidden(seed);
+        from.points.into_iter().map(|point| point.is_hidden).collect()
+    }
+}
+
 /// What rays from a node tell.
 struct Sampled {
     exposure: f32,
@@ -247,7 +275,7 @@ fn sampled_points(
     let plane = by_plane.scene.surface(surface).plane;
     let seed = sampling::hash(seed, streams::EXPOSURE + u64::from(node.0));
     let mut from = PointsOfNode { by_plane, rays, facet, surface, plane, opposite: None, points: Vec::new() };
-    from.cast(samples, seed);
+    from.draw(samples, seed);
     from.cast_again_where_hidden(seed);
     from.hide_covered();
     from.points.into_iter()
@@ -267,15 +295,19 @@ struct PointsOfNode<'a> {
 
 impl PointsOfNode<'_> {
     /// Draws the points, and casts a ray from each.
-    fn cast(&mut self, samples: u32, seed: u64) {
+    fn draw(&mut self, samples: u32, seed: u64) {
         let (facet, frame) = (self.facet, Frame::around(self.facet.normal));
         let ray = |sample| {
             let [u, v, s, t] = sampling::sobol_4d(sample, seed);
             let (origin, direction) = (facet.point_at(u, v).to_array(), frame.sampled_by_cosine(s, t).to_array());
             Ray { origin, direction, origin_plane: self.plane }
         };
-        let rays: Vec<Ray> = (0..samples).map(ray).collect();
-        for (ray, (end, height)) in rays.iter().zip(self.ends(&rays)) {
+        self.cast(&(0..samples).map(ray).collect::<Vec<Ray>>());
+    }
+
+    /// Casts a ray from each of some points.
+    fn cast(&mut self, rays: &[Ray]) {
+        for (ray, (end, height)) in rays.iter().zip(self.ends(rays)) {
             self.points.push(SampledPoint { point: DVec3::from(ray.origin), end, height, is_hidden: end == End::Back });
         }
     }

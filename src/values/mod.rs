@@ -23,7 +23,7 @@ pub(crate) use gather::{Gather, Gathered, Over, Scratch};
 pub(crate) use indirect::IndirectGather;
 pub(crate) use over_links::LinkGather;
 pub use sample::{Values, ValuesError};
-pub(crate) use sample::{tolerance, values_at};
+pub(crate) use sample::{tolerance, values_at, values_at_places};
 pub use sensors::Irradiances;
 pub(crate) use sensors::irradiances_at;
 pub(crate) use shading::Shading;

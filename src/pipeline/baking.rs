@@ -1,0 +1,81 @@
+//! Lightmaps of a solution.
+
+use rayon::prelude::*;
+
+use super::Evaluator;
+use crate::bake::{self, Aim, Atlas, BakeError, Held, Lightmap, Texels};
+use crate::discontinuities;
+use crate::mesh::{LitMesh, MeshReader};
+use crate::paths::Place;
+use crate::progress::Observer;
+use crate::scene::SurfaceId;
+use crate::transmittance::Rays;
+use crate::values;
+
+impl Evaluator {
+    /// A lightmap, read off a lit mesh of this solution, or gathered where that is needed and interpolated between. `None` if the observer cancels.
+    ///
+    /// # Errors
+    /// [`BakeError::OtherScene`] if `atlas` was made of another scene.
+    pub fn bake(
+        &self,
+        atlas: &Atlas,
+        mesh: Option<&LitMesh>,
+        observer: &dyn Observer,
+    ) -> Result<Option<Lightmap>, BakeError> {
+        let (scene, seed) = (self.solution.scene(), self.solution.options().seed);
+        if !atlas.is_of(scene) {
+            return Err(BakeError::OtherScene);
+        }
+        let rays = Rays::new(&*self.visibility, scene);
+        let stop = || observer.cancelled();
+        Ok(self.pool.install(|| {
+            let mut texels = bake::texels_of(atlas, scene);
+            let hidden = bake::hide(scene, &mut texels, &rays, seed, &stop);
+            let found = match mesh {
+                Some(mesh) => {
+                    read(&mut texels, &self.reader(mesh), scene, &stop);
+                    None
+                }
+                None => Some(self.gather_texels(&mut texels, &rays, observer)?),
+            };
+            (!observer.cancelled()).then(|| bake::finish(scene, atlas, &texels, Held { hidden, found }))
+        }))
+    }
+
+    /// Gathers texels; `None` if the observer cancels.
+    fn gather_texels(
+        &self,
+        texels: &mut [Texels<'_>],
+        rays: &Rays<'_>,
+        observer: &dyn Observer,
+    ) -> Option<(bake::Found, crate::error::ErrorNorm)> {
+        let (scene, options) = (self.solution.scene(), self.solution.options());
+        let stop = || observer.cancelled();
+        let paths = self.solution.light_paths(rays, &stop);
+        let gather = self.solution.gather_at_points(rays, paths.as_ref());
+        let lines = discontinuities::of_shape(scene, &stop);
+        let ask = |places: &[Place]| {
+            let places: Vec<Option<Place>> = places.iter().copied().map(Some).collect();
+            values::values_at_places(&gather, self.solution.error_bars, &places, observer)
+        };
+        let aim = Aim { error: options.error, norm: options.norm.into(), seed: options.seed };
+        bake::gather(scene, texels, &lines, aim, &ask).map(|found| (found, aim.norm))
+    }
+}
+
+/// Reads all texels that have no value yet off a mesh; once it is stopped, nothing more.
+fn read(texels: &mut [Texels<'_>], reader: &MeshReader<'_>, scene: &crate::scene::Scene, stop: &(dyn Fn() -> bool + Sync)) {
+    texels.par_iter_mut().for_each(|of_chart| {
+        let wanted: Vec<usize> = (0..of_chart.sites.len()).filter(|&index| of_chart.is_wanted(index)).collect();
+        let of_texel = |&index: &usize| {
+            let mut radiosity = vec![0.0; scene.channels()];
+            if !stop() {
+                reader.radiosity_at(of_chart.point(scene, index), SurfaceId(of_chart.sites[index].surface), &mut radiosity);
+            }
+            radiosity.into_iter().map(|b| b as f32).collect::<Vec<f32>>()
+        };
+        let found: Vec<Vec<f32>> = wanted.par_iter().map(of_texel).collect();
+        wanted.iter().zip(&found).for_each(|(&index, radiosity)| of_chart.set(index, radiosity));
+    });
+}
