@@ -100,12 +100,12 @@ impl Cell {
         for node in middles {
             let weights = bilinear(self.part(0, node % 3), self.part(1, node / 3));
             for channel in 0..texels.channels() {
-                let value = |index: usize| f64::from(texels.radiosity_of(index)[channel]);
+                let value = |index: usize| f64::from(texels.reflected_of(index)[channel]);
                 let told: f64 = corners.iter().zip(weights).map(|(&corner, weight)| weight * value(corner)).sum();
                 let own = value(nodes[node]);
                 misfit.off_sq += (own - told).powi(2);
-                misfit.light_sq += (own - texels.material.exitance[channel]).powi(2);
             }
+            misfit.light_sq += texels.light_sq(nodes[node], texels.reflected_of(nodes[node]));
             // Noise that is not known counts as none: all that is found is then taken for true.
             let noise_sq = |index: usize| f64::from(notes.noise_sq[index]);
             let of_corners: f64 = corners.iter().zip(weights).map(|(&corner, weight)| weight * weight * noise_sq(corner)).sum();
@@ -138,7 +138,7 @@ impl Cell {
             let weights = bilinear(part(column, across[i], across[i + 1]), part(row, down[j], down[j + 1]));
             let corners = [0, 1, 3, 4].map(|corner| nodes[3 * j + i + corner]);
             for (channel, radiosity) in radiosity.iter_mut().enumerate() {
-                let of_corner = |corner: usize| f64::from(texels.radiosity_of(corner)[channel]);
+                let of_corner = |corner: usize| f64::from(texels.reflected_of(corner)[channel]);
                 *radiosity = corners.iter().zip(weights).map(|(&corner, weight)| weight * of_corner(corner)).sum::<f64>() as f32;
             }
             texels.set(index, &radiosity);
@@ -154,12 +154,12 @@ pub(super) fn bilinear(x: f64, y: f64) -> [f64; 4] {
 }
 
 impl Notes {
-    /// Of a chart, on which there are `lines` from point to point, in texels.
+    /// Of a chart, on which there are `lines` from point to point, in texels. What runs along its border parts nothing.
     pub fn new(texels: &Texels<'_>, lines: impl Iterator<Item = [DVec2; 2]>) -> Self {
         let [columns, rows] = texels.chart.size();
         let mut is_marked = vec![false; columns * rows];
         let mut mark = |at: DVec2| {
-            if at.cmpge(DVec2::ZERO).all() && at.x < columns as f64 && at.y < rows as f64 {
+            if at.cmpge(DVec2::ONE).all() && at.x < columns as f64 - 1.0 && at.y < rows as f64 - 1.0 {
                 is_marked[at.y as usize * columns + at.x as usize] = true;
             }
         };

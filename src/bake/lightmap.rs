@@ -10,10 +10,8 @@ use super::fill::Canvas;
 use super::gathered::Found;
 use super::seams::{self, Seams};
 use super::texels::Texels;
-use crate::error::ErrorNorm;
 use crate::picture::{Image, Shown};
 use crate::scene::Scene;
-use crate::values::ValuesError;
 
 /// Light as textures.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,28 +31,22 @@ pub struct BakeReport {
     pub texels: u64,
     /// Texels of faces on which something stands, which are filled from others of their chart.
     pub hidden: u64,
-    /// Texels that were gathered by rays: 0 if all were read off a lit mesh.
-    pub gathered: u64,
-    /// How wrong the gathered ones are; `None` if none were, or that is not known.
-    pub error: Option<ValuesError>,
-    /// How far the interpolated ones are off gathers, relative in the norm of the options, at two standard deviations; `None` if there are none.
-    pub interpolated: Option<f64>,
-    /// How wrong all are together, relative in the norm of the options: an estimate.
+    /// Texels at which direct light was gathered, and those at which indirect light was: 0 if all were read off a lit mesh.
+    pub gathered: [u64; 2],
+    /// How wrong the gathered ones are; errors are root mean squares relative to the light, in the norm of the options. `None` if none were gathered, or
+    /// if that is not known.
+    pub error: Option<f64>,
+    /// How far interpolated ones are off gathers, at two standard deviations.
+    pub interpolated: f64,
+    /// How wrong all are together: an estimate.
     pub whole: Option<f64>,
     /// Seams between charts that meet at a flat angle.
     pub seams: Seams,
 }
 
-/// What was found on the way.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Held {
-    pub hidden: u64,
-    /// How texels were gathered, and the norm that this is told in; `None` if they were read off a mesh.
-    pub found: Option<(Found, ErrorNorm)>,
-}
-
-/// Lays all texels on their pages, fills what has none, and compares the seams.
-pub(crate) fn finish(scene: &Scene, atlas: &Atlas, texels: &[Texels<'_>], held: Held) -> Lightmap {
+/// Lays all texels on their pages, fills what has none, and compares the seams. Of all texels `hidden` are so; they were gathered as `found` says, or read
+/// off a mesh.
+pub(crate) fn finish(scene: &Scene, atlas: &Atlas, texels: &[Texels<'_>], hidden: u64, found: Option<&Found>) -> Lightmap {
     let channels = scene.channels();
     let mut pages: Vec<Image> = atlas.pages.iter().map(|&[width, height]| Image::black(width, height, channels)).collect();
     let padding = atlas.options.padding as usize;
@@ -70,7 +62,14 @@ pub(crate) fn finish(scene: &Scene, atlas: &Atlas, texels: &[Texels<'_>], held: 
 
     let count = texels.iter().flat_map(|texels| &texels.sites).filter(|site| site.is_covered()).count() as u64;
     let seams = seams::compare(scene, atlas, &pages);
-    let report = BakeReport { texels: count, hidden: held.hidden, seams, ..held.report(count) };
+    let report = BakeReport { texels: count, hidden, seams, ..BakeReport::default() };
+    let report = found.map_or(report, |found| BakeReport {
+        gathered: found.gathered,
+        error: found.error,
+        interpolated: found.interpolated,
+        whole: found.error.map(|error| error.hypot(found.interpolated)),
+        ..report
+    });
     Lightmap { atlas: atlas.clone(), pages, report }
 }
 
@@ -81,27 +80,10 @@ fn filled(texels: &Texels<'_>, padding: usize) -> Canvas {
     for index in (0..texels.sites.len()).filter(|&index| texels.sites[index].is_covered() && texels.is_known(index)) {
         let (column, row) = (index % columns + padding, index / columns + padding);
         let numbers = &mut canvas.numbers[(row * canvas.width + column) * channels..][..channels];
-        numbers.iter_mut().zip(texels.radiosity_of(index)).for_each(|(number, b)| *number = b / PI);
+        numbers.iter_mut().zip(texels.reflected_of(index)).zip(&texels.material.exitance).for_each(|((number, b), e)| *number = (b + *e as f32) / PI);
     }
     canvas.fill();
     canvas
-}
-
-impl Held {
-    /// What is known of so many texels.
-    fn report(&self, texels: u64) -> BakeReport {
-        let Some((found, norm)) = self.found else { return BakeReport::default() };
-        let Found { gathered, error, interpolated } = found;
-
-        // All have the errors of gathers; those between also what they are off these.
-        let share = 1.0 - gathered as f64 / texels.max(1) as f64;
-        let of_gathers = error.map(|error| match norm {
-            ErrorNorm::Energy => error.energy,
-            ErrorNorm::Local => error.local,
-        });
-        let whole = of_gathers.map(|of_gathers| of_gathers.hypot(share.max(0.0).sqrt() * interpolated.unwrap_or(0.0)));
-        BakeReport { gathered, error, interpolated, whole, ..BakeReport::default() }
-    }
 }
 
 impl Lightmap {

@@ -24,7 +24,7 @@ mod texels;
 pub use atlas::{Atlas, FaceOnAtlas};
 pub(crate) use gathered::{Aim, Found, gather};
 pub(crate) use hidden::hide;
-pub(crate) use lightmap::{Held, finish};
+pub(crate) use lightmap::finish;
 pub use lightmap::{BakeReport, Lightmap};
 pub use options::{BakeError, BakeOptions, Only};
 pub use seams::Seams;

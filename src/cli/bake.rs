@@ -219,7 +219,7 @@ fn plural(count: usize, what: &str) -> String {
 /// Tells how texels were found, and how wrong they are.
 fn tell_report(report: &BakeReport, mesh: Option<&LitMesh>, voice: Voice) {
     let BakeReport { texels, hidden, gathered, .. } = report;
-    let found = if mesh.is_some() { "read off the lit mesh".to_owned() } else { format!("{gathered} of them gathered") };
+    let found = if mesh.is_some() { "read off the lit mesh".to_owned() } else { format!("direct light gathered at {} of them, indirect at {}", gathered[0], gathered[1]) };
     voice.figure("texels", format_args!("{texels}, {found}; {hidden} have something standing on them"));
     let percent = |part: f64| format!("{:.2}%", 100.0 * part);
     match (mesh, report.whole, report.error) {
@@ -227,12 +227,8 @@ fn tell_report(report: &BakeReport, mesh: Option<&LitMesh>, voice: Voice) {
             voice.figure("values", format_args!("those of the lit mesh, claimed to be {} off the values at points", percent(mesh.claimed)));
         }
         (None, Some(whole), Some(error)) => {
-            let between = report.interpolated.map_or(String::new(), |off| format!(", those between {} off gathers", percent(off)));
-            let (local, energy, whole) = (percent(error.local), percent(error.energy), percent(whole));
-            voice.figure(
-                "values",
-                format_args!("gathered texels {energy} off by energy, {local} locally{between}; {whole} off together: an estimate"),
-            );
+            let (error, between, whole) = (percent(error), percent(report.interpolated), percent(whole));
+            voice.figure("values", format_args!("{whole} off: gathered ones {error}, what lies between {between} more: an estimate"));
         }
         _ => voice.figure("values", format_args!("nothing can be said about their error")),
     }

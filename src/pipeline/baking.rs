@@ -3,14 +3,14 @@
 use rayon::prelude::*;
 
 use super::Evaluator;
-use crate::bake::{self, Aim, Atlas, BakeError, Held, Lightmap, Texels};
+use crate::bake::{self, Aim, Atlas, BakeError, Found, Lightmap, Texels};
 use crate::discontinuities;
 use crate::mesh::{LitMesh, MeshReader};
 use crate::paths::Place;
 use crate::progress::Observer;
 use crate::scene::SurfaceId;
 use crate::transmittance::Rays;
-use crate::values;
+use crate::values::{self, Part};
 
 impl Evaluator {
     /// A lightmap, read off a lit mesh of this solution, or gathered where that is needed and interpolated between. `None` if the observer cancels.
@@ -39,28 +39,20 @@ impl Evaluator {
                 }
                 None => Some(self.gather_texels(&mut texels, &rays, observer)?),
             };
-            (!observer.cancelled()).then(|| bake::finish(scene, atlas, &texels, Held { hidden, found }))
+            (!observer.cancelled()).then(|| bake::finish(scene, atlas, &texels, hidden, found.as_ref()))
         }))
     }
 
     /// Gathers texels; `None` if the observer cancels.
-    fn gather_texels(
-        &self,
-        texels: &mut [Texels<'_>],
-        rays: &Rays<'_>,
-        observer: &dyn Observer,
-    ) -> Option<(bake::Found, crate::error::ErrorNorm)> {
+    fn gather_texels(&self, texels: &mut [Texels<'_>], rays: &Rays<'_>, observer: &dyn Observer) -> Option<Found> {
         let (scene, options) = (self.solution.scene(), self.solution.options());
         let stop = || observer.cancelled();
         let paths = self.solution.light_paths(rays, &stop);
         let gather = self.solution.gather_at_points(rays, paths.as_ref());
         let lines = discontinuities::of_shape(scene, &stop);
-        let ask = |places: &[Place]| {
-            let places: Vec<Option<Place>> = places.iter().copied().map(Some).collect();
-            values::values_at_places(&gather, self.solution.error_bars, &places, observer)
-        };
+        let ask = |places: &[Place], part: Part| values::reflected_at(&gather, self.solution.error_bars, places, part, observer);
         let aim = Aim { error: options.error, norm: options.norm.into(), seed: options.seed };
-        bake::gather(scene, texels, &lines, aim, &ask).map(|found| (found, aim.norm))
+        bake::gather(scene, texels, &lines, aim, &ask)
     }
 }
 
@@ -69,13 +61,13 @@ fn read(texels: &mut [Texels<'_>], reader: &MeshReader<'_>, scene: &crate::scene
     texels.par_iter_mut().for_each(|of_chart| {
         let wanted: Vec<usize> = (0..of_chart.sites.len()).filter(|&index| of_chart.is_wanted(index)).collect();
         let of_texel = |&index: &usize| {
-            let mut radiosity = vec![0.0; scene.channels()];
+            let mut reflected = vec![0.0; scene.channels()];
             if !stop() {
-                reader.radiosity_at(of_chart.point(scene, index), SurfaceId(of_chart.sites[index].surface), &mut radiosity);
+                reader.reflected_at(of_chart.point(scene, index), SurfaceId(of_chart.sites[index].surface), &mut reflected);
             }
-            radiosity.into_iter().map(|b| b as f32).collect::<Vec<f32>>()
+            reflected.into_iter().map(|b| b as f32).collect::<Vec<f32>>()
         };
         let found: Vec<Vec<f32>> = wanted.par_iter().map(of_texel).collect();
-        wanted.iter().zip(&found).for_each(|(&index, radiosity)| of_chart.set(index, radiosity));
+        wanted.iter().zip(&found).for_each(|(&index, reflected)| of_chart.set(index, reflected));
     });
 }

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::budget::RayBudget;
 use super::final_gather::{FinalGather, emitter_rays};
 use super::over_links::{LinkGather, LinkScratch};
+use super::reflected::Part;
 use crate::hierarchy::Hierarchy;
 use crate::paths::{BATCHES, BatchSums, PathScratch, Place, place_at};
 use crate::scene::{Scene, SurfaceId};
@@ -84,6 +85,35 @@ impl Gather<'_> {
                     gather.add_sampled_indirect(places, budget.rays, paths, sums);
                 });
                 self.add_direct(gather, places, budget, scratch, gathered);
+            }
+        }
+    }
+
+    /// A part of the reflected light at places, each with the rays of its budget. What a place reflects does not depend on the others.
+    pub fn reflected_at(&self, places: &[Place], part: Part, scratch: &mut Scratch, gathered: &mut Gathered) {
+        let rays = self.budget.rays;
+        match (&self.over, part) {
+            (Over::Links(_), Part::Sharp) => {
+                self.values_at(places, self.budget, scratch, gathered);
+                for (place, radiosity) in places.iter().zip(gathered.radiosity.chunks_mut(self.scene.channels())) {
+                    let exitance = &self.scene.material_of(place.surface).exitance;
+                    radiosity.iter_mut().zip(exitance).for_each(|(radiosity, e)| *radiosity -= e);
+                }
+            }
+            (Over::Links(_), Part::Smooth) => gathered.reset(places.len() * self.scene.channels()),
+            (Over::Cells(gather), _) => {
+                gathered.reset(places.len() * self.scene.channels());
+                let Scratch { paths, sums, .. } = scratch;
+                match part {
+                    Part::Sharp => self.add_reflected(places, emitter_rays(rays), sums, gathered, |sums| {
+                        gather.add_sampled_direct(places, rays, paths, sums);
+                    }),
+                    Part::Smooth => self.add_reflected(places, rays.max(1), sums, gathered, |sums| {
+                        gather.add_sampled_indirect(places, rays, paths, sums);
+                    }),
+                }
+                // Noise may take the light below zero where all is dark.
+                gathered.radiosity.iter_mut().for_each(|radiosity| *radiosity = radiosity.max(0.0));
             }
         }
     }

@@ -53,7 +53,7 @@ const CROWDED: usize = 96;
 
 impl ValuesError {
     /// Of values with these squares of the reflected light and of the standard errors, point by point, channels added.
-    pub(crate) fn of(squares: &[[f64; 2]]) -> Option<Self> {
+    fn of(squares: &[[f64; 2]]) -> Option<Self> {
         let mut lit: Vec<[f64; 2]> = squares.iter().copied().filter(|[light_sq, _]| *light_sq > 0.0).collect();
         lit.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let [typical_sq, _] = *lit.get(lit.len().checked_sub(1)? / 2)?;
@@ -93,6 +93,8 @@ pub(crate) fn values_at(
     points: &[SurfacePoint],
     observer: &dyn Observer,
 ) -> Option<Values> {
+    let channels = gather.scene.channels();
+
     // The surfaces that the points lie on.
     let tolerance = tolerance(gather.scene);
     let place = |point: &SurfacePoint| {
@@ -100,27 +102,16 @@ pub(crate) fn values_at(
         Some(gather.place_at(position, gather.hierarchy.surface_at(position, normal, tolerance)?))
     };
     let places: Vec<Option<Place>> = points.par_iter().map(place).collect();
-    values_at_places(gather, error_bars, &places, observer)
-}
-
-/// The same at places, some of which may be on no surface.
-pub(crate) fn values_at_places(
-    gather: &Gather<'_>,
-    error_bars: Option<ErrorBars>,
-    places: &[Option<Place>],
-    observer: &dyn Observer,
-) -> Option<Values> {
-    let channels = gather.scene.channels();
     let missed = places.iter().filter(|place| place.is_none()).count();
 
     // The irradiance cache. It may leave fewer rays to points.
-    let cache = build_cache(gather, places, tolerance(gather.scene), observer);
+    let cache = build_cache(gather, &places, tolerance, observer);
     let budget = RayBudget { rays: cache.as_ref().map_or(gather.budget.rays, |cache| cache.rays), ..gather.budget };
     let sampler = Sampler { gather, error_bars, cache, budget };
 
     // Their values, batch by batch.
-    let mut numbers = vec![[f32::NAN; 2]; channels * places.len()];
-    let (done, total) = (AtomicUsize::new(0), places.len());
+    let mut numbers = vec![[f32::NAN; 2]; channels * points.len()];
+    let (done, total) = (AtomicUsize::new(0), points.len());
     numbers.par_chunks_mut(channels * BATCH).zip(places.par_chunks(BATCH)).enumerate().for_each_init(
         Scratch::default,
         |scratch, (batch, (numbers, places))| {
