@@ -6,14 +6,15 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::lattice::{Cell, Misfit, Notes, first_cells};
+use super::lattice::{Cell, Misfit, Notes, first_cells, first_side};
 use super::texels::Texels;
 use crate::discontinuities::Discontinuities;
 use crate::error::ErrorNorm;
 use crate::geometry::{sampling, streams};
 use crate::paths::Place;
+use crate::progress::Observer;
 use crate::scene::Scene;
-use crate::values::{Part, Reflected};
+use crate::values::{self, ErrorBars, Gather, Part, Reflected};
 
 /// Interpolated texels that are held against gathers of their own: a mean square is known to some four percent, as far as they are alike.
 const CONTROLS: usize = 1024;
@@ -24,8 +25,13 @@ const CONFIDENCE_SIGMAS: f64 = 2.0;
 /// The parts of the light, in their order.
 const PARTS: [Part; 2] = [Part::Sharp, Part::Smooth];
 
-/// Takes a part of the reflected light at places; `None` if it is cancelled.
-pub(crate) type Ask<'a> = &'a (dyn Fn(&[Place], Part) -> Option<Reflected> + Sync);
+/// Gathers light at places, and is asked whether to stop.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    pub gather: &'a Gather<'a>,
+    pub error_bars: Option<ErrorBars>,
+    pub observer: &'a dyn Observer,
+}
 
 /// How good interpolated texels have to be, and where random numbers come from.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +61,7 @@ struct PartOfLight<'a> {
     scene: &'a Scene,
     part: Part,
     aim: Aim,
-    ask: Ask<'a>,
+    asked: Asked<'a>,
     /// Of each gathered texel: its square of light, and of its standard error.
     squares: Vec<[f64; 2]>,
 }
@@ -66,7 +72,7 @@ pub(crate) fn gather(
     texels: &mut [Texels<'_>],
     lines: &Discontinuities,
     aim: Aim,
-    ask: Ask<'_>,
+    asked: Asked<'_>,
 ) -> Option<Found> {
     let mut notes: Vec<Notes> = texels.par_iter().map(|texels| notes_of(texels, lines)).collect();
     let (mut found, mut wrong_sq, mut off_sq) = (Found::default(), 0.0, 0.0);
@@ -74,7 +80,7 @@ pub(crate) fn gather(
         if number > 0 {
             texels.iter_mut().for_each(Texels::begin_next_part);
         }
-        let mut light = PartOfLight { scene, part, aim, ask, squares: Vec::new() };
+        let mut light = PartOfLight { scene, part, aim, asked, squares: Vec::new() };
         let filled = light.find(texels, &mut notes)?;
         let share = filled.len() as f64 / (filled.len() + light.squares.len()).max(1) as f64;
         off_sq += share * light.off_gathers_sq(texels, &filled)?;
@@ -97,7 +103,8 @@ impl PartOfLight<'_> {
     /// Finds this part for all texels: nodes are gathered, then cells are kept or quartered. Returns the texels that were interpolated.
     fn find(&mut self, texels: &mut [Texels<'_>], notes: &mut [Notes]) -> Option<Vec<Texel>> {
         let reflecting = (0..texels.len()).filter(|&chart| texels[chart].material.reflects());
-        let mut cells: Vec<Cell> = reflecting.flat_map(|chart| first_cells(chart, texels[chart].chart.size())).collect();
+        let side = first_side(texels);
+        let mut cells: Vec<Cell> = reflecting.flat_map(|chart| first_cells(chart, texels[chart].chart.size(), side)).collect();
         let mut plain = Vec::new();
         while !cells.is_empty() {
             let mut wanted: Vec<Texel> = (cells.iter())
@@ -141,7 +148,9 @@ impl PartOfLight<'_> {
 
     fn gathers(&self, texels: &[Texels<'_>], wanted: &[Texel]) -> Option<Reflected> {
         let place = |&(chart, index): &Texel| texels[chart].place(self.scene, index, self.aim.seed);
-        (self.ask)(&wanted.par_iter().map(place).collect::<Vec<Place>>(), self.part)
+        let places: Vec<Place> = wanted.iter().map(place).collect();
+        let Asked { gather, error_bars, observer } = self.asked;
+        values::reflected_at(gather, error_bars, &places, self.part, observer)
     }
 
     /// What errors are relative to, squared: the least of all places in the local norm, the same for all by energy.
@@ -165,10 +174,10 @@ impl PartOfLight<'_> {
         }
     }
 
-    /// Whether what the middles of a cell are off, beyond noise, is no more than the part's share of the error that values may have.
+    /// Whether what the middles of a cell are truly off is no more than the part's share of the error that values may have.
     fn is_close(&self, misfit: &Misfit, scale_sq: f64) -> bool {
         let allowed_sq = self.aim.error.powi(2) / PARTS.len() as f64;
-        misfit.off_sq - misfit.noise_sq <= allowed_sq * self.relative_to(misfit.light_sq, scale_sq)
+        misfit.true_sq() <= allowed_sq * self.relative_to(misfit.light_sq, scale_sq)
     }
 
     /// The mean square of the standard errors of what was gathered, relative in the norm.

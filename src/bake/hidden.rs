@@ -21,49 +21,56 @@ const BATCH: usize = 1024;
 /// Moves sites that are hidden to where the texel is open, and leaves texels without a value that are hidden everywhere. Returns how many these are.
 pub(crate) fn hide(scene: &Scene, texels: &mut [Texels<'_>], rays: &Rays<'_>, seed: u64, stop: Stop<'_>) -> u64 {
     let hidden = HiddenPoints::of(scene, rays);
-    texels.iter_mut().zip(0..).map(|(of_chart, number)| of_chart_hidden(scene, of_chart, &hidden, (number, seed), stop)).sum()
+    let of_chart = |(texels, number): (&mut Texels<'_>, u64)| {
+        let seed = sampling::hash(seed, streams::BAKE_HIDDEN + number);
+        let is_hidden = hidden_sites(scene, texels, &hidden, seed, stop);
+
+        // Texels beside open ones may be open in part.
+        let (chart, columns) = (texels.chart, texels.columns());
+        let is_beside = |index: usize| {
+            let beside = [index.wrapping_sub(1), index + 1, index.wrapping_sub(columns), index + columns];
+            beside.into_iter().any(|other| texels.sites.get(other).is_some_and(Site::is_covered) && !is_hidden[other])
+        };
+        let place = |index: usize| {
+            let (surface, seed) = (SurfaceId(texels.sites[index].surface), sampling::hash(seed, index as u64));
+            let at = [index % columns, index / columns];
+            (is_beside(index) && !stop()).then(|| open_place(scene, chart, (surface, at), &hidden, seed)).flatten()
+        };
+        let all: Vec<usize> = (0..is_hidden.len()).filter(|&index| is_hidden[index]).collect();
+        let places: Vec<Option<DVec2>> = all.par_iter().map(|&index| place(index)).collect();
+        for (&index, place) in all.iter().zip(&places) {
+            match place {
+                Some(place) => texels.sites[index].move_to(*place),
+                None => texels.sites[index].hide(),
+            }
+        }
+        places.iter().filter(|place| place.is_none()).count() as u64
+    };
+    texels.iter_mut().zip(0..).map(of_chart).sum()
 }
 
-/// The same of a chart, which has a number.
-fn of_chart_hidden(
-    scene: &Scene,
-    texels: &mut Texels<'_>,
-    hidden: &HiddenPoints<'_>,
-    (number, seed): (u64, u64),
-    stop: Stop<'_>,
-) -> u64 {
-    let (chart, columns) = (texels.chart, texels.columns());
-    let seed = sampling::hash(seed, streams::BAKE_HIDDEN + number);
-    let of_batch = |(batch, sites): (usize, &mut [Site])| {
+/// Whether each site of a chart is hidden.
+fn hidden_sites(scene: &Scene, texels: &Texels<'_>, hidden: &HiddenPoints<'_>, seed: u64, stop: Stop<'_>) -> Vec<bool> {
+    let of_batch = |(batch, sites): (usize, &[Site])| {
+        let mut is_hidden = vec![false; sites.len()];
         if stop() {
-            return 0;
+            return is_hidden;
         }
 
         // The sites of each surface together.
         let covered = (0..sites.len()).filter(|&index| sites[index].is_covered());
         let mut order: Vec<(u32, usize)> = covered.map(|index| (sites[index].surface, index)).collect();
         order.sort_unstable();
-        let mut lost = 0;
         for group in order.chunk_by(|a, b| a.0 == b.0) {
             let surface = SurfaceId(group[0].0);
             let seed = sampling::hash(seed, (batch as u64) << 32 | u64::from(surface.0));
-            let at = |index: usize| [(batch * BATCH + index) % columns, (batch * BATCH + index) / columns];
-            let points: Vec<DVec3> = group.iter().map(|&(_, index)| sites[index].point(scene, chart, at(index))).collect();
-            let are_hidden = hidden.among(surface, &points, seed);
-            for (&(_, index), _) in group.iter().zip(are_hidden).filter(|(_, is_hidden)| *is_hidden) {
-                let seed = sampling::hash(seed, index as u64);
-                match open_place(scene, chart, (surface, at(index)), hidden, seed) {
-                    Some(place) => sites[index].move_to(place),
-                    None => {
-                        sites[index].hide();
-                        lost += 1;
-                    }
-                }
-            }
+            let points: Vec<DVec3> = group.iter().map(|&(_, index)| texels.point(scene, batch * BATCH + index)).collect();
+            let found = hidden.among(surface, &points, seed);
+            group.iter().zip(found).for_each(|(&(_, index), found)| is_hidden[index] = found);
         }
-        lost
+        is_hidden
     };
-    texels.sites.par_chunks_mut(BATCH).enumerate().map(of_batch).sum()
+    texels.sites.par_chunks(BATCH).enumerate().flat_map_iter(of_batch).collect()
 }
 
 /// A place of a texel on a surface that nothing stands on, from the middle of the texel: the one nearest to the mean of all that were found.

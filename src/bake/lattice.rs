@@ -10,9 +10,16 @@ use glam::DVec2;
 
 use super::texels::Texels;
 
-/// Sides of the first cells in texels: a row of nodes, then, is half as far from the next. Larger ones gather less where all is smooth, and find less of
-/// what is small.
-const FIRST: usize = 8;
+/// The side of the first cells, as a part of the side of a square with the area of all charts: as the largest cells of the irradiance cache. Larger ones
+/// gather less where all is smooth, and find less of what is small.
+const FIRST_CELL: f64 = 1.0 / 32.0;
+
+/// A misfit is true if it is so many standard deviations above what noise makes.
+const SIGMAS: f64 = 2.0;
+
+/// Nodes of a cell that are compared with its corners, and the standard deviation of the mean of as many squares of noise, as a part of that mean.
+const MIDDLES: [usize; 5] = [1, 3, 4, 5, 7];
+const SPREAD: f64 = 0.632; // (2 / 5)^(1/2)
 
 /// A rectangle between four texels of a chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +39,19 @@ pub(super) struct Notes {
     pub is_marked: Vec<bool>,
 }
 
+/// The first cells' side in texels.
+pub(super) fn first_side(texels: &[Texels<'_>]) -> usize {
+    let count: usize = texels.iter().map(|texels| texels.sites.len()).sum();
+    ((FIRST_CELL * (count as f64).sqrt()) as usize).max(2)
+}
+
+impl Misfit {
+    /// How much of it is no noise, at the least.
+    pub fn true_sq(&self) -> f64 {
+        self.off_sq - (1.0 + SIGMAS * SPREAD) * self.noise_sq
+    }
+}
+
 /// How far the nodes in the middle of a cell are off the bilinear function of its corners, squared, channels added: the mean over them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Misfit {
@@ -42,17 +62,17 @@ pub(super) struct Misfit {
     pub light_sq: f64,
 }
 
-/// The first cells of a chart.
-pub(super) fn first_cells(chart: usize, size: [usize; 2]) -> Vec<Cell> {
-    let [columns, rows] = size.map(steps);
+/// The first cells of a chart, of about so many texels a side.
+pub(super) fn first_cells(chart: usize, size: [usize; 2], side: usize) -> Vec<Cell> {
+    let [columns, rows] = size.map(|count| steps(count, side));
     rows.iter()
         .flat_map(|&[top, bottom]| columns.iter().map(move |&[left, right]| Cell { chart, from: [left, top], to: [right, bottom] }))
         .collect()
 }
 
 /// Even steps from the first to the last of so many texels.
-fn steps(count: usize) -> Vec<[usize; 2]> {
-    let (length, pieces) = (count - 1, (count - 1).div_ceil(FIRST).max(1));
+fn steps(count: usize, side: usize) -> Vec<[usize; 2]> {
+    let (length, pieces) = (count - 1, (count - 1).div_ceil(side).max(1));
     (0..pieces).map(|k| [k * length / pieces, (k + 1) * length / pieces]).collect()
 }
 
@@ -96,8 +116,7 @@ impl Cell {
         let nodes = self.nodes(texels.columns());
         let corners = [nodes[0], nodes[2], nodes[6], nodes[8]];
         let mut misfit = Misfit { off_sq: 0.0, noise_sq: 0.0, light_sq: 0.0 };
-        let middles = [1, 3, 4, 5, 7];
-        for node in middles {
+        for node in MIDDLES {
             let weights = bilinear(self.part(0, node % 3), self.part(1, node / 3));
             for channel in 0..texels.channels() {
                 let value = |index: usize| f64::from(texels.reflected_of(index)[channel]);
@@ -113,7 +132,7 @@ impl Cell {
                 misfit.noise_sq += noise_sq(nodes[node]) + of_corners;
             }
         }
-        let share = 1.0 / middles.len() as f64;
+        let share = 1.0 / MIDDLES.len() as f64;
         Misfit { off_sq: share * misfit.off_sq, noise_sq: share * misfit.noise_sq, light_sq: share * misfit.light_sq }
     }
 
@@ -183,7 +202,7 @@ mod tests {
     fn cells_cover_a_chart_and_their_quarters_end_in_single_texels() {
         for size in [[1, 1], [2, 1], [1, 9], [17, 30], [64, 5]] {
             let mut is_node = vec![false; size[0] * size[1]];
-            let mut cells = first_cells(0, size);
+            let mut cells = first_cells(0, size, 8);
             while !cells.is_empty() {
                 cells.iter().for_each(|cell| cell.nodes(size[0]).iter().for_each(|&node| is_node[node] = true));
                 cells = cells.into_iter().flat_map(Cell::quarters).collect();

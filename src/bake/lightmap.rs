@@ -80,7 +80,11 @@ fn filled(texels: &Texels<'_>, padding: usize) -> Canvas {
     for index in (0..texels.sites.len()).filter(|&index| texels.sites[index].is_covered() && texels.is_known(index)) {
         let (column, row) = (index % columns + padding, index / columns + padding);
         let numbers = &mut canvas.numbers[(row * canvas.width + column) * channels..][..channels];
-        numbers.iter_mut().zip(texels.reflected_of(index)).zip(&texels.material.exitance).for_each(|((number, b), e)| *number = (b + *e as f32) / PI);
+        numbers
+            .iter_mut()
+            .zip(texels.reflected_of(index))
+            .zip(&texels.material.exitance)
+            .for_each(|((number, b), e)| *number = (b + *e as f32) / PI);
     }
     canvas.fill();
     canvas

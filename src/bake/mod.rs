@@ -22,7 +22,7 @@ mod seams;
 mod texels;
 
 pub use atlas::{Atlas, FaceOnAtlas};
-pub(crate) use gathered::{Aim, Found, gather};
+pub(crate) use gathered::{Aim, Asked, Found, gather};
 pub(crate) use hidden::hide;
 pub(crate) use lightmap::finish;
 pub use lightmap::{BakeReport, Lightmap};

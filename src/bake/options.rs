@@ -61,7 +61,9 @@ pub enum BakeError {
         name: String,
     },
     /// There would be too many texels.
-    #[error("texels of {texel} m make {count:.1e} texels, more than {MOST_TEXELS:.1e}: choose larger ones, or bake a part of the scene")]
+    #[error(
+        "texels of {texel} m make {count:.1e} texels, more than {MOST_TEXELS:.1e}: choose larger ones, or bake a part of the scene"
+    )]
     TooMany {
         /// The side of a texel in metres.
         texel: f64,

@@ -62,7 +62,9 @@ impl BakeRequest {
         let options = bake_options(&typed)?;
         let quantity = typed.quantity.as_deref().map_or(Ok(Quantity::Radiosity), parse_quantity)?;
         if quantity == Quantity::Width {
-            return Err(Failure::usage("--quantity width is for pictures; a lightmap has radiosity, radiance, irradiance or illuminance"));
+            return Err(Failure::usage(
+                "--quantity width is for pictures; a lightmap has radiosity, radiance, irradiance or illuminance",
+            ));
         }
 
         // Outputs, before anything is computed: the first page of each, others once it is known how many there are.
@@ -83,7 +85,8 @@ impl BakeRequest {
             }
             outputs.file(path)?;
         }
-        let glb = typed.glb.as_deref().map(|path| check_extension(path, "glb", "--glb").and_then(|()| outputs.file(path))).transpose()?;
+        let glb =
+            typed.glb.as_deref().map(|path| check_extension(path, "glb", "--glb").and_then(|()| outputs.file(path))).transpose()?;
         let json = typed.json.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let (from, voice) = (typed.from, Voice::new(typed.run.progress));
         Ok(Self { input: Input::new(typed)?, options, from, quantity, exposure, pages, glb, json, outputs, voice })
@@ -219,23 +222,36 @@ fn plural(count: usize, what: &str) -> String {
 /// Tells how texels were found, and how wrong they are.
 fn tell_report(report: &BakeReport, mesh: Option<&LitMesh>, voice: Voice) {
     let BakeReport { texels, hidden, gathered, .. } = report;
-    let found = if mesh.is_some() { "read off the lit mesh".to_owned() } else { format!("direct light gathered at {} of them, indirect at {}", gathered[0], gathered[1]) };
+    let found = if mesh.is_some() {
+        "read off the lit mesh".to_owned()
+    } else {
+        format!("direct light gathered at {} of them, indirect at {}", gathered[0], gathered[1])
+    };
     voice.figure("texels", format_args!("{texels}, {found}; {hidden} have something standing on them"));
     let percent = |part: f64| format!("{:.2}%", 100.0 * part);
     match (mesh, report.whole, report.error) {
         (Some(mesh), ..) => {
-            voice.figure("values", format_args!("those of the lit mesh, claimed to be {} off the values at points", percent(mesh.claimed)));
+            voice.figure(
+                "values",
+                format_args!("those of the lit mesh, claimed to be {} off the values at points", percent(mesh.claimed)),
+            );
         }
         (None, Some(whole), Some(error)) => {
             let (error, between, whole) = (percent(error), percent(report.interpolated), percent(whole));
-            voice.figure("values", format_args!("{whole} off: gathered ones {error}, what lies between {between} more: an estimate"));
+            voice.figure(
+                "values",
+                format_args!("{whole} off: gathered ones {error}, what lies between {between} more: an estimate"),
+            );
         }
         _ => voice.figure("values", format_args!("nothing can be said about their error")),
     }
     let seams = &report.seams;
     if seams.edges > 0 {
         let (mean, largest) = (percent(seams.mean), percent(seams.largest));
-        voice.figure("seams", format_args!("{}, their sides {mean} apart in the mean, {largest} at most", plural(seams.edges as usize, "edge")));
+        voice.figure(
+            "seams",
+            format_args!("{}, their sides {mean} apart in the mean, {largest} at most", plural(seams.edges as usize, "edge")),
+        );
     }
 }
 
@@ -252,7 +268,8 @@ fn write(
         PngExposure::Ev(ev) => ev,
         PngExposure::Auto => exposure_of(&lightmap.pages),
     };
-    let images: Vec<Image> = (0..lightmap.pages.len()).map(|page| image(lightmap, scene, page, quantity)).collect::<Result<_, _>>()?;
+    let images: Vec<Image> =
+        (0..lightmap.pages.len()).map(|page| image(lightmap, scene, page, quantity)).collect::<Result<_, _>>()?;
     let largest = images.iter().flat_map(|image| &image.radiance).fold(0.0_f32, |most, &x| most.max(x));
     let code = |format: PageFormat| match format {
         PageFormat::Rgbm => LightmapCode::Rgbm { range: f64::from(largest * quantity.per_radiance()) },

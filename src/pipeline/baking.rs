@@ -3,26 +3,19 @@
 use rayon::prelude::*;
 
 use super::Evaluator;
-use crate::bake::{self, Aim, Atlas, BakeError, Found, Lightmap, Texels};
+use crate::bake::{self, Aim, Asked, Atlas, BakeError, Found, Lightmap, Texels};
 use crate::discontinuities;
 use crate::mesh::{LitMesh, MeshReader};
-use crate::paths::Place;
 use crate::progress::Observer;
 use crate::scene::SurfaceId;
 use crate::transmittance::Rays;
-use crate::values::{self, Part};
 
 impl Evaluator {
     /// A lightmap, read off a lit mesh of this solution, or gathered where that is needed and interpolated between. `None` if the observer cancels.
     ///
     /// # Errors
     /// [`BakeError::OtherScene`] if `atlas` was made of another scene.
-    pub fn bake(
-        &self,
-        atlas: &Atlas,
-        mesh: Option<&LitMesh>,
-        observer: &dyn Observer,
-    ) -> Result<Option<Lightmap>, BakeError> {
+    pub fn bake(&self, atlas: &Atlas, mesh: Option<&LitMesh>, observer: &dyn Observer) -> Result<Option<Lightmap>, BakeError> {
         let (scene, seed) = (self.solution.scene(), self.solution.options().seed);
         if !atlas.is_of(scene) {
             return Err(BakeError::OtherScene);
@@ -50,9 +43,9 @@ impl Evaluator {
         let paths = self.solution.light_paths(rays, &stop);
         let gather = self.solution.gather_at_points(rays, paths.as_ref());
         let lines = discontinuities::of_shape(scene, &stop);
-        let ask = |places: &[Place], part: Part| values::reflected_at(&gather, self.solution.error_bars, places, part, observer);
+        let asked = Asked { gather: &gather, error_bars: self.solution.error_bars, observer };
         let aim = Aim { error: options.error, norm: options.norm.into(), seed: options.seed };
-        bake::gather(scene, texels, &lines, aim, &ask)
+        bake::gather(scene, texels, &lines, aim, asked)
     }
 }
 

@@ -5,7 +5,6 @@ use glam::DVec3;
 use super::budget::RayBudget;
 use super::final_gather::{FinalGather, emitter_rays};
 use super::over_links::{LinkGather, LinkScratch};
-use super::reflected::Part;
 use crate::hierarchy::Hierarchy;
 use crate::paths::{BATCHES, BatchSums, PathScratch, Place, place_at};
 use crate::scene::{Scene, SurfaceId};
@@ -16,6 +15,15 @@ pub(crate) enum Over<'a> {
     Links(LinkGather<'a>),
     /// Cells, by paths.
     Cells(FinalGather<'a>),
+}
+
+/// A part of the reflected light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// By next-event estimation or exactly: of emitters and bright reflectors. Over links, where values are not gathered in parts, all.
+    Sharp,
+    /// By paths; over links none.
+    Smooth,
 }
 
 /// Gathers values at points.

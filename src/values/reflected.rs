@@ -5,18 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::error_bars::ErrorBars;
-use super::gather::{Gather, Gathered, Scratch};
+use super::gather::{Gather, Gathered, Part, Scratch};
 use crate::paths::Place;
 use crate::progress::{Observer, Progress, Stage};
-
-/// A part of the reflected light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Part {
-    /// By next-event estimation or exactly: of emitters and bright reflectors. Over links, where values are not gathered in parts, all.
-    Sharp,
-    /// By paths; over links none.
-    Smooth,
-}
 
 /// Reflected radiosities at places, and their standard errors, by place and channel in W/m^2; these are not numbers where they are not known.
 pub(crate) struct Reflected {
