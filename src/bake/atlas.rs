@@ -147,12 +147,13 @@ fn pack(sizes: &[[u32; 2]], order: Vec<usize>, most: u32) -> (Vec<(usize, [u32; 
             side = ((f64::from(side) * GROWTH) as u32).next_multiple_of(BLOCK).max(side + BLOCK).min(most);
         };
 
-        // It is as high as its content.
-        let bottom = packed.iter().map(|&(number, at)| at[1] + sizes[number][1]).max().unwrap_or(1);
+        // It is as large as its content.
+        let end = |axis: usize| packed.iter().map(|&(number, at)| at[axis] + sizes[number][axis]).max().unwrap_or(1);
+        let size = [0, 1].map(|axis: usize| end(axis).next_multiple_of(BLOCK).min(side));
         for (number, at) in packed {
             places[number] = (pages.len(), at);
         }
-        pages.push([side, bottom.next_multiple_of(BLOCK).min(side)]);
+        pages.push(size);
         left = rest;
     }
     (places, pages)

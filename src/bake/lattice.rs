@@ -14,6 +14,9 @@ use super::texels::Texels;
 /// gather less where all is smooth, and find less of what is small.
 const FIRST_CELL: f64 = 1.0 / 32.0;
 
+/// No side of a first cell has less texels than this: from there on every second one is gathered whatever is found.
+const LEAST_SIDE: usize = 4;
+
 /// A misfit is true if it is so many standard deviations above what noise makes.
 const SIGMAS: f64 = 2.0;
 
@@ -42,7 +45,7 @@ pub(super) struct Notes {
 /// The first cells' side in texels.
 pub(super) fn first_side(texels: &[Texels<'_>]) -> usize {
     let count: usize = texels.iter().map(|texels| texels.sites.len()).sum();
-    ((FIRST_CELL * (count as f64).sqrt()) as usize).max(2)
+    ((FIRST_CELL * (count as f64).sqrt()) as usize).max(LEAST_SIDE)
 }
 
 impl Misfit {

@@ -56,7 +56,7 @@ pub(super) fn compare(scene: &Scene, atlas: &Atlas, pages: &[Image]) -> Seams {
     };
     let all: Vec<Vec<f64>> = (0..scene.surfaces().len() as u32).into_par_iter().flat_map_iter(of_surface).collect();
     let count = all.iter().map(Vec::len).sum::<usize>().max(1);
-    let mean = all.iter().flatten().sum::<f64>() / count as f64;
+    let mean = all.iter().flatten().fold(0.0, |sum, apart| sum + apart) / count as f64;
     Seams { edges: all.len() as u64, mean, largest: all.iter().flatten().copied().fold(0.0, f64::max) }
 }
 
