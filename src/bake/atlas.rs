@@ -131,7 +131,7 @@ impl Atlas {
 }
 
 /// Page and corner of rectangles, and the sizes of the pages: `order` says which comes first. None is wider or higher than a page.
-fn pack(sizes: &[[u32; 2]], order: Vec<usize>, most: u32) -> (Vec<(usize, [u32; 2])>, Vec<[u32; 2]>) {
+fn pack(sizes: &[[u32; 2]], order: Vec<usize>, most: u32) -> (Vec<Corner>, Vec<[u32; 2]>) {
     let mut places = vec![(0, [0; 2]); sizes.len()];
     let (mut pages, mut left) = (Vec::new(), order);
     while !left.is_empty() {
@@ -159,7 +159,7 @@ fn pack(sizes: &[[u32; 2]], order: Vec<usize>, most: u32) -> (Vec<(usize, [u32; 
     (places, pages)
 }
 
-/// A rectangle and its corner.
+/// The number of a page or of a rectangle, and the rectangle's corner.
 type Corner = (usize, [u32; 2]);
 
 /// Packs what fits into a page; the rest is returned, in its order.

@@ -3,7 +3,6 @@
 //! Direct light first, which is sharp and cheap, then indirect light, which is smooth and dear: each on a lattice of its own. They share the squared
 //! error that interpolation may have.
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::lattice::{Cell, Misfit, Notes, first_cells, first_side};
@@ -96,7 +95,7 @@ pub(crate) fn gather(
 fn notes_of(texels: &Texels<'_>, lines: &Discontinuities) -> Notes {
     let chart = texels.chart;
     let on_chart = chart.surfaces.iter().flat_map(|&surface| lines.of(surface));
-    Notes::new(texels, on_chart.map(|segment| segment.ends.map(|end| chart.to_texels(DVec3::from(end)))))
+    Notes::new(texels, on_chart.map(|segment| segment.ends.map(|end| chart.to_texels(end))))
 }
 
 impl PartOfLight<'_> {
