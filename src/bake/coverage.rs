@@ -14,6 +14,9 @@ const LEAST_COVERED: f64 = 1e-6;
 /// All of a texel is covered if no more than this is not.
 const ROUNDING: f64 = 1e-4;
 
+/// A middle so near to an edge, in texels, is on both of its sides.
+const ON_EDGE: f64 = 1e-9;
+
 /// Where the value of a texel is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Site {
@@ -113,7 +116,7 @@ fn part_of(corners: &[DVec2], middle: DVec2) -> Option<Part> {
             return None;
         }
         is_inside &= distance >= reach;
-        has_middle &= distance >= 0.0;
+        has_middle &= distance >= -ON_EDGE * edge.length();
     }
     if is_inside {
         return Some(Part { area: 1.0, centroid: DVec2::ZERO, has_middle: true });
@@ -185,8 +188,8 @@ mod tests {
 
     #[test]
     fn texels_that_faces_share_are_whole_and_slivers_have_texels_of_their_own() {
-        let left = [[0.0, 0.0, 0.0], [0.55, 0.0, 0.0], [0.45, 1.0, 0.0], [0.0, 1.0, 0.0]];
-        let right = [[0.55, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.45, 1.0, 0.0]];
+        let left = [[0.0, 0.0, 0.0], [1.05, 0.0, 0.0], [0.95, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let right = [[1.05, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.95, 1.0, 0.0]];
         let (scene, chart) = chart_of(&[&left, &right], 0.1);
         let sites_of_both = sites(&scene, &chart);
         assert!(sites_of_both.iter().all(|site| site.at == [0.0; 2] && site.covered > 0.999));
