@@ -9,6 +9,7 @@
 //! over planar polygons. ARCHITECTURE.md draws the layers; each module imports only from modules above it in the list below.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+pub mod bake;
 pub mod bounds;
 mod cells;
 pub mod direct;

@@ -1,5 +1,6 @@
 //! The only place that joins the stages.
 
+mod baking;
 mod error;
 mod of_mesh;
 mod pictures;

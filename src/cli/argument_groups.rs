@@ -92,7 +92,7 @@ pub enum Texture {
 }
 
 /// How pictures are taken.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub struct PictureArguments {
     /// 'eye=x,y,z target=x,y,z up=x,y,z fov=degrees'; what is left out is chosen to show the scene
     #[arg(long, value_name = "CAMERA")]

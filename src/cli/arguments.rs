@@ -48,6 +48,9 @@ pub enum Command {
     /// Write the elements of a solution with their radiosities, or the power that surfaces emit and absorb
     #[command(after_help = EXIT_CODES)]
     Export(ExportArguments),
+    /// Make a lightmap of a scene or a solution: its light as textures
+    #[command(after_help = EXIT_CODES)]
+    Bake(Box<BakeArguments>),
     /// Do many solves: scenes, options and changes of materials, each with each, as a file of jobs says
     #[command(after_help = EXIT_CODES)]
     Batch(Box<BatchArguments>),
@@ -210,6 +213,53 @@ pub struct ExportArguments {
     /// not given, it is written as four triangles
     #[arg(long, requires = "output")]
     pub quadratic: bool,
+}
+
+/// `patchlight bake`.
+#[derive(Debug, Args)]
+pub struct BakeArguments {
+    /// A solution that 'patchlight solve -o' wrote, or a scene, which is solved first
+    pub input: PathBuf,
+    /// The lightmap: .exr or .hdr with linear numbers, .png exposed in sRGB; may be repeated. Of several pages the second is FILE.2.exr, and so on
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// Write it as RGBM: x = RGB * A * range, where the range stands in the file
+    #[arg(long, value_name = "FILE.png")]
+    pub rgbm: Option<PathBuf>,
+    /// Write the scene with the lightmap as its texture: unlit, so that viewers show it as it is, with TEXCOORD_1
+    #[arg(long, value_name = "FILE.glb")]
+    pub glb: Option<PathBuf>,
+    /// Write where each face lies on the lightmap: chart, page and coordinates, '-' for stdout
+    #[arg(long, value_name = "FILE.json")]
+    pub json: Option<PathBuf>,
+    /// The side of a texel in metres [default: 0.05]
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    pub texel: Option<String>,
+    /// Texels around each chart that are filled with its own light, 0 to 256 [default: 2]
+    #[arg(long, value_name = "N")]
+    pub padding: Option<u32>,
+    /// The largest side of a page in texels; what does not fit goes to more pages [default: 4096]
+    #[arg(long, value_name = "N")]
+    pub size: Option<u32>,
+    /// Bake a part alone: 'material NAME' or 'object NAME'
+    #[arg(long, value_name = "WHAT")]
+    pub only: Option<String>,
+    /// What .exr, .hdr and RGBM hold: radiosity (W/m^2), radiance (W/m^2/sr), irradiance (W/m^2) or illuminance (lx) [default: radiosity]
+    #[arg(long, value_name = "QUANTITY")]
+    pub quantity: Option<String>,
+    /// sRGB and GLB: auto, or the exposure value EV; radiances are multiplied by 2^EV [default: auto]
+    #[arg(long, value_name = "EV", allow_hyphen_values = true)]
+    pub exposure: Option<String>,
+    /// Where texels come from: read off the lit mesh; or gathered by rays where that is needed, and interpolated between [default: mesh where there is
+    /// one]
+    #[arg(long, value_name = "WHENCE", value_enum)]
+    pub from: Option<Whence>,
+    #[command(flatten)]
+    pub settings: SettingArguments,
+    #[command(flatten)]
+    pub trust: TrustArguments,
+    #[command(flatten)]
+    pub run: RunArguments,
 }
 
 /// `patchlight batch`.

@@ -4,6 +4,7 @@
 
 mod argument_groups;
 mod arguments;
+mod bake;
 mod batch;
 mod exit;
 mod files;
@@ -59,6 +60,7 @@ fn execute(command: Command) -> Result<Exit, Failure> {
         Command::Relight(arguments) => relight::relight(&relight::RelightRequest::new(*arguments)?),
         Command::Export(arguments) => results::export(request::ExportRequest::new(arguments)?),
         Command::Report(arguments) => results::report(request::ReportRequest::new(arguments)?),
+        Command::Bake(arguments) => bake::bake(bake::BakeRequest::new(*arguments)?),
         Command::Batch(arguments) => batch::batch(*arguments),
         Command::Info(arguments) => info::info(&arguments),
     }

@@ -238,7 +238,8 @@ fn parse_show(text: &str) -> Result<Show, Failure> {
     }
 }
 
-fn parse_exposure(text: &str) -> Result<PngExposure, Failure> {
+/// An exposure as typed.
+pub fn parse_exposure(text: &str) -> Result<PngExposure, Failure> {
     if text == "auto" {
         return Ok(PngExposure::Auto);
     }
@@ -248,7 +249,8 @@ fn parse_exposure(text: &str) -> Result<PngExposure, Failure> {
         .ok_or_else(|| Failure::usage(format_args!("exposure is '{text}', it must be auto or an EV from -100 to 100")))
 }
 
-fn parse_quantity(text: &str) -> Result<Quantity, Failure> {
+/// A quantity by name.
+pub fn parse_quantity(text: &str) -> Result<Quantity, Failure> {
     match text {
         "radiance" => Ok(Quantity::Radiance),
         "radiosity" => Ok(Quantity::Radiosity),

@@ -12,6 +12,7 @@ use patchlight::solve::{ErrorReport, LitMeshReport, Norm, RunOptions, SolveOptio
 use patchlight::values::{Values, ValuesError};
 
 use super::exit::{Exit, Failure};
+use super::files::Outputs;
 use super::light_groups::tell_groups;
 use super::progress::{Voice, Watcher};
 use super::request::SolveRequest;
@@ -30,7 +31,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let points = request.points.as_ref().map(|(path, _)| files::read_points(path)).transpose()?;
     let expected_values = request.options.expected_values.or(points.as_ref().map(|points| points.len() as u64));
     let options = SolveOptions { expected_values, ..request.options.clone() };
-    let (scene, warnings) = read(&request)?;
+    let (scene, warnings) = read(&request, &request.outputs)?;
     let request = request.or_leave_a_page()?;
     let scene_report = SceneReport::of(&scene, request.scene.clone());
     let load_s = start.elapsed().as_secs_f64();
@@ -76,6 +77,27 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     ending.finish()
 }
 
+/// Solves a scene for something that is made of it right after: `plan` says of the scene what that is, and how many values it takes. `outputs` are all
+/// that is written.
+pub fn light<T>(
+    request: &SolveRequest,
+    outputs: &Outputs,
+    plan: impl FnOnce(&Scene) -> Result<(T, u64), Failure>,
+) -> Result<(Evaluator, Exit, T), Failure> {
+    let start = Instant::now();
+    let (scene, _) = read(request, outputs)?;
+    let (plan, values) = plan(&scene)?;
+    let options = SolveOptions { expected_values: request.options.expected_values.or(Some(values)), ..request.options.clone() };
+    let scene_report = SceneReport::of(&scene, request.scene.clone());
+    let load_s = start.elapsed().as_secs_f64();
+    interrupt::listen(interrupt::OF_RUN);
+    let run = within_limits(request, None, load_s, scene.channels());
+    let (evaluator, report) = pipeline::solve(scene, &options, &run, &Watcher::new(request.voice))?;
+    let run_report = RunReport::of_solve(Provenance::new(&options).software(), scene_report, &options, &report);
+    tell_key_figures(request.voice, &run_report, &report);
+    Ok((evaluator, Exit::of_solve(report.stopped_by, report.converged), plan))
+}
+
 /// How the solve runs: reading took some of the time, and points and pictures take some of the memory.
 pub fn within_limits(request: &SolveRequest, points: Option<&Points>, load_s: f64, channels: usize) -> RunOptions {
     // Results are written from what the solution holds, one after the other: the largest counts.
@@ -90,9 +112,9 @@ pub fn within_limits(request: &SolveRequest, points: Option<&Points>, load_s: f6
 }
 
 /// Reads the scene, and warns of what was repaired.
-fn read(request: &SolveRequest) -> Result<(Scene, Vec<String>), Failure> {
+fn read(request: &SolveRequest, outputs: &Outputs) -> Result<(Scene, Vec<String>), Failure> {
     let imported = read_scene(&request.scene, &request.import).map_err(Failure::bad_input)?;
-    request.outputs.check_unread(&imported.libraries)?;
+    outputs.check_unread(&imported.libraries)?;
     let warnings = imported.diagnostics.warnings();
     warnings.iter().take(PRINTED_WARNINGS).for_each(|warning| request.voice.warn(format_args!("{warning}")));
     if warnings.len() > PRINTED_WARNINGS {

@@ -36,6 +36,10 @@ pub(crate) const MESH_AGAIN: u64 = kind(11);
 pub(crate) const MESH_PILOT: u64 = kind(12);
 /// Gathers at sensors; add the number of the replicate.
 pub(crate) const SENSORS: u64 = kind(13);
+/// Rays that tell which texels something stands on; add the chart.
+pub(crate) const BAKE_HIDDEN: u64 = kind(14);
+/// Interpolated texels that are gathered as well; add the number.
+pub(crate) const BAKE_CONTROLS: u64 = kind(15);
 
 // Of the seed of a node's exposure.
 /// Rays from points that seem hidden; add the round.

@@ -15,20 +15,20 @@ use super::{Provenance, Quantity};
 use crate::picture::luminance;
 
 /// Accessors of glTF: their number in OpenGL.
-const FLOAT: u32 = 5126;
-const UNSIGNED_INT: u32 = 5125;
+pub(super) const FLOAT: u32 = 5126;
+pub(super) const UNSIGNED_INT: u32 = 5125;
 
 /// The parts of a file while it is put together.
 #[derive(Default)]
-struct File {
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-    binary: Vec<u8>,
+pub(super) struct File {
+    pub views: Vec<Value>,
+    pub accessors: Vec<Value>,
+    pub binary: Vec<u8>,
 }
 
 impl File {
     /// Adds an accessor: its number.
-    fn accessor(&mut self, bytes: impl IntoIterator<Item = [u8; 4]>, component: u32, width: usize, more: Value) -> usize {
+    pub fn accessor(&mut self, bytes: impl IntoIterator<Item = [u8; 4]>, component: u32, width: usize, more: Value) -> usize {
         let start = self.binary.len();
         self.binary.extend(bytes.into_iter().flatten());
         let length = self.binary.len() - start;
@@ -43,6 +43,22 @@ impl File {
         self.accessors.push(accessor);
         self.accessors.len() - 1
     }
+
+    /// Adds bytes that no accessor reads, such as an image: the number of their view. What follows starts at a multiple of four bytes.
+    pub fn view(&mut self, bytes: &[u8]) -> usize {
+        self.views.push(json!({ "buffer": 0, "byteOffset": self.binary.len(), "byteLength": bytes.len() }));
+        self.binary.extend_from_slice(bytes);
+        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
+        self.views.len() - 1
+    }
+}
+
+/// Adds an accessor of positions, with the box around them, which the format asks for: its number.
+pub(super) fn with_bounds(file: &mut File, positions: &[[f32; 3]]) -> usize {
+    let bound = |pick: fn(f32, f32) -> f32| std::array::from_fn(|k| positions.iter().map(|at| at[k]).fold(positions[0][k], pick));
+    let (least, most): ([f32; 3], [f32; 3]) = (bound(f32::min), bound(f32::max));
+    let bytes = positions.as_flattened().iter().map(|x| x.to_le_bytes());
+    file.accessor(bytes, FLOAT, 3, json!({ "min": least, "max": most }))
 }
 
 /// Writes patches.
@@ -107,12 +123,9 @@ fn primitive(file: &mut File, patches: &Patches<'_>, part: &[&[u32]], material: 
         indices.extend((1..numbers.len() - 1).flat_map(|k| [numbers[0], numbers[k], numbers[k + 1]]));
     }
 
-    // Positions, with the box around them, which the format asks for.
     let positions: Vec<[f32; 3]> = vertices.iter().map(|&vertex| patches.vertices[vertex as usize].map(|x| x as f32)).collect();
-    let bound = |pick: fn(f32, f32) -> f32| std::array::from_fn(|k| positions.iter().map(|at| at[k]).fold(positions[0][k], pick));
-    let (least, most): ([f32; 3], [f32; 3]) = (bound(f32::min), bound(f32::max));
     let floats = |values: Vec<f32>| values.into_iter().map(f32::to_le_bytes);
-    let corners = file.accessor(floats(positions.concat()), FLOAT, 3, json!({ "min": least, "max": most }));
+    let corners = with_bounds(file, &positions);
 
     // Colours to look at, and numbers.
     let colour = |&vertex: &u32| {
@@ -154,7 +167,7 @@ fn exposure(patches: &Patches<'_>) -> f64 {
 }
 
 /// Writes header and chunks (glTF 2.0 Specification, section 4.4).
-fn write_chunks(writer: &mut impl Write, mut json: Vec<u8>, binary: &[u8]) -> io::Result<()> {
+pub(super) fn write_chunks(writer: &mut impl Write, mut json: Vec<u8>, binary: &[u8]) -> io::Result<()> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let length = u32::try_from(12 + 8 + json.len() + 8 + binary.len())
         .map_err(|_| io::Error::other("the scene does not fit into the 4 GiB of a GLB file; write .vtp or .ply"))?;

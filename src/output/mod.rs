@@ -18,6 +18,9 @@
 //! | `.csv` | [`write_irradiances`] | irradiances and illuminances at sensors |
 //! | `.csv` | [`write_fluxes`] | emitted, incident, absorbed and net power by face, object, group and material |
 //! | `.html` | [`write_page`] | the lit scene in 3D, and what is known of it, in a page that loads nothing |
+//! | `.png` | [`write_lightmap_png`] | a page of a lightmap in sRGB or RGBM |
+//! | `.glb` | [`write_lightmap_glb`] | the scene with its lightmap |
+//! | `.json` | [`write_lightmap_json`] | where faces lie on a lightmap |
 //! | `.json` | [`write_report`] | what the run tells about itself |
 
 mod atomic;
@@ -31,6 +34,9 @@ mod glyphs;
 mod hdr;
 pub mod irradiances;
 mod legend;
+pub mod lightmap_glb;
+pub mod lightmap_json;
+pub mod lightmap_png;
 pub mod mesh_ply;
 #[cfg(feature = "openexr")]
 pub mod openexr;
@@ -55,6 +61,9 @@ pub use format::{ExportFormat, ImageFormat, UnknownExtension};
 pub use hdr::write_hdr;
 pub use irradiances::{Illuminances, write_irradiances};
 pub use legend::LEAST_SIZE_WITH_LEGEND;
+pub use lightmap_glb::write_lightmap_glb;
+pub use lightmap_json::write_lightmap_json;
+pub use lightmap_png::{LightmapCode, write_lightmap_png};
 pub use mesh_ply::{write_mesh_ply, write_quadratic_mesh_ply};
 #[cfg(feature = "openexr")]
 pub use openexr::write_openexr;

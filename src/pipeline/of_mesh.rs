@@ -117,7 +117,7 @@ impl Evaluator {
     }
 
     /// Reads a mesh; of the solution's own the index is made once.
-    fn reader<'a>(&'a self, mesh: &'a LitMesh) -> MeshReader<'a> {
+    pub(super) fn reader<'a>(&'a self, mesh: &'a LitMesh) -> MeshReader<'a> {
         let scene = self.solution.scene();
         let is_own = self.mesh().is_some_and(|own| std::ptr::eq(own, mesh));
         let index = if is_own {

@@ -160,6 +160,57 @@ pub(crate) fn sampled_exposed_point(
     }
 }
 
+/// Tells which points of surfaces are hidden: those around which there are backs, but for a gap or two, whatever lies close over them.
+pub(crate) struct HiddenPoints<'a> {
+    by_plane: ByPlane<'a>,
+    rays: &'a Rays<'a>,
+}
+
+/// Points are looked at closely if one of so many rays meets a back: a point inside of something that is open by a hundredth is overlooked once in
+/// ten thousand times.
+const FIRST_LOOKS: u32 = 2;
+
+/// A point that is looked at closely is hidden if no more than this part of its rays meets anything but backs: solids are open where others stand
+/// in their place.
+const MOST_OPEN: f64 = 0.1;
+
+impl<'a> HiddenPoints<'a> {
+    pub(crate) fn of(scene: &'a Scene, rays: &'a Rays<'a>) -> Self {
+        Self { by_plane: ByPlane::new(scene), rays }
+    }
+
+    /// Whether each of some points of a surface is hidden.
+    pub(crate) fn among(&self, surface: SurfaceId, points: &[DVec3], seed: u64) -> Vec<bool> {
+        let few = self.count_backs(surface, points, (FIRST_LOOKS, seed));
+        let doubtful: Vec<usize> = (0..points.len()).filter(|&index| few[index] > 0).collect();
+        let closely: Vec<DVec3> = doubtful.iter().map(|&index| points[index]).collect();
+        let many = self.count_backs(surface, &closely, (HIDDEN_RAYS, sampling::hash(seed, streams::EXPOSURE_AGAIN)));
+
+        let mut is_hidden = vec![false; points.len()];
+        for (index, backs) in doubtful.into_iter().zip(many) {
+            is_hidden[index] = f64::from(backs) >= (1.0 - MOST_OPEN) * f64::from(HIDDEN_RAYS);
+        }
+        is_hidden
+    }
+
+    /// How many of so many rays from each of some points meet backs.
+    fn count_backs(&self, surface: SurfaceId, points: &[DVec3], (count, seed): (u32, u64)) -> Vec<u32> {
+        let Self { by_plane, rays } = self;
+        let of_scene = by_plane.scene.surface(surface);
+        let (facet, plane) = (of_scene.polygon.facet(), of_scene.plane);
+        let mut from = PointsOfNode { by_plane, rays, facet, surface, plane, opposite: None, points: Vec::new() };
+        let (directions, frame) = (sampling::shifted_sobol_2d(seed), Frame::around(facet.normal));
+        let ray = |number: u32| {
+            let [s, t] = directions(number);
+            let origin = points[(number / count) as usize].to_array();
+            Ray { origin, direction: frame.sampled_by_cosine(s, t).to_array(), origin_plane: plane }
+        };
+        let ends = from.ends(&(0..count * points.len() as u32).map(ray).collect::<Vec<Ray>>());
+        let backs = |ends: &[(End, f64)]| ends.iter().filter(|(end, _)| *end == End::Back).count() as u32;
+        ends.chunks(count as usize).map(backs).collect()
+    }
+}
+
 /// What rays from a node tell.
 struct Sampled {
     exposure: f32,

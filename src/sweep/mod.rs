@@ -18,7 +18,7 @@ pub(crate) use change::Change;
 pub(crate) use closure::Closure;
 pub(crate) use defect::Reflections;
 pub use exposure::Exposure;
-pub(crate) use exposure::{ByPlane, sampled_exposed_point};
+pub(crate) use exposure::{ByPlane, HiddenPoints, sampled_exposed_point};
 pub(crate) use gather::{Irradiance, gather};
 pub(crate) use importance::Adjoint;
 pub use importance::Importance;

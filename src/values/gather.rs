@@ -17,6 +17,15 @@ pub(crate) enum Over<'a> {
     Cells(FinalGather<'a>),
 }
 
+/// A part of the reflected light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// By next-event estimation or exactly: of emitters and bright reflectors. Over links, where values are not gathered in parts, all.
+    Sharp,
+    /// By paths; over links none.
+    Smooth,
+}
+
 /// Gathers values at points.
 pub(crate) struct Gather<'a> {
     pub scene: &'a Scene,
@@ -84,6 +93,35 @@ impl Gather<'_> {
                     gather.add_sampled_indirect(places, budget.rays, paths, sums);
                 });
                 self.add_direct(gather, places, budget, scratch, gathered);
+            }
+        }
+    }
+
+    /// A part of the reflected light at places, each with the rays of its budget. What a place reflects does not depend on the others.
+    pub fn reflected_at(&self, places: &[Place], part: Part, scratch: &mut Scratch, gathered: &mut Gathered) {
+        let rays = self.budget.rays;
+        match (&self.over, part) {
+            (Over::Links(_), Part::Sharp) => {
+                self.values_at(places, self.budget, scratch, gathered);
+                for (place, radiosity) in places.iter().zip(gathered.radiosity.chunks_mut(self.scene.channels())) {
+                    let exitance = &self.scene.material_of(place.surface).exitance;
+                    radiosity.iter_mut().zip(exitance).for_each(|(radiosity, e)| *radiosity -= e);
+                }
+            }
+            (Over::Links(_), Part::Smooth) => gathered.reset(places.len() * self.scene.channels()),
+            (Over::Cells(gather), _) => {
+                gathered.reset(places.len() * self.scene.channels());
+                let Scratch { paths, sums, .. } = scratch;
+                match part {
+                    Part::Sharp => self.add_reflected(places, emitter_rays(rays), sums, gathered, |sums| {
+                        gather.add_sampled_direct(places, rays, paths, sums);
+                    }),
+                    Part::Smooth => self.add_reflected(places, rays.max(1), sums, gathered, |sums| {
+                        gather.add_sampled_indirect(places, rays, paths, sums);
+                    }),
+                }
+                // Noise may take the light below zero where all is dark.
+                gathered.radiosity.iter_mut().for_each(|radiosity| *radiosity = radiosity.max(0.0));
             }
         }
     }

@@ -1,5 +1,6 @@
 //! The command line: exit codes, messages, and what a failed run leaves behind.
 
+mod bake;
 mod batch;
 mod commands;
 mod hostile;

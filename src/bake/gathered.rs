@@ -1,0 +1,221 @@
+//! Texels by gathers: at the nodes of the lattice, and wherever it says so; and how far the others are off.
+//!
+//! Direct light first, which is sharp and cheap, then indirect light, which is smooth and dear: each on a lattice of its own. They share the squared
+//! error that interpolation may have.
+
+use rayon::prelude::*;
+
+use super::lattice::{Cell, Misfit, Notes, first_cells, first_side};
+use super::texels::Texels;
+use crate::discontinuities::Discontinuities;
+use crate::error::ErrorNorm;
+use crate::geometry::{sampling, streams};
+use crate::paths::Place;
+use crate::progress::Observer;
+use crate::scene::Scene;
+use crate::values::{self, ErrorBars, Gather, Part, Reflected};
+
+/// Interpolated texels that are held against gathers of their own: a mean square is known to some four percent, as far as they are alike.
+const CONTROLS: usize = 1024;
+
+/// What is told of an error is so many standard deviations above what was found.
+const CONFIDENCE_SIGMAS: f64 = 2.0;
+
+/// The parts of the light, in their order.
+const PARTS: [Part; 2] = [Part::Sharp, Part::Smooth];
+
+/// Gathers light at places, and is asked whether to stop.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    pub gather: &'a Gather<'a>,
+    pub error_bars: Option<ErrorBars>,
+    pub observer: &'a dyn Observer,
+}
+
+/// How good interpolated texels have to be, and where random numbers come from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Aim {
+    /// Relative, in the norm.
+    pub error: f64,
+    pub norm: ErrorNorm,
+    pub seed: u64,
+}
+
+/// How texels were found. Errors are root mean squares relative to the light, in the norm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Found {
+    /// Texels that were gathered, by part.
+    pub gathered: [u64; 2],
+    /// How wrong these are; `None` where nothing is known.
+    pub error: Option<f64>,
+    /// How far all are off gathers because some are interpolated.
+    pub interpolated: f64,
+}
+
+/// A texel: the number of its chart, and its index there.
+type Texel = (usize, usize);
+
+/// A part of the light of a scene while it is found.
+struct PartOfLight<'a> {
+    scene: &'a Scene,
+    part: Part,
+    aim: Aim,
+    asked: Asked<'a>,
+    /// Of each gathered texel: its square of light, and of its standard error.
+    squares: Vec<[f64; 2]>,
+}
+
+/// Finds the values of all texels that have none. `None` if cancelled.
+pub(crate) fn gather(
+    scene: &Scene,
+    texels: &mut [Texels<'_>],
+    lines: &Discontinuities,
+    aim: Aim,
+    asked: Asked<'_>,
+) -> Option<Found> {
+    let mut notes: Vec<Notes> = texels.par_iter().map(|texels| notes_of(texels, lines)).collect();
+    let (mut found, mut wrong_sq, mut off_sq) = (Found::default(), 0.0, 0.0);
+    for (number, part) in PARTS.into_iter().enumerate() {
+        if number > 0 {
+            texels.iter_mut().for_each(Texels::begin_next_part);
+        }
+        let mut light = PartOfLight { scene, part, aim, asked, squares: Vec::new() };
+        let filled = light.find(texels, &mut notes)?;
+        let share = filled.len() as f64 / (filled.len() + light.squares.len()).max(1) as f64;
+        off_sq += share * light.off_gathers_sq(texels, &filled)?;
+        wrong_sq += light.wrong_sq();
+        found.gathered[number] = light.squares.len() as u64;
+    }
+    texels.iter_mut().for_each(Texels::join_parts);
+    let is_known = wrong_sq > 0.0 && wrong_sq.is_finite();
+    Some(Found { error: is_known.then(|| wrong_sq.sqrt()), interpolated: off_sq.sqrt(), ..found })
+}
+
+/// The lines that the scene's shape makes on a chart.
+fn notes_of(texels: &Texels<'_>, lines: &Discontinuities) -> Notes {
+    let chart = texels.chart;
+    let on_chart = chart.surfaces.iter().flat_map(|&surface| lines.of(surface));
+    Notes::new(texels, on_chart.map(|segment| segment.ends.map(|end| chart.to_texels(end))))
+}
+
+impl PartOfLight<'_> {
+    /// Finds this part for all texels: nodes are gathered, then cells are kept or quartered. Returns the texels that were interpolated.
+    fn find(&mut self, texels: &mut [Texels<'_>], notes: &mut [Notes]) -> Option<Vec<Texel>> {
+        let reflecting = (0..texels.len()).filter(|&chart| texels[chart].material.reflects());
+        let side = first_side(texels);
+        let mut cells: Vec<Cell> = reflecting.flat_map(|chart| first_cells(chart, texels[chart].chart.size(), side)).collect();
+        let mut plain = Vec::new();
+        while !cells.is_empty() {
+            let mut wanted: Vec<Texel> = (cells.iter())
+                .flat_map(|cell| cell.nodes(texels[cell.chart].columns()).map(|index| (cell.chart, index)))
+                .filter(|&(chart, index)| texels[chart].is_wanted(index))
+                .collect();
+            wanted.par_sort_unstable();
+            wanted.dedup();
+            self.take(texels, notes, &wanted)?;
+
+            let scale_sq = self.scale_sq();
+            let is_good = |cell: &Cell| {
+                let (texels, notes) = (&texels[cell.chart], &notes[cell.chart]);
+                cell.is_plain(texels, notes) && self.is_close(&cell.misfit(texels, notes), scale_sq)
+            };
+            let (good, rest): (Vec<Cell>, Vec<Cell>) = cells.into_par_iter().partition(is_good);
+            plain.extend(good);
+            cells = rest.into_iter().flat_map(Cell::quarters).collect();
+        }
+
+        let mut filled: Vec<Texel> = Vec::new();
+        for cell in plain {
+            filled.extend(cell.interpolate(&mut texels[cell.chart]).into_iter().map(|index| (cell.chart, index)));
+        }
+        Some(filled)
+    }
+
+    /// Gathers texels.
+    fn take(&mut self, texels: &mut [Texels<'_>], notes: &mut [Notes], wanted: &[Texel]) -> Option<()> {
+        let found = self.gathers(texels, wanted)?;
+        let channels = self.scene.channels();
+        let found = found.radiosity.chunks(channels).zip(found.standard_error.chunks(channels));
+        for (&(chart, index), (reflected, errors)) in wanted.iter().zip(found) {
+            texels[chart].set(index, reflected);
+            let noise_sq: f32 = errors.iter().map(|error| error * error).sum();
+            notes[chart].noise_sq[index] = if noise_sq.is_finite() { noise_sq } else { 0.0 };
+            self.squares.push([texels[chart].light_sq(index, reflected), f64::from(noise_sq)]);
+        }
+        Some(())
+    }
+
+    fn gathers(&self, texels: &[Texels<'_>], wanted: &[Texel]) -> Option<Reflected> {
+        let place = |&(chart, index): &Texel| texels[chart].place(self.scene, index, self.aim.seed);
+        let places: Vec<Place> = wanted.iter().map(place).collect();
+        let Asked { gather, error_bars, observer } = self.asked;
+        values::reflected_at(gather, error_bars, &places, self.part, observer)
+    }
+
+    /// What errors are relative to, squared: the least of all places in the local norm, the same for all by energy.
+    fn scale_sq(&self) -> f64 {
+        let light_sq = self.squares.iter().map(|[light_sq, _]| *light_sq);
+        match self.aim.norm {
+            ErrorNorm::Energy => light_sq.sum::<f64>() / self.squares.len().max(1) as f64,
+            ErrorNorm::Local => {
+                let mut lit: Vec<f64> = light_sq.filter(|light_sq| *light_sq > 0.0).collect();
+                lit.par_sort_unstable_by(f64::total_cmp);
+                lit.get(lit.len() / 2).copied().unwrap_or(0.0)
+            }
+        }
+    }
+
+    /// What the error at a place with so much light is relative to, squared.
+    fn relative_to(&self, light_sq: f64, scale_sq: f64) -> f64 {
+        match self.aim.norm {
+            ErrorNorm::Energy => scale_sq,
+            ErrorNorm::Local => light_sq.max(scale_sq),
+        }
+    }
+
+    /// Whether what the middles of a cell are truly off is no more than the part's share of the error that values may have.
+    fn is_close(&self, misfit: &Misfit, scale_sq: f64) -> bool {
+        let allowed_sq = self.aim.error.powi(2) / PARTS.len() as f64;
+        misfit.true_sq() <= allowed_sq * self.relative_to(misfit.light_sq, scale_sq)
+    }
+
+    /// The mean square of the standard errors of what was gathered, relative in the norm.
+    fn wrong_sq(&self) -> f64 {
+        let scale_sq = self.scale_sq();
+        let relative = |[light_sq, noise_sq]: &[f64; 2]| match self.relative_to(*light_sq, scale_sq) {
+            to if to > 0.0 => noise_sq / to,
+            _ => 0.0,
+        };
+        self.squares.iter().map(relative).sum::<f64>() / self.squares.len().max(1) as f64
+    }
+
+    /// How far interpolated texels are off, relative in the norm: a mean square over some of them, free of the noise of the gathers that they are held
+    /// against, with what doubt there is about it.
+    fn off_gathers_sq(&self, texels: &[Texels<'_>], filled: &[Texel]) -> Option<f64> {
+        // One of each of as many strata.
+        let count = CONTROLS.min(filled.len());
+        let drawn = (0..count).map(|number| {
+            let random = sampling::unit(sampling::hash(self.aim.seed, streams::BAKE_CONTROLS + number as u64));
+            filled[((number as f64 + random) / count as f64 * filled.len() as f64) as usize]
+        });
+        let drawn: Vec<Texel> = drawn.collect();
+        if drawn.is_empty() {
+            return Some(0.0);
+        }
+        let (found, channels, scale_sq) = (self.gathers(texels, &drawn)?, self.scene.channels(), self.scale_sq());
+
+        let found = found.radiosity.chunks(channels).zip(found.standard_error.chunks(channels));
+        let off_sq = |(&(chart, index), (reflected, errors)): (&Texel, (&[f32], &[f32]))| {
+            let of_channel = |((&own, &told), &error): ((&f32, &f32), &f32)| {
+                let noise_sq = if error.is_finite() { f64::from(error).powi(2) } else { 0.0 };
+                f64::from(own - told).powi(2) - noise_sq
+            };
+            let off_sq: f64 = reflected.iter().zip(texels[chart].reflected_of(index)).zip(errors).map(of_channel).sum();
+            off_sq / self.relative_to(texels[chart].light_sq(index, reflected), scale_sq).max(f64::MIN_POSITIVE)
+        };
+        let all: Vec<f64> = drawn.iter().zip(found).map(off_sq).collect();
+        let mean = all.iter().sum::<f64>() / all.len() as f64;
+        let variance = all.iter().map(|off_sq| (off_sq - mean).powi(2)).sum::<f64>() / (all.len() as f64).powi(2);
+        Some((mean + CONFIDENCE_SIGMAS * variance.sqrt()).max(0.0))
+    }
+}

@@ -1,0 +1,110 @@
+//! The lightmap: pages with all charts, and what is known of it.
+
+use std::f32::consts::PI;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::atlas::{Atlas, Placed};
+use super::fill::Canvas;
+use super::gathered::Found;
+use super::seams::{self, Seams};
+use super::texels::Texels;
+use crate::picture::{Image, Shown};
+use crate::scene::Scene;
+
+/// Light as textures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lightmap {
+    /// Where the faces lie.
+    pub atlas: Atlas,
+    /// The pages in linear radiance B / pi, row after row from the top left; 0 where there is no chart.
+    pub pages: Vec<Image>,
+    /// What is known of it.
+    pub report: BakeReport,
+}
+
+/// What is known of a lightmap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct BakeReport {
+    /// Texels with a value of their own.
+    pub texels: u64,
+    /// Texels of faces on which something stands, which are filled from others of their chart.
+    pub hidden: u64,
+    /// Texels at which direct light was gathered, and those at which indirect light was: 0 if all were read off a lit mesh.
+    pub gathered: [u64; 2],
+    /// How wrong the gathered ones are; errors are root mean squares relative to the light, in the norm of the options. `None` if none were gathered, or
+    /// if that is not known.
+    pub error: Option<f64>,
+    /// How far interpolated ones are off gathers, at two standard deviations.
+    pub interpolated: f64,
+    /// How wrong all are together: an estimate.
+    pub whole: Option<f64>,
+    /// Seams between charts that meet at a flat angle.
+    pub seams: Seams,
+}
+
+/// Lays all texels on their pages, fills what has none, and compares the seams. Of all texels `hidden` are so; they were gathered as `found` says, or read
+/// off a mesh.
+pub(crate) fn finish(scene: &Scene, atlas: &Atlas, texels: &[Texels<'_>], hidden: u64, found: Option<&Found>) -> Lightmap {
+    let channels = scene.channels();
+    let mut pages: Vec<Image> = atlas.pages.iter().map(|&[width, height]| Image::black(width, height, channels)).collect();
+    let padding = atlas.options.padding as usize;
+    let canvases: Vec<Canvas> = texels.par_iter().map(|texels| filled(texels, padding)).collect();
+    for (placed, canvas) in atlas.charts.iter().zip(&canvases) {
+        let page = &mut pages[placed.page];
+        for (row, numbers) in canvas.numbers.chunks(canvas.width * channels).enumerate() {
+            let [left, top] = placed.at.map(|corner| corner as usize - padding);
+            let start = ((top + row) * page.width as usize + left) * channels;
+            page.radiance[start..][..numbers.len()].copy_from_slice(numbers);
+        }
+    }
+
+    let count = texels.iter().flat_map(|texels| &texels.sites).filter(|site| site.is_covered()).count() as u64;
+    let seams = seams::compare(scene, atlas, &pages);
+    let report = BakeReport { texels: count, hidden, seams, ..BakeReport::default() };
+    let report = found.map_or(report, |found| BakeReport {
+        gathered: found.gathered,
+        error: found.error,
+        interpolated: found.interpolated,
+        whole: found.error.map(|error| error.hypot(found.interpolated)),
+        ..report
+    });
+    Lightmap { atlas: atlas.clone(), pages, report }
+}
+
+/// The radiances of a chart with its padding.
+fn filled(texels: &Texels<'_>, padding: usize) -> Canvas {
+    let ([columns, rows], channels) = (texels.chart.size(), texels.channels());
+    let mut canvas = Canvas::new([columns + 2 * padding, rows + 2 * padding], channels);
+    for index in (0..texels.sites.len()).filter(|&index| texels.sites[index].is_covered() && texels.is_known(index)) {
+        let (column, row) = (index % columns + padding, index / columns + padding);
+        let numbers = &mut canvas.numbers[(row * canvas.width + column) * channels..][..channels];
+        numbers
+            .iter_mut()
+            .zip(texels.reflected_of(index))
+            .zip(&texels.material.exitance)
+            .for_each(|((number, b), e)| *number = (b + *e as f32) / PI);
+    }
+    canvas.fill();
+    canvas
+}
+
+impl Lightmap {
+    /// A page as irradiance H = (B - E) / rho over pi, 0 where nothing is reflected. `scene` is the one that was baked.
+    pub fn irradiance(&self, scene: &Scene, page: usize) -> Image {
+        let (mut image, padding) = (self.pages[page].clone(), self.atlas.options.padding as usize);
+        for Placed { chart, at, .. } in self.atlas.charts.iter().filter(|placed| placed.page == page) {
+            let material = &scene.materials()[chart.material as usize];
+            let ([columns, rows], [left, top]) = (chart.size(), at.map(|corner| corner as usize - padding));
+            for row in top..top + rows + 2 * padding {
+                let start = (row * image.width as usize + left) * image.channels;
+                let numbers = &mut image.radiance[start..][..(columns + 2 * padding) * image.channels];
+                for (k, number) in numbers.iter_mut().enumerate() {
+                    *number = Shown::Irradiance.of(material, k % image.channels, f64::from(*number * PI)) as f32;
+                }
+            }
+        }
+        image
+    }
+}

@@ -1,0 +1,31 @@
+//! Lightmaps: the light of a solution as textures.
+//!
+//! Coplanar faces of one material that hang together are a chart, laid into its page as it is, without distortion (`charts`, `atlas`). Each texel has a
+//! *site*: the centre of its square, or the centroid of the part that a face covers, so that its value is the mean over what is covered, to second
+//! order (`coverage`). Sites on which something stands have no light and get none (`hidden`); what no site covers is filled from the same
+//! chart, so that nothing leaks in from elsewhere (`fill`).
+//!
+//! Values are read off a lit mesh, or gathered where they are needed: on a lattice first, then wherever the values in between differ from what the
+//! lattice says (`lattice`); the rest is interpolated. Interpolated texels are held against gathers of their own, which tells how far they are off
+//! (`gathered`).
+
+mod atlas;
+mod charts;
+mod coverage;
+mod fill;
+mod gathered;
+mod hidden;
+mod lattice;
+mod lightmap;
+mod options;
+mod seams;
+mod texels;
+
+pub use atlas::{Atlas, FaceOnAtlas};
+pub(crate) use gathered::{Aim, Asked, Found, gather};
+pub(crate) use hidden::hide;
+pub(crate) use lightmap::finish;
+pub use lightmap::{BakeReport, Lightmap};
+pub use options::{BakeError, BakeOptions, Only};
+pub use seams::Seams;
+pub(crate) use texels::{Texels, texels_of};

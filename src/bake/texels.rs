@@ -1,0 +1,95 @@
+//! The texels of a chart, with their values as far as these are known.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::atlas::{Atlas, Placed};
+use super::charts::Chart;
+use super::coverage::{Site, sites};
+use crate::paths::{Place, place_at};
+use crate::scene::{Material, Scene, SurfaceId};
+
+/// The texels of a chart.
+pub(crate) struct Texels<'a> {
+    pub chart: &'a Chart,
+    pub material: &'a Material,
+    /// By texel, row after row.
+    pub sites: Vec<Site>,
+    /// Reflected radiosity by texel and channel in W/m^2, or a part of it; NaN where it is not known.
+    pub reflected: Vec<f32>,
+    /// The other part, as far as it is known already, else 0.
+    pub before: Vec<f32>,
+}
+
+/// The texels of all charts of an atlas. Those of faces that reflect nothing are known.
+pub(crate) fn texels_of<'a>(atlas: &'a Atlas, scene: &'a Scene) -> Vec<Texels<'a>> {
+    let of_chart = |placed: &'a Placed| {
+        let (chart, material) = (&placed.chart, &scene.materials()[placed.chart.material as usize]);
+        let sites = sites(scene, chart);
+        let numbers = |number: f32| vec![number; sites.len() * scene.channels()];
+        let (reflected, before) = (numbers(if material.reflects() { f32::NAN } else { 0.0 }), numbers(0.0));
+        Texels { chart, material, sites, reflected, before }
+    };
+    atlas.charts.par_iter().map(of_chart).collect()
+}
+
+impl Texels<'_> {
+    /// In a row.
+    pub fn columns(&self) -> usize {
+        self.chart.size()[0]
+    }
+
+    pub fn channels(&self) -> usize {
+        self.material.exitance.len()
+    }
+
+    /// Whether a texel shall have a value and has none yet.
+    pub fn is_wanted(&self, index: usize) -> bool {
+        self.sites[index].is_covered() && !self.is_known(index)
+    }
+
+    /// Whether a texel has a value.
+    pub fn is_known(&self, index: usize) -> bool {
+        !self.reflected[index * self.channels()].is_nan()
+    }
+
+    /// What is known of the light that a texel reflects.
+    pub fn reflected_of(&self, index: usize) -> &[f32] {
+        &self.reflected[index * self.channels()..][..self.channels()]
+    }
+
+    pub fn set(&mut self, index: usize, reflected: &[f32]) {
+        let channels = self.channels();
+        self.reflected[index * channels..][..channels].copy_from_slice(reflected);
+    }
+
+    /// The square of all light that a texel reflects, channels added, when its value is `reflected`.
+    pub fn light_sq(&self, index: usize, reflected: &[f32]) -> f64 {
+        let before = &self.before[index * self.channels()..][..self.channels()];
+        reflected.iter().zip(before).map(|(&a, &b)| f64::from(a + b).powi(2)).sum()
+    }
+
+    /// What was found is a part: the other one is looked for.
+    pub fn begin_next_part(&mut self) {
+        if self.material.reflects() {
+            let unknown = vec![f32::NAN; self.reflected.len()];
+            self.before = std::mem::replace(&mut self.reflected, unknown);
+        }
+    }
+
+    /// Both parts are one.
+    pub fn join_parts(&mut self) {
+        self.reflected.iter_mut().zip(&self.before).for_each(|(reflected, before)| *reflected += before);
+        self.before.fill(0.0);
+    }
+
+    /// Where the value of a texel is taken.
+    pub fn point(&self, scene: &Scene, index: usize) -> DVec3 {
+        self.sites[index].point(scene, self.chart, [index % self.columns(), index / self.columns()])
+    }
+
+    /// The same with random numbers.
+    pub fn place(&self, scene: &Scene, index: usize, seed: u64) -> Place {
+        place_at(self.point(scene, index), SurfaceId(self.sites[index].surface), seed)
+    }
+}

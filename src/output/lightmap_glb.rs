@@ -1,0 +1,92 @@
+//! The scene with its lightmap as binary glTF 2.0: every viewer shows it as it is lit.
+//!
+//! A node with a mesh for each object and page. Vertices have coordinates on the page as `TEXCOORD_1`, where engines look for lightmaps, and the same as
+//! `TEXCOORD_0`, which the format asks for; materials show the page unlit (KHR_materials_unlit), exposed and in sRGB. `asset.extras` states what a
+//! lightmap's file states, and the exposure EV.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+use serde_json::{Value, json};
+
+use super::glb::{FLOAT, File, UNSIGNED_INT, with_bounds, write_chunks};
+use super::lightmap_png::{LightmapCode, write_lightmap_png};
+use super::{Provenance, Quantity};
+use crate::bake::{FaceOnAtlas, Lightmap};
+use crate::scene::Scene;
+
+/// How textures are sampled: linear, and clamped at the edges of a page (numbers of OpenGL).
+const LINEAR: u32 = 9729;
+const CLAMP_TO_EDGE: u32 = 33071;
+
+/// Writes the faces that were baked, with their pages at an exposure of `ev`.
+///
+/// # Errors
+/// What the writer says, and an error if the file would be larger than the 4 GiB of the format.
+pub fn write_lightmap_glb(
+    writer: &mut impl Write,
+    scene: &Scene,
+    lightmap: &Lightmap,
+    ev: f64,
+    provenance: &Provenance,
+) -> io::Result<()> {
+    // Faces by page and object.
+    let mut parts: BTreeMap<(usize, Option<usize>), Vec<FaceOnAtlas>> = BTreeMap::new();
+    for face in lightmap.atlas.faces(scene) {
+        let object = scene.objects().of(scene.surfaces()[face.surface as usize].face);
+        parts.entry((face.page, object)).or_default().push(face);
+    }
+
+    // A mesh and a node for each.
+    let mut file = File::default();
+    let (mut meshes, mut nodes) = (Vec::new(), Vec::new());
+    for ((page, object), faces) in parts {
+        let name = object.map_or("scene", |object| &scene.objects().names()[object]);
+        meshes.push(json!({ "name": name, "primitives": [primitive(&mut file, scene, &faces, page)] }));
+        nodes.push(json!({ "name": name, "mesh": meshes.len() - 1 }));
+    }
+
+    // A texture and a material for each page.
+    let (mut images, mut materials) = (Vec::new(), Vec::new());
+    for (number, page) in lightmap.pages.iter().enumerate() {
+        let mut png = Vec::new();
+        write_lightmap_png(&mut png, page, (Quantity::Radiance, LightmapCode::Srgb { ev }), provenance)?;
+        images.push(json!({ "name": format!("lightmap {number}"), "mimeType": "image/png", "bufferView": file.view(&png) }));
+        materials.push(json!({
+            "name": format!("lightmap {number}"), "extensions": { "KHR_materials_unlit": {} },
+            "pbrMetallicRoughness": {
+                "baseColorTexture": { "index": number, "texCoord": 1 }, "metallicFactor": 0.0, "roughnessFactor": 1.0,
+            },
+        }));
+    }
+    let textures: Vec<Value> = (0..images.len()).map(|number| json!({ "sampler": 0, "source": number })).collect();
+
+    let statements: serde_json::Map<String, Value> =
+        provenance.statements(Quantity::Radiance).into_iter().map(|(key, text)| (key.to_owned(), json!(text))).collect();
+    let mut extras = Value::Object(statements);
+    extras["exposure"] = json!(ev);
+    let all: Vec<usize> = (0..nodes.len()).collect();
+    let json = json!({
+        "asset": { "version": "2.0", "generator": provenance.software(), "extras": extras },
+        "extensionsUsed": ["KHR_materials_unlit"], "scene": 0, "scenes": [{ "nodes": all }], "nodes": nodes, "meshes": meshes,
+        "materials": materials, "textures": textures, "images": images,
+        "samplers": [{ "magFilter": LINEAR, "minFilter": LINEAR, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE }],
+        "accessors": file.accessors, "bufferViews": file.views, "buffers": [{ "byteLength": file.binary.len() }],
+    });
+    write_chunks(writer, json.to_string().into_bytes(), &file.binary)
+}
+
+/// A primitive of triangles: fans of the faces, each with vertices of its own.
+fn primitive(file: &mut File, scene: &Scene, faces: &[FaceOnAtlas], page: usize) -> Value {
+    let (mut positions, mut uv, mut indices): (Vec<[f32; 3]>, Vec<[f32; 2]>, Vec<u32>) = Default::default();
+    for face in faces {
+        let (first, count) = (positions.len() as u32, face.uv.len() as u32);
+        positions.extend(scene.surfaces()[face.surface as usize].polygon.vertices().map(|vertex| vertex.map(|x| x as f32)));
+        uv.extend(face.uv.iter().map(|at| at.map(|x| x as f32)));
+        indices.extend((1..count - 1).flat_map(|k| [first, first + k, first + k + 1]));
+    }
+    let corners = with_bounds(file, &positions);
+    let uv = file.accessor(uv.into_iter().flatten().map(f32::to_le_bytes), FLOAT, 2, json!({}));
+    let indices = file.accessor(indices.into_iter().map(u32::to_le_bytes), UNSIGNED_INT, 1, json!({}));
+    json!({ "attributes": { "POSITION": corners, "TEXCOORD_0": uv, "TEXCOORD_1": uv }, "indices": indices, "material": page })
+}

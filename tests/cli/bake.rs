@@ -1,0 +1,74 @@
+//! `patchlight bake`.
+
+use std::fs;
+
+use super::Place;
+
+#[test]
+fn a_solution_is_baked_into_all_kinds_of_files() {
+    let place = Place::new();
+    let line = "bake room.solution --texel 0.1 -o l.exr -o l.png -o l.hdr --rgbm m.png --glb l.glb --json l.json";
+    let ran = place.run(line);
+    for words in
+        ["atlas     7 charts on 1 page of ", "texels    2", "direct light gathered at ", "values    ", "l.glb (exposure EV "]
+    {
+        assert!(ran.succeeded().stderr.contains(words), "'{words}' is not in: {}", ran.stderr);
+    }
+    assert_eq!(place.new_files(), ["l.exr", "l.glb", "l.hdr", "l.json", "l.png", "m.png"]);
+    let exr = fs::read(place.path("l.exr")).unwrap();
+    assert_eq!(exr[..4], [0x76, 0x2f, 0x31, 0x01]);
+    let json: serde_json::Value = serde_json::from_str(&place.read("l.json")).unwrap();
+    assert_eq!((&json["quantity"], json["faces"].as_array().unwrap().len()), (&"radiosity".into(), 7));
+
+    // The same bytes by another number of threads.
+    place.run("bake room.solution --texel 0.1 -o again.exr --threads 2").succeeded();
+    assert!(fs::read(place.path("again.exr")).unwrap() == exr);
+}
+
+#[test]
+fn a_scene_is_solved_first_and_pages_are_numbered() {
+    let place = Place::new();
+    let line = ["bake", "room.obj", "--error", "0.2", "--texel", "0.1", "--size", "32", "--only", "material wall", "-o", "l.exr"];
+    let ran = place.run_with(&line, "");
+    assert!(ran.succeeded().stderr.contains("6 charts on 6 pages of 24x24"), "{}", ran.stderr);
+    assert_eq!(place.new_files(), ["l.2.exr", "l.3.exr", "l.4.exr", "l.5.exr", "l.6.exr", "l.exr"]);
+
+    // By the lit mesh, as illuminance.
+    let ran = place.run("bake room.obj --error 0.3 --texel 0.2 --from mesh --quantity illuminance -o m.exr");
+    assert!(ran.succeeded().stderr.contains("read off the lit mesh"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("m.exr (illuminance in lx)"), "{}", ran.stderr);
+}
+
+#[test]
+fn what_cannot_be_baked_is_told_before_the_work() {
+    let place = Place::new();
+    for (arguments, code, words) in [
+        ("bake room.solution", 2, &["say where the lightmap goes", "--glb"][..]),
+        ("bake room.solution -o l.exr --texel 0", 2, &["texel is 0", "above 0"]),
+        ("bake room.solution -o l.exr --texel NaN", 2, &["texel is NaN"]),
+        ("bake room.solution -o l.exr --texel -1", 2, &["texel is -1"]),
+        ("bake room.solution -o l.exr --texel small", 2, &["texel is 'small'"]),
+        ("bake room.obj -o l.exr --texel 1e-6", 2, &["texels of 0.000001 m make", "choose larger ones"]),
+        ("bake room.solution -o l.exr --size 8", 2, &["size is 8", "from 16 to 32768"]),
+        ("bake room.solution -o l.exr --size 16", 2, &["the chart of face", "a page of 16 x 16"]),
+        ("bake room.solution -o l.exr --padding 999", 2, &["padding is 999"]),
+        ("bake room.solution -o l.exr --only floor", 2, &["'floor' names nothing"]),
+        ("bake room.solution -o l.exr --quantity width", 2, &["--quantity width is for pictures"]),
+        ("bake room.solution -o l.exr --exposure 1", 2, &["--exposure is for .png and .glb"]),
+        ("bake room.solution -o l.exr --from mesh", 2, &["no lit mesh"]),
+        ("bake room.solution -o l.exr --error 0.1", 2, &["--error is for scenes", "solved already"]),
+        ("bake room.solution -o l.exr --set error=0.1", 2, &["--set error=0.1 is for scenes"]),
+        ("bake room.solution -o l.tif", 2, &["unknown extension"]),
+        ("bake room.solution --rgbm l.exr", 2, &["--rgbm writes .png"]),
+        ("bake room.solution --glb l.gltf", 2, &["--glb writes .glb"]),
+        ("bake room.solution -o l.exr -o l.exr", 2, &["two outputs cannot both be l.exr"]),
+        ("bake room.solution -o room.solution", 2, &["unknown extension"]),
+        ("bake P.csv -o l.exr", 3, &["P.csv"]),
+        ("bake none.solution -o l.exr", 3, &["none.solution"]),
+    ] {
+        place.run(arguments).failed(code, words);
+    }
+    place.run_with(&["bake", "room.solution", "-o", "l.exr", "--only", "material stone"], "").failed(2, &["material 'stone'"]);
+    place.run_with(&["bake", "room.solution", "-o", "l.exr", "--only", "object desk"], "").failed(2, &["object 'desk'"]);
+    assert!(place.new_files().is_empty(), "{:?}", place.new_files());
+}
