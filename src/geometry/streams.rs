@@ -36,6 +36,8 @@ pub(crate) const MESH_AGAIN: u64 = kind(11);
 pub(crate) const MESH_PILOT: u64 = kind(12);
 /// Gathers at sensors; add the number of the replicate.
 pub(crate) const SENSORS: u64 = kind(13);
+/// Transmittance maps of clusters. Of what that gives, the cluster and then the direction cell pick the stream.
+pub(crate) const MAPS: u64 = kind(14);
 
 // Of the seed of a node's exposure.
 /// Rays from points that seem hidden; add the round.

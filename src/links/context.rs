@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicU64;
 
+use super::ask::MapsOfLinks;
 use super::link_set::Pair;
 use super::oracle::RefinementOracle;
 use super::skips::Skips;
@@ -13,6 +14,8 @@ use crate::transmittance::Rays;
 pub(crate) struct RefineContext<'a> {
     pub scene: &'a Scene,
     pub rays: &'a Rays<'a>,
+    /// What is asked before rays are.
+    pub maps: Option<MapsOfLinks<'a>>,
     pub oracle: &'a dyn RefinementOracle,
     /// `scene.channels()` radiosities per node; nodes that are newer take their nearest older ancestor's.
     pub radiosity: &'a [f64],
