@@ -1,7 +1,8 @@
 //! The links that are looked at: samples of their lines, and how much really passes.
 
+use patchlight::geometry::Polygon;
 use patchlight::hierarchy::{Hierarchy, NodeId};
-use patchlight::scene::{Scene, SurfaceId};
+use patchlight::scene::{Scene, Sides, Surface, SurfaceId};
 use patchlight::solve::Solution;
 use patchlight::visibility::{Segment, Visibility};
 
@@ -30,24 +31,48 @@ pub fn of_solution(solution: &Solution) -> Vec<[NodeId; 2]> {
     solution.links().iter().map(|(receiver, link)| [receiver, link.source]).collect()
 }
 
-/// Pairs of an element of the lawn, 0.2 to 2 m^2 large, and one of the sky, 2 to 20 m^2 large: links as wide as leaves are many.
-pub fn of_lawn_and_sky(solution: &Solution) -> Vec<[NodeId; 2]> {
-    let (scene, hierarchy) = (solution.scene(), solution.hierarchy());
-    let elements = |material: &str, areas: std::ops::Range<f64>| -> Vec<NodeId> {
-        let is_one = |&node: &NodeId| {
-            let of_material = |surface: SurfaceId| scene.material_of(surface).name == material;
-            hierarchy.surface_of(node).is_some_and(of_material) && areas.contains(&hierarchy.area(node))
-        };
-        hierarchy.ids().filter(is_one).collect()
+/// The scene with lawn and sky in tiles, and all pairs of a tile of the lawn, about 1 m^2 large, and one of the sky, some m^2 large: beams that are
+/// wide against leaves.
+pub fn tiled(scene: &Scene) -> Scene {
+    let tiles_of = |surface: &Surface| match scene.materials()[surface.material as usize].name.as_str() {
+        "lawn" => 16,
+        "sky" => 4,
+        _ => 1,
     };
-    let (lawn, sky) = (elements("lawn", 0.2..2.0), elements("sky", 2.0..20.0));
+    let mut faces = Vec::new();
+    for surface in scene.surfaces() {
+        let corners: Vec<[f64; 3]> = surface.polygon.vertices().collect();
+        let tiles = if corners.len() == 4 { tiles_of(surface) } else { 1 };
+        if tiles == 1 {
+            faces.push((surface.polygon.clone(), surface.material, surface.face));
+            continue;
+        }
+        let (u, v) = (sub(corners[1], corners[0]), sub(corners[3], corners[0]));
+        let at = |i: i32, j: i32| {
+            let part = |k: i32| f64::from(k) / f64::from(tiles);
+            add(corners[0], add(times(u, part(i)), times(v, part(j))))
+        };
+        for (i, j) in (0..tiles).flat_map(|i| (0..tiles).map(move |j| (i, j))) {
+            let tile = Polygon::new(&[at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]).expect("a tile");
+            faces.push((tile, surface.material, surface.face));
+        }
+    }
+    Scene::new(scene.channels(), scene.materials().to_vec(), faces, Sides::Front).expect("a scene")
+}
+
+/// All pairs of a surface of the lawn and one of the sky.
+pub fn of_lawn_and_sky(scene: &Scene, hierarchy: &Hierarchy) -> Vec<[NodeId; 2]> {
+    let of_material = |material: &str| -> Vec<NodeId> {
+        let all = (0..scene.surfaces().len() as u32).map(SurfaceId);
+        all.filter(|&id| scene.material_of(id).name == material).map(|id| hierarchy.node_of(id)).collect()
+    };
+    let (lawn, sky) = (of_material("lawn"), of_material("sky"));
     lawn.iter().flat_map(|&receiver| sky.iter().map(move |&source| [receiver, source])).collect()
 }
 
 impl Crossing {
     /// Those among some pairs.
-    pub fn of(solution: &Solution, all: &[[NodeId; 2]], visibility: &dyn Visibility) -> Vec<Self> {
-        let (scene, hierarchy) = (solution.scene(), solution.hierarchy());
+    pub fn of(scene: &Scene, hierarchy: &Hierarchy, all: &[[NodeId; 2]], visibility: &dyn Visibility) -> Vec<Self> {
         let stride = (all.len() / MOST_LINKS).max(1);
         let crossing = |(index, &pair): (usize, &[NodeId; 2])| {
             let mut random = Random(index as u64);

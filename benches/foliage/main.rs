@@ -22,13 +22,14 @@ mod triangles;
 #[path = "../../examples/generate_scenes/vegetation.rs"]
 mod vegetation;
 
+use patchlight::hierarchy::{Hierarchy, NodeId};
 use patchlight::pipeline;
 use patchlight::progress::Silent;
 use patchlight::scene::Scene;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::solve::{RunOptions, SolveOptions, Solver, Strategy};
 use patchlight::transmittance::maps::MapResolution;
-use patchlight::visibility::{Backend, OccluderMesh, build};
+use patchlight::visibility::{Backend, OccluderMesh, Visibility, build};
 
 use links::Crossing;
 use measure::{Ladder, Measured};
@@ -73,12 +74,21 @@ fn print(name: &str, scene: Scene) {
     let run = RunOptions { threads: 1, ..RunOptions::default() };
     let (lit, _) = pipeline::solve(scene, &options, &run, &Silent).expect("a solution");
     let solution = lit.solution();
-    for (what, pairs) in
-        [("links of a solve", links::of_solution(solution)), ("pairs of lawn and sky", links::of_lawn_and_sky(solution))]
-    {
-        let crossings = Crossing::of(solution, &pairs, visibility.as_ref());
-        println!("\n### {name}: {} {what}, {} partly blocked ones looked at\n", pairs.len(), crossings.len());
-        table(&Ladder { solution, visibility: visibility.as_ref(), crossings: &crossings });
+    let links = links::of_solution(solution);
+    compare(&format!("{name}: links of a solve"), solution.scene(), solution.hierarchy(), &links, visibility.as_ref());
+
+    let tiled = links::tiled(solution.scene());
+    let hierarchy = Hierarchy::new(&tiled);
+    let visibility = build(Backend::default(), &OccluderMesh::of_scene(&tiled)).expect("a backend");
+    let pairs = links::of_lawn_and_sky(&tiled, &hierarchy);
+    compare(&format!("{name}: tiles of lawn and sky"), &tiled, &hierarchy, &pairs, visibility.as_ref());
+}
+
+fn compare(what: &str, scene: &Scene, hierarchy: &Hierarchy, pairs: &[[NodeId; 2]], visibility: &dyn Visibility) {
+    let crossings = Crossing::of(scene, hierarchy, pairs, visibility);
+    println!("\n### {what}, {} pairs, {} partly blocked ones looked at\n", pairs.len(), crossings.len());
+    if !crossings.is_empty() {
+        table(&Ladder { scene, hierarchy, visibility, crossings: &crossings });
     }
 }
 

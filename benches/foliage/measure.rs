@@ -1,6 +1,7 @@
 //! What a method makes of the links, and what it takes.
 
-use patchlight::solve::Solution;
+use patchlight::hierarchy::Hierarchy;
+use patchlight::scene::Scene;
 use patchlight::transmittance::maps::{MapOptions, MapResolution, Maps};
 use patchlight::visibility::{Segment, Visibility};
 
@@ -26,7 +27,8 @@ pub struct Measured {
 
 /// The methods, on one set of links.
 pub struct Ladder<'a> {
-    pub solution: &'a Solution,
+    pub scene: &'a Scene,
+    pub hierarchy: &'a Hierarchy,
     pub visibility: &'a dyn Visibility,
     pub crossings: &'a [Crossing],
 }
@@ -47,11 +49,11 @@ impl Ladder<'_> {
         let rays = ((0.25 / (tolerance * tolerance)).ceil() as usize).min(crate::links::LINES);
         let options = MapOptions { resolution, ..MapOptions::default() };
         let start = cpu_seconds();
-        let maps = Maps::new(self.solution.scene(), self.solution.hierarchy(), &options);
+        let maps = Maps::new(self.scene, self.hierarchy, &options);
         let ask = |crossing: &Crossing| {
             let lines = &crossing.lines[..lines.min(crossing.lines.len())];
             let segments: Vec<Segment> = lines.iter().map(|line| line.0).collect();
-            let answer = maps.estimate(self.solution.hierarchy(), crossing.pair, &segments, tolerance);
+            let answer = maps.estimate(self.hierarchy, crossing.pair, &segments, tolerance);
             answer.map(|(passes, error)| (weighted(lines, passes.into_iter()), error))
         };
         let by_maps: Vec<_> = self.crossings.iter().map(ask).collect();

@@ -1,19 +1,10 @@
 //! What passes along the segments of a batch: by transmittance maps where these are good enough for a pair, else by rays.
 
-use super::context::RefineContext;
+use super::context::{MapsOfLinks, RefineContext};
 use super::link_set::Pair;
 use super::sample_pairs::{SamplePairs, passes};
 use crate::hierarchy::Hierarchy;
-use crate::transmittance::maps::Maps;
 use crate::visibility::Segment;
-
-/// Maps, and how wrong they may be.
-#[derive(Clone, Copy)]
-pub(crate) struct MapsOfLinks<'a> {
-    pub maps: &'a Maps<'a>,
-    /// The standard error that the transmittance of a link may have by them.
-    pub tolerance: f64,
-}
 
 impl RefineContext<'_> {
     /// Asks maps, where there are some, for the last `count` segments of a batch, which are those of a pair.

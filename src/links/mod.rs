@@ -17,9 +17,8 @@ mod refine;
 mod sample_pairs;
 mod skips;
 
-pub(crate) use ask::MapsOfLinks;
 pub(crate) use chang_shih98::{RefineDirection, SampledContext};
-pub(crate) use context::RefineContext;
+pub(crate) use context::{MapsOfLinks, RefineContext};
 pub(crate) use holzschuch94::{MutualContext, MutualLinks, RAYS_PER_LINK, TopLevel};
 pub(crate) use limits::{RefineEnd, RefineLimits};
 pub use link_set::{Link, LinkSet, Pair};

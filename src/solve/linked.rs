@@ -10,14 +10,13 @@ use rayon::prelude::*;
 use super::cuts::cut_along_discontinuities;
 use super::job::Job;
 use super::memory::{CellDemand, Holdings, LINK_AT_WORK, MemoryLedger};
-use super::multiresolution96;
 use super::options::{Subdivision, Sweep};
 use super::plan::{COARSE_TOLERANCE, Plan};
 use super::report::{SkippedWork, SolveReport};
 use crate::direct::SharedBlockers;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
-use crate::links::{Dropped, LinkSet, MapsOfLinks, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
+use crate::links::{Dropped, LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::paths::{Brightness, Illumination, Landing, cell_count};
 use crate::progress::{Progress, Stage, Stop};
 use crate::scene::SurfaceId;
@@ -34,7 +33,6 @@ pub(super) struct Linked<'a> {
     /// Where particles from the emitters landed.
     pub landings: Arc<[Landing]>,
     pub hierarchy: Hierarchy,
-    /// What clusters let through, where the strategy asks that before rays.
     maps: Option<Maps<'a>>,
     pub links: LinkSet,
     dropped: Dropped,
@@ -77,7 +75,7 @@ impl<'a> Linked<'a> {
             links: LinkSet::unrefined(hierarchy.len()),
             job,
             landings: illumination.landings.clone(),
-            maps: multiresolution96::maps(&job, &hierarchy),
+            maps: super::multiresolution96::maps(&job, &hierarchy),
             hierarchy,
             dropped: Dropped::default(),
             exposure,
@@ -187,7 +185,7 @@ impl<'a> Linked<'a> {
         let context = RefineContext {
             scene,
             rays,
-            maps: self.maps.as_ref().map(|maps| MapsOfLinks { maps, tolerance: options.multiresolution96.transmittance_tolerance }),
+            maps: super::multiresolution96::of_links(self.maps.as_ref(), options),
             oracle,
             radiosity: self.radiosity.values(),
             clusters: self.clusters,
@@ -385,8 +383,7 @@ impl<'a> Linked<'a> {
         let unused = if self.clusters { 0 } else { self.hierarchy.cluster_count() as u64 };
         let is_dark = |surface: &u32| self.radiosity.of(self.hierarchy.node_of(SurfaceId(*surface))).iter().all(|&b| b == 0.0);
         let sealed = (0..scene.surfaces().len() as u32).filter(is_dark).count() as u64;
-        let by_maps = self.maps.as_ref().map_or(0, Maps::answered);
-        let spared = rays.spared();
+        let (spared, by_maps) = (rays.spared(), self.maps.as_ref().map_or(0, Maps::answered));
         let (everywhere, between) = if rays.is_clear_everywhere() { (spared, 0) } else { (0, spared) };
         vec![
             work("pairs behind one another", behind.pairs, behind.rays),

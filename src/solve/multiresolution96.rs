@@ -7,9 +7,10 @@
 //! Values at points, and leaves that are gathered anew, see by rays: a point has no beam that is wide enough.
 
 use super::job::Job;
-use super::options::Strategy;
+use super::options::{SolveOptions, Strategy};
 use crate::geometry::{sampling, streams};
 use crate::hierarchy::Hierarchy;
+use crate::links::MapsOfLinks;
 use crate::transmittance::maps::{MapOptions, MapResolution, Maps};
 
 /// The maps of a solve; nothing for other strategies, and where no cluster is dense.
@@ -22,4 +23,9 @@ pub(super) fn maps<'a>(job: &Job<'a>, hierarchy: &Hierarchy) -> Option<Maps<'a>>
     };
     let is_wanted = job.options.strategy == Strategy::Multiresolution96 && options.transmittance_tolerance > 0.0;
     is_wanted.then(|| Maps::new(job.scene, hierarchy, &map_options)).filter(|maps| !maps.is_empty())
+}
+
+/// What links ask before rays, with the error that they may have.
+pub(super) fn of_links<'a>(maps: Option<&'a Maps<'a>>, options: &SolveOptions) -> Option<MapsOfLinks<'a>> {
+    maps.map(|maps| MapsOfLinks { maps, tolerance: options.multiresolution96.transmittance_tolerance })
 }
