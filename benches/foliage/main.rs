@@ -66,6 +66,12 @@ fn scene(kind: &str, count: usize) -> Scene {
 }
 
 fn print(name: &str, scene: Scene) {
+    let tiled = links::tiled(&scene);
+    let hierarchy = Hierarchy::new(&tiled);
+    let visibility = build(Backend::default(), &OccluderMesh::of_scene(&tiled)).expect("a backend");
+    let pairs = links::of_lawn_and_sky(&tiled, &hierarchy);
+    compare(&format!("{name}: tiles of lawn and sky"), &tiled, &hierarchy, &pairs, visibility.as_ref());
+
     let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).expect("a backend");
     let mut options = SolveOptions { strategy: Strategy::Hanrahan91, solver: Solver::Links, error: 0.9, ..SolveOptions::default() };
     options.links.tolerance = Some(LINK_TOLERANCE);
@@ -76,12 +82,6 @@ fn print(name: &str, scene: Scene) {
     let solution = lit.solution();
     let links = links::of_solution(solution);
     compare(&format!("{name}: links of a solve"), solution.scene(), solution.hierarchy(), &links, visibility.as_ref());
-
-    let tiled = links::tiled(solution.scene());
-    let hierarchy = Hierarchy::new(&tiled);
-    let visibility = build(Backend::default(), &OccluderMesh::of_scene(&tiled)).expect("a backend");
-    let pairs = links::of_lawn_and_sky(&tiled, &hierarchy);
-    compare(&format!("{name}: tiles of lawn and sky"), &tiled, &hierarchy, &pairs, visibility.as_ref());
 }
 
 fn compare(what: &str, scene: &Scene, hierarchy: &Hierarchy, pairs: &[[NodeId; 2]], visibility: &dyn Visibility) {
