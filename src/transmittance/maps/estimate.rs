@@ -20,9 +20,6 @@ const FEWEST_SURFACES: usize = 256;
 /// Where so many boxes are met, rays cost less, and answer.
 const MOST_STEPS: u32 = 96;
 
-/// The variance of what is blocked or is not, as in a cluster of which half the light passes: for those that hold an end.
-const HALF_BLOCKED: f64 = 0.25;
-
 /// What maps are made with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapOptions {
@@ -201,19 +198,19 @@ impl Packet<'_> {
         true
     }
 
-    /// A cluster as its map tells what it blocks of the lines about those that meet it, which is written there. Nothing if it has no map. One that
-    /// holds an end cannot be taken as a whole; how few leaves the beam meets in it, can be told.
+    /// A cluster as its map tells what it blocks of the lines about those that meet it, which is written there. Nothing if it has no map, or
+    /// holds an end of a line.
     fn whole(&self, cluster: NodeId, met: &mut [Meeting]) -> Option<Whole> {
         let map = self.maps.map_of(cluster)?;
-        let (count, all) = (met.len() as f64, self.lines.len() as f64);
-        let middle = met.iter().map(|meeting| 0.5 * (meeting.enters.max(0.0) + meeting.leaves.min(1.0))).sum::<f64>() / count;
-        let width = (1.0 - middle) * self.widths[0] + middle * self.widths[1];
-        let patches = (map.patch / (width * width)).min(1.0);
         if met.iter().any(|meeting| meeting.enters <= 0.0 || meeting.leaves >= 1.0) {
-            return Some(Whole { variance: f64::INFINITY, variance_of_patches: HALF_BLOCKED * patches * count / all });
+            return None;
         }
 
         // Each line stands for its part of the beam's section here.
+        let (count, all) = (met.len() as f64, self.lines.len() as f64);
+        let middle = met.iter().map(|meeting| 0.5 * (meeting.enters + meeting.leaves)).sum::<f64>() / count;
+        let width = (1.0 - middle) * self.widths[0] + middle * self.widths[1];
+        let patches = (map.patch / (width * width)).min(1.0);
         let level = (width / (map.grain * all.sqrt())).log2().max(0.0) as u32;
         let mut whole = Whole::default();
         for meeting in met {
