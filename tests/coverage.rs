@@ -279,6 +279,12 @@ fn each_pair_once_when_rounds_follow_rounds() {
 }
 
 #[test]
+fn each_pair_once_where_maps_are_asked() {
+    let found = check("crowded", &crowded(80, 6), &quick(Strategy::Multiresolution96, 1.0));
+    assert!(found.linked > 0);
+}
+
+#[test]
 fn limits_are_kept_and_each_pair_is_covered_once() {
     for strategy in [Strategy::Default, Strategy::Hanrahan91, Strategy::Uniform] {
         for scene in [furnished(4), crowded(16, 8)] {

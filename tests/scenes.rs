@@ -11,6 +11,8 @@ use patchlight::visibility::{Backend, NO_PLANE, OccluderMesh, Ray, Segment, buil
 mod chang_shih;
 #[path = "../examples/generate_scenes/cornell.rs"]
 mod cornell;
+#[path = "../examples/generate_scenes/foliage.rs"]
+mod foliage;
 #[path = "../examples/generate_scenes/furnace.rs"]
 mod furnace;
 #[path = "../examples/generate_scenes/furniture.rs"]
@@ -33,6 +35,8 @@ mod room;
 mod scenes;
 #[path = "../examples/generate_scenes/two_rooms.rs"]
 mod two_rooms;
+#[path = "../examples/generate_scenes/vegetation.rs"]
+mod vegetation;
 
 fn folder() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes"))
@@ -203,4 +207,36 @@ fn halls_have_as_many_polygons_as_asked_for_and_depend_on_nothing_else() {
         let (_, summary, inspection) = read(folder.path().join("hall.obj").to_str().unwrap());
         assert_eq!((summary.surfaces, inspection.escaped), (polygons, 0));
     }
+}
+
+#[test]
+fn the_shrub_has_its_leaves_under_a_sky_without_a_gap() {
+    // Limbs grow out of one another, so some points lie inside of others and see their backs.
+    let (imported, summary, inspection) = read("shrub.obj");
+    assert!(inspection.escaped == 0 && 100 * inspection.met_back < inspection.rays, "{inspection:?}");
+    assert_eq!((summary.sheets, summary.emitters), (2000, 10));
+
+    // The leaves that were asked for, of the area that was asked for, one side.
+    let scene = &imported.scene;
+    let is_leaf = |material: u32| scene.materials()[material as usize].name.starts_with("leaf");
+    let leaves = scene.surfaces().iter().filter(|surface| is_leaf(surface.material));
+    let area: f64 = leaves.map(|surface| surface.polygon.area()).sum();
+    assert!((area / 12.0 - 1.0).abs() < 1e-6, "{area} m^2");
+}
+
+#[test]
+fn vegetation_has_as_many_leaves_as_asked_for_and_depends_on_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    for (kind, count, sheets) in [("tree", 1500, 1500), ("hedge", 700, 700), ("garden", 1000, 1000), ("maize", 12, 12 * 12 * 6)] {
+        let (obj, mtl) = vegetation::of_kind(kind, count, 7).unwrap().write(kind);
+        assert!((obj.clone(), mtl.clone()) == vegetation::of_kind(kind, count, 7).unwrap().write(kind));
+        assert!(obj != vegetation::of_kind(kind, count, 8).unwrap().write(kind).0);
+        let file = folder.path().join(format!("{kind}.obj"));
+        std::fs::write(&file, obj).unwrap();
+        std::fs::write(file.with_extension("mtl"), mtl).unwrap();
+        let imported = read_scene(&file, &ImportOptions::default()).unwrap();
+        let summary = SceneSummary::new(&imported.scene, &imported.diagnostics);
+        assert_eq!((summary.sheets, &summary.repairs), (sheets, &vec![]), "{kind}");
+    }
+    assert!(vegetation::of_kind("fern", 1, 1).is_none());
 }

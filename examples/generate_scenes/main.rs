@@ -1,10 +1,12 @@
 //! Writes the scenes of this repository: `cargo run --example generate_scenes [folder]`, by default into `scenes/`.
 //!
-//! `cargo run --example generate_scenes hall POLYGONS SEED FILE.obj` writes a hall of so many polygons, at least 400, instead.
+//! `cargo run --example generate_scenes KIND COUNT SEED FILE.obj` writes one scene of any size instead: a `hall` of so many polygons, at least 400, or
+//! vegetation, `tree`, `hedge` or `garden` of so many leaves, `maize` of so many plants.
 #![allow(clippy::print_stdout, reason = "a program that tells what it wrote")]
 
 mod chang_shih;
 mod cornell;
+mod foliage;
 mod furnace;
 mod furniture;
 mod hall;
@@ -16,16 +18,15 @@ mod pyramid;
 mod room;
 mod scenes;
 mod two_rooms;
+mod vegetation;
 
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 
 fn main() -> std::io::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if let [name, polygons, seed, file] = &arguments[..]
-        && name == "hall"
-    {
-        return write_hall(polygons, seed, Path::new(file));
+    if let [kind, count, seed, file] = &arguments[..] {
+        return write_one(kind, count, seed, Path::new(file));
     }
     let folder = arguments.first().cloned().unwrap_or_else(|| concat!(env!("CARGO_MANIFEST_DIR"), "/scenes").to_owned());
     for (name, content) in scenes::all() {
@@ -36,14 +37,20 @@ fn main() -> std::io::Result<()> {
     Ok(())
 }
 
-fn write_hall(polygons: &str, seed: &str, file: &Path) -> std::io::Result<()> {
-    const LEAST: usize = 400;
+/// Writes a scene of a kind, of so many of what the kind is counted in.
+fn write_one(kind: &str, count: &str, seed: &str, file: &Path) -> std::io::Result<()> {
+    const LEAST_POLYGONS: usize = 400;
     let wrong = |what: &str| Error::new(ErrorKind::InvalidInput, what.to_owned());
-    let polygons = polygons.parse().ok().filter(|&polygons| polygons >= LEAST);
-    let polygons = polygons.ok_or_else(|| wrong("POLYGONS must be a whole number, at least 400"))?;
+    let count: usize = count.parse().map_err(|_| wrong("COUNT must be a whole number"))?;
     let seed = seed.parse().map_err(|_| wrong("SEED must be a whole number below 2^32"))?;
+    let model = match kind {
+        "hall" if count >= LEAST_POLYGONS => hall::hall(count, seed),
+        "hall" => return Err(wrong("a hall has at least 400 polygons")),
+        _ if count == 0 => return Err(wrong("COUNT must be at least 1")),
+        _ => vegetation::of_kind(kind, count, seed).ok_or_else(|| wrong("KIND must be hall, tree, hedge, maize or garden"))?,
+    };
     let name = file.file_stem().and_then(|name| name.to_str()).ok_or_else(|| wrong("FILE.obj must have a name"))?;
-    let (obj, mtl) = hall::hall(polygons, seed).write(name);
+    let (obj, mtl) = model.write(name);
     std::fs::write(file, obj)?;
     std::fs::write(file.with_extension("mtl"), mtl)?;
     println!("{}", file.display());

@@ -1,6 +1,6 @@
 //! The list of the scenes.
 
-use super::{chang_shih, cornell, furnace, lischinski, paper_rooms, pyramid, room, two_rooms};
+use super::{chang_shih, cornell, furnace, lischinski, paper_rooms, pyramid, room, two_rooms, vegetation};
 
 /// Name and content of every file.
 pub fn all() -> Vec<(String, String)> {
@@ -21,6 +21,7 @@ pub fn all() -> Vec<(String, String)> {
         ("gallery", lischinski::gallery()),
         ("panelled_room", lischinski::panelled_room()),
         ("pyramid", pyramid::pyramid()),
+        ("shrub", vegetation::shrub()),
     ]
     .into_iter()
     .flat_map(|(name, model)| {

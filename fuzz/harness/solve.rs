@@ -68,6 +68,7 @@ fn options(bytes: &mut Bytes) -> SolveOptions {
             Strategy::Lazy94Reduction,
             Strategy::BottomUp98,
             Strategy::TopDown98,
+            Strategy::Multiresolution96,
         ]),
         solver: bytes.pick(&[Solver::Auto, Solver::Links, Solver::Cells]),
         links: LinkOptions {

@@ -40,6 +40,8 @@ pub(crate) const SENSORS: u64 = kind(13);
 pub(crate) const BAKE_HIDDEN: u64 = kind(14);
 /// Interpolated texels that are gathered as well; add the number.
 pub(crate) const BAKE_CONTROLS: u64 = kind(15);
+/// Transmittance maps of clusters. Of what that gives, the cluster and then the direction cell pick the stream.
+pub(crate) const MAPS: u64 = kind(16);
 
 // Of the seed of a node's exposure.
 /// Rays from points that seem hidden; add the round.

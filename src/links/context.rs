@@ -8,11 +8,14 @@ use super::skips::Skips;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::scene::Scene;
 use crate::transmittance::Rays;
+use crate::transmittance::maps::Maps;
 
 /// What refinement decides by: everything but the hierarchy, which grows.
 pub(crate) struct RefineContext<'a> {
     pub scene: &'a Scene,
     pub rays: &'a Rays<'a>,
+    /// What is asked before rays are.
+    pub maps: Option<MapsOfLinks<'a>>,
     pub oracle: &'a dyn RefinementOracle,
     /// `scene.channels()` radiosities per node; nodes that are newer take their nearest older ancestor's.
     pub radiosity: &'a [f64],
@@ -31,6 +34,14 @@ pub(crate) struct RefineContext<'a> {
     pub seed: u64,
     /// Spent on form factors of links, added over threads.
     pub form_factor_nanoseconds: AtomicU64,
+}
+
+/// Maps, and how wrong they may be.
+#[derive(Clone, Copy)]
+pub(crate) struct MapsOfLinks<'a> {
+    pub maps: &'a Maps<'a>,
+    /// The standard error that the transmittance of a link may have by them.
+    pub tolerance: f64,
 }
 
 impl RefineContext<'_> {

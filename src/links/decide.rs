@@ -51,16 +51,15 @@ impl RefineContext<'_> {
             None => self.ask(hierarchy, pair, &mut samples),
         };
         let unseen: Vec<Unseen> = pairs.iter().map(decide).collect();
-        let mut occluded = Vec::new();
-        self.rays.occluded(&samples.segments, &mut occluded);
+        let passes = self.ask_rays(&samples);
 
         // Decide again, with the part that gets through.
-        let mut answers = Answers { kernels: &samples.kernels, occluded: &occluded };
+        let mut answers = Answers { kernels: &samples.kernels, passes: &passes };
         let decide = |(&pair, unseen): (&Pair, Unseen)| match unseen {
             Unseen::Settled(outcome) => outcome,
             Unseen::Asked { form_factor, deciding, valued } => {
                 let (deciding, valued) = (answers.take(deciding), answers.take(valued));
-                let seen = sampled_transmittance(deciding.kernels, deciding.occluded);
+                let seen = sampled_transmittance(deciding.kernels, deciding.passes.iter().copied());
                 let transmittance = sampled_link_transmittance(hierarchy, pair, form_factor, seen, valued) as f32;
                 let candidate = || self.candidate(hierarchy, pair, form_factor, Some(seen));
                 match if may_split { self.oracle.decide(&candidate()) } else { Decision::Link } {
@@ -112,6 +111,7 @@ impl RefineContext<'_> {
         let seed = pair.seed(self.seed);
         let mut sample = |seed| samples.add(self.scene, hierarchy, pair, count, seed);
         let (deciding, valued) = (sample(seed), sample(sampling::hash(seed, streams::LINK_VALUE)));
+        self.ask_maps(hierarchy, pair, deciding.0 + valued.0, samples);
         let start = Instant::now();
         let clusters = hierarchy.is_cluster(pair.receiver) || hierarchy.is_cluster(pair.source);
         let form_factor = match (clusters, separated(hierarchy, pair)) {
@@ -130,16 +130,16 @@ impl RefineContext<'_> {
 #[derive(Clone, Copy)]
 struct Answers<'a> {
     kernels: &'a [f64],
-    occluded: &'a [bool],
+    passes: &'a [f64],
 }
 
 impl<'a> Answers<'a> {
     /// The next answers.
     fn take(&mut self, count: u32) -> Answers<'a> {
         let (kernels, more_kernels) = self.kernels.split_at(count as usize);
-        let (occluded, more_occluded) = self.occluded.split_at(count as usize);
-        *self = Self { kernels: more_kernels, occluded: more_occluded };
-        Answers { kernels, occluded }
+        let (passes, more_passes) = self.passes.split_at(count as usize);
+        *self = Self { kernels: more_kernels, passes: more_passes };
+        Answers { kernels, passes }
     }
 }
 
@@ -150,15 +150,15 @@ fn sampled_link_transmittance(
     pair: Pair,
     form_factor: f64,
     seen: f64,
-    Answers { kernels, occluded }: Answers<'_>,
+    Answers { kernels, passes }: Answers<'_>,
 ) -> f64 {
     let (receiver, source) = (hierarchy.node(pair.receiver), hierarchy.node(pair.source));
     let near = receiver.radius + source.radius > NEAR * receiver.centroid.distance(source.centroid);
     let clusters = hierarchy.is_cluster(pair.receiver) || hierarchy.is_cluster(pair.source);
     if near || clusters || form_factor <= 0.0 {
-        sampled_transmittance(kernels, occluded)
+        sampled_transmittance(kernels, passes.iter().copied())
     } else {
-        sampled_visible_form_factor(form_factor, seen, source.area, kernels, occluded) / form_factor
+        sampled_visible_form_factor(form_factor, seen, source.area, kernels, passes) / form_factor
     }
 }
 

@@ -17,6 +17,8 @@ const TRIES: u32 = 4;
 pub(super) struct SamplePairs {
     pub segments: Vec<Segment>,
     pub kernels: Vec<f64>,
+    /// What passes along some of them, by maps: from which segment on, one after the other.
+    pub by_maps: Vec<(usize, Vec<f64>)>,
 }
 
 impl SamplePairs {
@@ -49,17 +51,21 @@ fn point_in(hierarchy: &Hierarchy, node: NodeId, u: f64, v: f64) -> (NodeId, DVe
     if hierarchy.is_cluster(node) { hierarchy.point_in_leaf(node, u, v) } else { (node, hierarchy.facet(node).point_at(u, v)) }
 }
 
-/// The part of the light that gets through: visibilities weighted by the kernel, so that their correlation is kept.
+/// The part of the light that gets through, of what `passes` along each segment, 0 to 1: weighted by the kernel, so that their correlation is kept.
 ///
 /// Where the kernel vanishes at every sample, the plain mean.
-pub(super) fn sampled_transmittance(kernels: &[f64], occluded: &[bool]) -> f64 {
+pub(super) fn sampled_transmittance(kernels: &[f64], passes: impl Iterator<Item = f64> + Clone) -> f64 {
     let total: f64 = kernels.iter().sum();
-    let visible = kernels.iter().zip(occluded).filter(|(_, occluded)| !**occluded);
     if total > 0.0 {
-        (visible.map(|(kernel, _)| kernel).sum::<f64>() / total).min(1.0)
+        (kernels.iter().zip(passes).map(|(kernel, passes)| kernel * passes).sum::<f64>() / total).min(1.0)
     } else {
-        visible.count() as f64 / kernels.len().max(1) as f64
+        passes.sum::<f64>() / kernels.len().max(1) as f64
     }
+}
+
+/// What passes along a segment that is occluded, or is not.
+pub(super) fn passes(&occluded: &bool) -> f64 {
+    f64::from(u8::from(!occluded))
 }
 
 /// The part of the exact form factor to a source of `source_area` that gets through, from sample points uniform by area; without bias.
@@ -72,9 +78,8 @@ pub(super) fn sampled_visible_form_factor(
     expected: f64,
     source_area: f64,
     kernels: &[f64],
-    occluded: &[bool],
+    passes: &[f64],
 ) -> f64 {
-    let part = |(kernel, &occluded): (&f64, &bool)| kernel * (f64::from(u8::from(!occluded)) - expected);
-    let beyond: f64 = kernels.iter().zip(occluded).map(part).sum();
+    let beyond: f64 = kernels.iter().zip(passes).map(|(kernel, passes)| kernel * (passes - expected)).sum();
     expected * form_factor + source_area * beyond / kernels.len() as f64
 }

@@ -21,6 +21,7 @@ use crate::paths::{Brightness, Illumination, Landing, cell_count};
 use crate::progress::{Progress, Stage, Stop};
 use crate::scene::SurfaceId;
 use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, Reflections, sampled_exposed_point, sweep_in_place};
+use crate::transmittance::maps::Maps;
 use crate::values::{Gather, Gathered, LinkGather, Over, RayBudget, Scratch};
 
 /// No solve sweeps more often in a row: at reflectance 0.999 the change has fallen by e^-20 by then.
@@ -32,6 +33,7 @@ pub(super) struct Linked<'a> {
     /// Where particles from the emitters landed.
     pub landings: Arc<[Landing]>,
     pub hierarchy: Hierarchy,
+    maps: Option<Maps<'a>>,
     pub links: LinkSet,
     dropped: Dropped,
     pub exposure: Exposure,
@@ -73,6 +75,7 @@ impl<'a> Linked<'a> {
             links: LinkSet::unrefined(hierarchy.len()),
             job,
             landings: illumination.landings.clone(),
+            maps: super::multiresolution96::maps(&job, &hierarchy),
             hierarchy,
             dropped: Dropped::default(),
             exposure,
@@ -182,6 +185,7 @@ impl<'a> Linked<'a> {
         let context = RefineContext {
             scene,
             rays,
+            maps: super::multiresolution96::of_links(self.maps.as_ref(), options),
             oracle,
             radiosity: self.radiosity.values(),
             clusters: self.clusters,
@@ -379,7 +383,7 @@ impl<'a> Linked<'a> {
         let unused = if self.clusters { 0 } else { self.hierarchy.cluster_count() as u64 };
         let is_dark = |surface: &u32| self.radiosity.of(self.hierarchy.node_of(SurfaceId(*surface))).iter().all(|&b| b == 0.0);
         let sealed = (0..scene.surfaces().len() as u32).filter(is_dark).count() as u64;
-        let spared = rays.spared();
+        let (spared, by_maps) = (rays.spared(), self.maps.as_ref().map_or(0, Maps::answered));
         let (everywhere, between) = if rays.is_clear_everywhere() { (spared, 0) } else { (0, spared) };
         vec![
             work("pairs behind one another", behind.pairs, behind.rays),
@@ -388,6 +392,7 @@ impl<'a> Linked<'a> {
             work("dormant pairs of a cluster with itself", within, rays_of_pair * within),
             work("surfaces that no light reaches", sealed, 0),
             work("clusters that are not linked", unused, 0),
+            work("segments that transmittance maps answered", by_maps, by_maps),
             work("segments in a scene where nothing occludes", everywhere, everywhere),
             work("segments between planes with nothing in between", between, between),
         ]

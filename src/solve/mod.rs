@@ -18,6 +18,7 @@ mod linked;
 mod links_way;
 mod lit_mesh;
 mod memory;
+mod multiresolution96;
 mod next_step;
 mod options;
 mod plan;
@@ -37,8 +38,9 @@ pub use flux::Flux;
 pub(crate) use interest::InitialImportance;
 pub use interest::InterestError;
 pub use options::{
-    Bounds, CellOptions, ChangShih98Options, Holzschuch94Options, Interest, LinkOptions, Norm, OptionEntry, OptionGroup,
-    OptionType, OptionsError, RunOptions, SolveOptions, Solver, Strategy, Subdivision, Sweep, UniformOptions,
+    Bounds, CellOptions, ChangShih98Options, Holzschuch94Options, Interest, LinkOptions, Multiresolution96Options, Norm,
+    OptionEntry, OptionGroup, OptionType, OptionsError, RunOptions, SolveOptions, Solver, Strategy, Subdivision, Sweep,
+    UniformOptions,
 };
 pub use report::{
     Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LightGroupReport, LightGroupsReport, LinkErrorReport,

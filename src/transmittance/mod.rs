@@ -1,7 +1,8 @@
-//! Transmittance: rays that tell how much light between two places arrives. Callers choose the pairs of points; here are the rays,
-//! and counts of them.
+//! Transmittance: how much light between two places arrives. Callers choose the pairs of points; here are rays, and counts of them, and [`maps`] of what
+//! clusters let through.
 
 mod clear_pairs;
+pub mod maps;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;

@@ -6,7 +6,7 @@ use super::context::MutualContext;
 use super::mutual_links::{MutualLink, MutualLinks};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::link_set::Pair;
-use crate::links::sample_pairs::{SamplePairs, sampled_transmittance};
+use crate::links::sample_pairs::{SamplePairs, passes, sampled_transmittance};
 
 /// Visibility rays for every link (section 2.1, footnote 2).
 pub(crate) const RAYS_PER_LINK: u32 = 16;
@@ -53,7 +53,7 @@ impl MutualContext<'_> {
         let rays = RAYS_PER_LINK as usize;
         let link = |((pair, kernels), occluded): ((&Promising, &[f64]), &[bool])| {
             let is_fully_visible = occluded.iter().all(|occluded| !occluded);
-            let visibility = if is_fully_visible { 1.0 } else { sampled_transmittance(kernels, occluded) };
+            let visibility = if is_fully_visible { 1.0 } else { sampled_transmittance(kernels, occluded.iter().map(passes)) };
             let Promising { first, second, exchange } = *pair;
             (visibility > 0.0).then_some(MutualLink {
                 exchange,

@@ -83,6 +83,8 @@ choice! {
         TopDown98 = "top-down98",
         /// Links are split that add most to the error, by their form-factor bounds and by importance (Lischinski 1994, section 5.3).
         ErrorDriven = "error-driven",
+        /// BF refinement with visibility through dense clusters at many resolutions: transmittance maps before rays (Soler, Sillion 1996).
+        Multiresolution96 = "multiresolution96",
     }
 }
 

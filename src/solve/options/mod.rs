@@ -18,7 +18,8 @@ pub use interest::Interest;
 pub use kinds::OptionType;
 pub use run::RunOptions;
 pub use table::{
-    CellOptions, ChangShih98Options, Holzschuch94Options, LinkOptions, OptionEntry, OptionGroup, SolveOptions, UniformOptions,
+    CellOptions, ChangShih98Options, Holzschuch94Options, LinkOptions, Multiresolution96Options, OptionEntry, OptionGroup,
+    SolveOptions, UniformOptions,
 };
 
 impl SolveOptions {

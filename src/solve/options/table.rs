@@ -145,6 +145,15 @@ options! {
         /// Points that are sampled on each node; bottom-up on the smallest elements alone.
         bottom_samples: u32 = 4, between(1, 8);
     }
+
+    /// Strategy multiresolution96 (Soler, Sillion 1996).
+    Multiresolution96Options as multiresolution96 {
+        /// The standard error that a link's transmittance may have by maps; where they cannot have it so small, rays are cast. 0 asks rays alone.
+        transmittance_tolerance: f64 = 0.1, between(0.0, 1.0), "unoccluded form factor";
+
+        /// Memory that maps may take once they are complete; the largest clusters come first.
+        map_memory: u64 = 256 << 20, between(0, 1 << 40), "bytes";
+    }
 }
 
 /// Options that belong together.
