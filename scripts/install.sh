@@ -30,7 +30,7 @@ fish=$root$prefix/share/fish/vendor_completions.d
 
 if [ "$action" = uninstall ]; then
     rm -f "$root$prefix/bin/patchlight" "$root$prefix/include/patchlight.h" "$root$libdir"/libpatchlight.{a,so,so.0,so."$version"} \
-        "$root$libdir/pkgconfig/patchlight.pc" "$man"/patchlight{,-solve,-sample,-render,-export,-report,-batch,-batch-merge,-info}.1 \
+        "$root$libdir/pkgconfig/patchlight.pc" "$man"/patchlight{,-solve,-sample,-render,-relight,-export,-bake,-report,-batch,-batch-merge,-info}.1 \
         "$bash/patchlight" \
         "$zsh/_patchlight" "$fish/patchlight.fish"
     rm -f "$root$libdir"/cmake/patchlight/patchlight-config{,-version}.cmake

@@ -392,7 +392,7 @@ impl<'a> Linked<'a> {
             work("dormant pairs of a cluster with itself", within, rays_of_pair * within),
             work("surfaces that no light reaches", sealed, 0),
             work("clusters that are not linked", unused, 0),
-            work("segments that transmittance maps answered", by_maps, by_maps),
+            work("segments that transmittance maps answered, for the time that these take", by_maps, 0),
             work("segments in a scene where nothing occludes", everywhere, everywhere),
             work("segments between planes with nothing in between", between, between),
         ]
