@@ -9,31 +9,17 @@ mod triangles;
 
 use std::f64::consts::PI;
 use std::io::{self, Cursor};
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 use kirchhoff::kirchhoff;
 use patchlight::mesh::LitMesh;
 use patchlight::output::{Provenance, write_mesh_ply, write_quadratic_mesh_ply, write_solution};
-use patchlight::pipeline::{self, Evaluator};
+use patchlight::pipeline;
 use patchlight::progress::{Observer, Progress, Silent, Stage};
-use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Scene, SurfacePoint};
 use patchlight::solve::{Norm, RunOptions, SolveOptions, StoppedBy};
-use rooms::Room;
+use rooms::{Room, read, solved};
 use triangles::Random;
-
-fn solved(scene: Scene, error: f64, threads: usize) -> (Evaluator, f64) {
-    let options = SolveOptions { error, ..SolveOptions::default() };
-    let run = RunOptions { threads, ..RunOptions::default() };
-    let (evaluator, report) = pipeline::solve(scene, &options, &run, &Silent).unwrap();
-    (evaluator, report.error.estimate)
-}
-
-fn read(name: &str) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
-    read_scene(&path, &ImportOptions::default()).unwrap().scene
-}
 
 /// Points uniform over the area of the surfaces that reflect.
 fn points_on(scene: &Scene, count: usize) -> Vec<SurfacePoint> {

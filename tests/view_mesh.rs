@@ -9,31 +9,16 @@ mod triangles;
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
-use std::path::Path;
 
 use kirchhoff::kirchhoff;
 use patchlight::mesh::LitMesh;
 use patchlight::picture::Camera;
-use patchlight::pipeline::{self, Evaluator};
+use patchlight::pipeline::Evaluator;
 use patchlight::progress::Silent;
-use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Scene, SurfaceId, SurfacePoint};
-use patchlight::solve::{RunOptions, SolveOptions};
 use patchlight::visibility::{Backend, OccluderMesh, build};
-use rooms::Room;
+use rooms::{Room, read, solved};
 use triangles::{Random, add, dot, times};
-
-fn solved(scene: Scene, error: f64, threads: usize) -> (Evaluator, f64) {
-    let options = SolveOptions { error, ..SolveOptions::default() };
-    let run = RunOptions { threads, ..RunOptions::default() };
-    let (evaluator, report) = pipeline::solve(scene, &options, &run, &Silent).unwrap();
-    (evaluator, report.error.estimate)
-}
-
-fn read(name: &str) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
-    read_scene(&path, &ImportOptions::default()).unwrap().scene
-}
 
 /// What random positions of a picture show, with the surface: fronts alone.
 fn shown_at_random(scene: &Scene, camera: &Camera, count: usize) -> Vec<(SurfacePoint, u32)> {

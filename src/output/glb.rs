@@ -51,6 +51,29 @@ impl File {
         self.binary.resize(self.binary.len().next_multiple_of(4), 0);
         self.views.len() - 1
     }
+
+    /// Writes the whole, one scene of all nodes: `parts` are its nodes, meshes, unlit materials and what else there is. What is told of how it was made
+    /// stands in `asset.extras`, with the exposure EV.
+    pub fn write(
+        self,
+        writer: &mut impl Write,
+        mut parts: Value,
+        (quantity, ev): (Quantity, f64),
+        provenance: &Provenance,
+    ) -> io::Result<()> {
+        let statements = provenance.statements(quantity).into_iter().map(|(key, text)| (key.to_owned(), json!(text)));
+        let mut extras = Value::Object(statements.collect());
+        extras["exposure"] = json!(ev);
+        let nodes: Vec<usize> = (0..parts["nodes"].as_array().map_or(0, Vec::len)).collect();
+        parts["asset"] = json!({ "version": "2.0", "generator": provenance.software(), "extras": extras });
+        parts["extensionsUsed"] = json!(["KHR_materials_unlit"]);
+        parts["scene"] = json!(0);
+        parts["scenes"] = json!([{ "nodes": nodes }]);
+        parts["accessors"] = json!(self.accessors);
+        parts["bufferViews"] = json!(self.views);
+        parts["buffers"] = json!([{ "byteLength": self.binary.len() }]);
+        write_chunks(writer, parts.to_string().into_bytes(), &self.binary)
+    }
 }
 
 /// Adds an accessor of positions, with the box around them, which the format asks for: its number.
@@ -94,17 +117,8 @@ pub(super) fn write(writer: &mut impl Write, patches: &Patches<'_>, provenance: 
         nodes.push(json!({ "name": name, "mesh": meshes.len() - 1 }));
     }
 
-    let statements: serde_json::Map<String, Value> =
-        provenance.statements(Quantity::Radiosity).into_iter().map(|(key, text)| (key.to_owned(), json!(text))).collect();
-    let mut extras = Value::Object(statements);
-    extras["exposure"] = json!(ev);
-    let all: Vec<usize> = (0..nodes.len()).collect();
-    let json = json!({
-        "asset": { "version": "2.0", "generator": provenance.software(), "extras": extras },
-        "extensionsUsed": ["KHR_materials_unlit"], "scene": 0, "scenes": [{ "nodes": all }], "nodes": nodes, "meshes": meshes,
-        "materials": materials, "accessors": file.accessors, "bufferViews": file.views, "buffers": [{ "byteLength": file.binary.len() }],
-    });
-    write_chunks(writer, json.to_string().into_bytes(), &file.binary)
+    let parts = json!({ "nodes": nodes, "meshes": meshes, "materials": materials });
+    file.write(writer, parts, (Quantity::Radiosity, ev), provenance)
 }
 
 /// A primitive of triangles: fans of the patches, with vertices of its own.
@@ -167,7 +181,7 @@ fn exposure(patches: &Patches<'_>) -> f64 {
 }
 
 /// Writes header and chunks (glTF 2.0 Specification, section 4.4).
-pub(super) fn write_chunks(writer: &mut impl Write, mut json: Vec<u8>, binary: &[u8]) -> io::Result<()> {
+fn write_chunks(writer: &mut impl Write, mut json: Vec<u8>, binary: &[u8]) -> io::Result<()> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let length = u32::try_from(12 + 8 + json.len() + 8 + binary.len())
         .map_err(|_| io::Error::other("the scene does not fit into the 4 GiB of a GLB file; write .vtp or .ply"))?;

@@ -9,7 +9,7 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use super::glb::{FLOAT, File, UNSIGNED_INT, with_bounds, write_chunks};
+use super::glb::{FLOAT, File, UNSIGNED_INT, with_bounds};
 use super::lightmap_png::{LightmapCode, write_lightmap_png};
 use super::{Provenance, Quantity};
 use crate::bake::{FaceOnAtlas, Lightmap};
@@ -61,19 +61,11 @@ pub fn write_lightmap_glb(
     }
     let textures: Vec<Value> = (0..images.len()).map(|number| json!({ "sampler": 0, "source": number })).collect();
 
-    let statements: serde_json::Map<String, Value> =
-        provenance.statements(Quantity::Radiance).into_iter().map(|(key, text)| (key.to_owned(), json!(text))).collect();
-    let mut extras = Value::Object(statements);
-    extras["exposure"] = json!(ev);
-    let all: Vec<usize> = (0..nodes.len()).collect();
-    let json = json!({
-        "asset": { "version": "2.0", "generator": provenance.software(), "extras": extras },
-        "extensionsUsed": ["KHR_materials_unlit"], "scene": 0, "scenes": [{ "nodes": all }], "nodes": nodes, "meshes": meshes,
-        "materials": materials, "textures": textures, "images": images,
+    let parts = json!({
+        "nodes": nodes, "meshes": meshes, "materials": materials, "textures": textures, "images": images,
         "samplers": [{ "magFilter": LINEAR, "minFilter": LINEAR, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE }],
-        "accessors": file.accessors, "bufferViews": file.views, "buffers": [{ "byteLength": file.binary.len() }],
     });
-    write_chunks(writer, json.to_string().into_bytes(), &file.binary)
+    file.write(writer, parts, (Quantity::Radiance, ev), provenance)
 }
 
 /// A primitive of triangles: fans of the faces, each with vertices of its own.

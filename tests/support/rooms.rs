@@ -1,10 +1,13 @@
 //! Scenes made on the spot: boxes, squares, spheres, random polygons.
 #![allow(dead_code, reason = "each test and bench uses a part")]
 
+use std::path::Path;
+
 use patchlight::geometry::Polygon;
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
 use patchlight::scene::SurfacePoint;
+use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Material, Scene, Sides};
 use patchlight::solve::{RunOptions, SolveOptions, SolveReport};
 
@@ -173,6 +176,20 @@ pub fn solve(scene: Scene, options: &SolveOptions) -> (Evaluator, SolveReport) {
     let (evaluator, report) = pipeline::solve(scene, options, &RunOptions::default(), &Silent).unwrap();
     evaluator.solution().validate().unwrap_or_else(|fault| panic!("the solution is not valid: {fault}"));
     (evaluator, report)
+}
+
+/// A scene solved to an error on so many threads, and what is claimed of it.
+pub fn solved(scene: Scene, error: f64, threads: usize) -> (Evaluator, f64) {
+    let options = SolveOptions { error, ..SolveOptions::default() };
+    let run = RunOptions { threads, ..RunOptions::default() };
+    let (evaluator, report) = pipeline::solve(scene, &options, &run, &Silent).unwrap();
+    (evaluator, report.error.estimate)
+}
+
+/// A scene of the repository, by the name of its file.
+pub fn read(name: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+    read_scene(&path, &ImportOptions::default()).unwrap().scene
 }
 
 /// The same solution with another number of rays to a point. Asked of the solve itself, its error estimate would take as many, too.
