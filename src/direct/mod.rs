@@ -11,6 +11,7 @@
 mod blockers;
 mod candidates;
 mod irradiance;
+mod lights;
 mod outline;
 mod pieces;
 mod undecided;
@@ -28,6 +29,7 @@ use crate::visibility::Visibility;
 pub(crate) use blockers::{Blockers, SharedBlockers};
 pub use irradiance::{DirectEffort, Method};
 pub(crate) use irradiance::{DirectLight, DirectScratch, Receiver};
+pub(crate) use lights::{LightRays, Lights};
 
 /// Direct irradiance at points.
 #[derive(Clone, Debug, PartialEq)]

@@ -91,6 +91,11 @@ pub(crate) const REPLICATE_PILOT: u64 = kind(10);
 /// Whether a path of little weight goes on.
 pub(crate) const ROULETTE: u64 = kind(11);
 
+/// Rays to lights that are no surfaces. Of what that gives, the light or the ray picks the stream.
+pub(crate) const LIGHTS: u64 = kind(100);
+/// Rays to the sky.
+pub(crate) const SKY: u64 = kind(101);
+
 /// A replicate, by its number; add the rays taken before.
 pub(crate) const fn replicate(number: u8) -> u64 {
     kind(12 + number)

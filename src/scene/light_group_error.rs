@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::{Lights, SceneError};
+use super::{EmitterName, SceneError};
 
 /// Why lights cannot be grouped or weighted.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -22,7 +22,7 @@ pub enum LightGroupError {
         /// The group.
         group: String,
         /// What stands in it.
-        lights: Lights,
+        lights: EmitterName,
     },
     /// A face that emits is in no group.
     #[error("light groups: face {face} of material '{material}'{} emits light and is in no group; add it to one", of_object(.object))]

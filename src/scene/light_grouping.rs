@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::light_groups::LightGroups;
-use super::{LightGroupError, Lights, MOST_CHANNELS, Scene, Surface};
+use super::{EmitterName, LightGroupError, MOST_CHANNELS, Scene, Surface};
 
 /// How emitters are grouped.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub enum LightGrouping {
     /// A group for each object that has emitters, by its name.
     Objects,
     /// Groups by name, each with what is in it.
-    Named(Vec<(String, Vec<Lights>)>),
+    Named(Vec<(String, Vec<EmitterName>)>),
 }
 
 impl Scene {
@@ -73,12 +73,12 @@ impl Scene {
     }
 
     /// Every group must have a name of its own, and all that stands in it must emit.
-    fn check_named(&self, groups: &[(String, Vec<Lights>)]) -> Result<(), LightGroupError> {
+    fn check_named(&self, groups: &[(String, Vec<EmitterName>)]) -> Result<(), LightGroupError> {
         for (number, (name, lights)) in groups.iter().enumerate() {
             if name.is_empty() || groups[..number].iter().any(|(before, _)| before == name) {
                 return Err(LightGroupError::BadName(name.clone()));
             }
-            let emits = |lights: &Lights| {
+            let emits = |lights: &EmitterName| {
                 let emitting = self.surfaces.iter().filter(|surface| self.materials[surface.material as usize].emits());
                 emitting.into_iter().any(|surface| self.is_of(surface, lights))
             };
@@ -89,10 +89,10 @@ impl Scene {
         Ok(())
     }
 
-    fn is_of(&self, surface: &Surface, lights: &Lights) -> bool {
+    fn is_of(&self, surface: &Surface, lights: &EmitterName) -> bool {
         match lights {
-            Lights::Material(name) => self.materials[surface.material as usize].name == *name,
-            Lights::Object(name) => self.objects.name_of(surface.face) == Some(name),
+            EmitterName::Material(name) => self.materials[surface.material as usize].name == *name,
+            EmitterName::Object(name) => self.objects.name_of(surface.face) == Some(name),
         }
     }
 
@@ -103,7 +103,7 @@ impl Scene {
             LightGrouping::Materials => Ok(material),
             LightGrouping::Objects => self.objects.name_of(surface.face).ok_or(LightGroupError::NoObject { face }),
             LightGrouping::Named(groups) => {
-                let is_in = |(_, lights): &&(String, Vec<Lights>)| lights.iter().any(|lights| self.is_of(surface, lights));
+                let is_in = |(_, lights): &&(String, Vec<EmitterName>)| lights.iter().any(|lights| self.is_of(surface, lights));
                 let mut own = groups.iter().filter(is_in).map(|(name, _)| name);
                 match (own.next(), own.next()) {
                     (Some(name), None) => Ok(name),

@@ -23,7 +23,7 @@ use glam::DVec3;
 use super::budget::RayBudget;
 use super::source_piece::SourcePiece;
 use super::variation::Variation;
-use crate::direct::{self, DirectEffort, DirectLight, DirectScratch, Method, SharedBlockers};
+use crate::direct::{self, DirectEffort, DirectLight, DirectScratch, LightRays, Lights, Method, SharedBlockers};
 use crate::form_factor::kernel;
 use crate::geometry::{sampling, streams};
 use crate::hierarchy::{Hierarchy, NodeId};
@@ -62,6 +62,9 @@ pub(crate) struct LinkGather<'a> {
     whole: Option<Box<LinkGather<'a>>>,
     /// Emitters whose light is added beside that of links.
     emitters: Vec<SurfaceId>,
+    lights: Lights<'a>,
+    /// Whether their light is added but that of the sky, which always is.
+    of_lights: bool,
 }
 
 /// Memory that a gather reuses from point to point.
@@ -70,6 +73,7 @@ pub(crate) struct LinkScratch {
     pub(super) pieces: Vec<SourcePiece>,
     pub(super) strong: Vec<SourcePiece>,
     direct: DirectScratch,
+    light_rays: LightRays,
     segments: Vec<Segment>,
     /// By ray: its part of the piece's form factor.
     weights: Vec<f64>,
@@ -112,7 +116,8 @@ impl<'a> LinkGather<'a> {
     ) -> Self {
         let (variation, blockers) = (Arc::new(Variation::new(hierarchy, radiosity)), SharedBlockers::default());
         let (radiosity, emitters) = (Cow::Borrowed(radiosity), Vec::new());
-        Self { scene, hierarchy, links, radiosity, variation, exposure, rays, blockers, whole: None, emitters }
+        let (whole, lights, of_lights) = (None, Lights::new(scene, rays), true);
+        Self { scene, hierarchy, links, radiosity, variation, exposure, rays, blockers, whole, emitters, lights, of_lights }
     }
 
     /// The same with blockers that others share.
@@ -122,19 +127,19 @@ impl<'a> LinkGather<'a> {
 
     /// The same of reflected light alone.
     pub fn of_reflected(whole: Self) -> Self {
-        let Self { scene, hierarchy, links, exposure, rays, .. } = whole;
+        let Self { scene, hierarchy, links, exposure, rays, lights, .. } = whole;
         // Exitance is the same all over a surface, so reflected light varies as all light does.
         let (variation, blockers) = (whole.variation.clone(), whole.blockers.clone());
         let radiosity = Cow::Owned(whole.radiosity.without_exitance(scene, hierarchy, exposure));
-        let (whole, emitters) = (Some(Box::new(whole)), Vec::new());
-        Self { scene, hierarchy, links, radiosity, variation, exposure, rays, blockers, whole, emitters }
+        let (whole, emitters, of_lights) = (Some(Box::new(whole)), Vec::new(), false);
+        Self { scene, hierarchy, links, radiosity, variation, exposure, rays, blockers, whole, emitters, lights, of_lights }
     }
 
     /// The same of all light, that of emitters beside the links.
     pub fn with_direct_light(whole: Self) -> Self {
         let surfaces = (0..whole.scene.surfaces().len() as u32).map(SurfaceId);
         let emitters: Vec<SurfaceId> = surfaces.filter(|&surface| whole.scene.material_of(surface).emits()).collect();
-        if emitters.is_empty() { whole } else { Self { emitters, ..Self::of_reflected(whole) } }
+        if emitters.is_empty() { whole } else { Self { emitters, of_lights: true, ..Self::of_reflected(whole) } }
     }
 
     /// The irradiance H at a place, by channel, in W/m^2; `scratch` tells then what its error may be.
@@ -212,16 +217,24 @@ impl<'a> LinkGather<'a> {
         self.add_brought(budget, scratch, irradiance);
     }
 
-    /// Adds the light of emitters, if that does not come over the links.
+    /// Adds the light that does not come over the links: of emitters, where these are left out there, of lights and the sky.
     fn add_direct(&self, receiver: &Receiver<'_>, budget: RayBudget, scratch: &mut LinkScratch, irradiance: &mut [f64]) {
+        let rays = (DIRECT_RAYS * f64::from(budget.rays)).ceil() as u32;
+        let &Receiver { point, normal, plane, seed, .. } = receiver;
+        let receiver = direct::Receiver { point, normal, plane, seed };
+        let LinkScratch { light_rays, variance, .. } = scratch;
+        self.lights.add_sky(&receiver, rays, light_rays, irradiance, variance);
+        if self.of_lights {
+            self.lights.add_irradiance(std::iter::once(receiver), rays, light_rays, |_, h, of_h| {
+                irradiance.iter_mut().zip(h).for_each(|(sum, h)| *sum += h);
+                variance.iter_mut().zip(of_h).for_each(|(sum, variance)| *sum += variance);
+            });
+        }
         if self.emitters.is_empty() {
             return;
         }
         let blockers = self.blockers.of(self.scene);
         let light = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters };
-        let rays = (DIRECT_RAYS * f64::from(budget.rays)).ceil() as u32;
-        let &Receiver { point, normal, plane, seed, .. } = receiver;
-        let receiver = direct::Receiver { point, normal, plane, seed };
         let effort = DirectEffort { rays, method: Method::Cheaper };
         light.add_irradiance(&receiver, effort, &mut scratch.direct, irradiance, &mut scratch.variance);
     }

@@ -5,19 +5,19 @@ use std::str::FromStr;
 
 /// Emitters of one name.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Lights {
+pub enum EmitterName {
     /// Those of a material.
     Material(String),
     /// Those of an object.
     Object(String),
 }
 
-impl Lights {
+impl EmitterName {
     /// How it is written.
     pub const FORM: &'static str = "'material NAME' or 'object NAME'";
 }
 
-impl FromStr for Lights {
+impl FromStr for EmitterName {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
@@ -29,7 +29,7 @@ impl FromStr for Lights {
     }
 }
 
-impl fmt::Display for Lights {
+impl fmt::Display for EmitterName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Material(name) => write!(f, "material {name}"),
