@@ -20,6 +20,7 @@
 use glam::DVec3;
 
 use super::blockers::Blockers;
+use super::lights::{LightRays, Lights};
 use super::undecided::UndecidedRays;
 use super::view::View;
 use super::visible_part::VisiblePart;
@@ -75,7 +76,7 @@ impl Receiver {
     }
 }
 
-/// The direct light of some emitters.
+/// The direct light of some emitters, and of all lights.
 pub(crate) struct DirectLight<'a> {
     pub scene: &'a Scene,
     pub rays: &'a Rays<'a>,
@@ -98,6 +99,7 @@ pub(crate) struct DirectScratch {
     seen: Vec<Seen>,
     part: VisiblePart,
     undecided: UndecidedRays,
+    lights: LightRays,
 }
 
 /// Sums by channel.
@@ -107,7 +109,7 @@ struct Sums<'a> {
 }
 
 impl DirectLight<'_> {
-    /// Adds the direct irradiance at a point, in W/m^2 by channel, and its variance.
+    /// Adds the irradiance from emitters at a point, in W/m^2 by channel, and its variance.
     pub fn add_irradiance(
         &self,
         receiver: &Receiver,
@@ -138,6 +140,34 @@ impl DirectLight<'_> {
         self.draw_shared(receiver, &seen, shared, &mut scratch.undecided);
         self.add_undecided(&mut scratch.undecided, &mut sums);
         scratch.seen = seen;
+    }
+
+    /// Adds the irradiance from all lights but skies at a point, and its variance, by about so many rays or one for each light, whichever is less.
+    pub fn add_lights(
+        &self,
+        receiver: &Receiver,
+        rays: u32,
+        scratch: &mut DirectScratch,
+        irradiance: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        let add = |_: usize, h: &[f64], of_h: &[f64]| {
+            irradiance.iter_mut().zip(h).for_each(|(sum, h)| *sum += h);
+            variance.iter_mut().zip(of_h).for_each(|(sum, variance)| *sum += variance);
+        };
+        Lights::new(self.scene, self.rays).add_irradiance(std::iter::once(*receiver), rays, &mut scratch.lights, add);
+    }
+
+    /// Adds the irradiance from skies at a point by so many rays, and its variance, likewise.
+    pub fn add_sky(
+        &self,
+        receiver: &Receiver,
+        rays: u32,
+        scratch: &mut DirectScratch,
+        irradiance: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        Lights::new(self.scene, self.rays).add_sky(receiver, rays, &mut scratch.lights, irradiance, variance);
     }
 
     /// The form factor of the visible part of a source, any convex polygon in the plane with number `source_plane`: exact, whatever it

@@ -13,14 +13,16 @@ use super::memory::{CellDemand, Holdings, LINK_AT_WORK, MemoryLedger};
 use super::options::{Subdivision, Sweep};
 use super::plan::{COARSE_TOLERANCE, Plan};
 use super::report::{SkippedWork, SolveReport};
-use crate::direct::SharedBlockers;
+use crate::direct::{Lights, SharedBlockers};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
 use crate::links::{Dropped, LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::paths::{Brightness, Illumination, Landing, cell_count};
 use crate::progress::{Progress, Stage, Stop};
 use crate::scene::SurfaceId;
-use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, Reflections, sampled_exposed_point, sweep_in_place};
+use crate::sweep::{
+    self, ByPlane, Closure, Exposure, LightIrradiance, Radiosity, Reflection, Reflections, sampled_exposed_point, sweep_in_place,
+};
 use crate::transmittance::maps::Maps;
 use crate::values::{Gather, Gathered, LinkGather, Over, RayBudget, Scratch};
 
@@ -37,6 +39,8 @@ pub(super) struct Linked<'a> {
     pub links: LinkSet,
     dropped: Dropped,
     pub exposure: Exposure,
+    /// What lights bring to leaves.
+    pub lights: LightIrradiance,
     pub radiosity: Radiosity,
     /// What stands between points and sources.
     blockers: SharedBlockers,
@@ -67,6 +71,8 @@ impl<'a> Linked<'a> {
         }
         let mut exposure = Exposure::default();
         exposure.grow(scene, &hierarchy, rays, options.seed, &job.stop());
+        let mut lights = LightIrradiance::default();
+        lights.grow(Lights::new(scene, rays), &hierarchy, &exposure, options.seed, &job.stop());
         let radiosity = Radiosity::emitted(scene, &hierarchy, &exposure);
         let mut report = SolveReport { backend: rays.description(), ..SolveReport::default() };
         report.time_s.build = start.elapsed().as_secs_f64();
@@ -79,6 +85,7 @@ impl<'a> Linked<'a> {
             hierarchy,
             dropped: Dropped::default(),
             exposure,
+            lights,
             radiosity,
             blockers: SharedBlockers::default(),
             closure: None,
@@ -215,7 +222,9 @@ impl<'a> Linked<'a> {
 
     /// Makes room for nodes that are new.
     pub fn grow(&mut self) {
-        self.exposure.grow(self.job.scene, &self.hierarchy, self.job.rays, self.job.options.seed, &self.job.stop());
+        let Job { scene, rays, options, .. } = self.job;
+        self.exposure.grow(scene, &self.hierarchy, rays, options.seed, &self.job.stop());
+        self.lights.grow(Lights::new(scene, rays), &self.hierarchy, &self.exposure, options.seed, &self.job.stop());
         self.radiosity.grow(&self.hierarchy);
     }
 
@@ -246,19 +255,20 @@ impl<'a> Linked<'a> {
 
     /// Lets light travel once over the links.
     fn sweep_once(&mut self) -> sweep::Change {
-        let Self { job, hierarchy, links, exposure, closure, radiosity, report, .. } = self;
+        let Self { job, hierarchy, links, exposure, lights, closure, radiosity, report, .. } = self;
+        let reflection = Reflection { scene: job.scene, closure: closure.as_ref(), lights };
         let start = Instant::now();
         match job.options.links.sweep {
             Sweep::Jacobi => {
                 let irradiance = sweep::gather(hierarchy, links, exposure, radiosity);
                 let gathered = Instant::now();
-                let change = sweep::push_pull(job.scene, hierarchy, exposure, closure.as_ref(), irradiance, radiosity);
+                let change = sweep::push_pull(&reflection, hierarchy, exposure, irradiance, radiosity);
                 report.time_s.push_pull += gathered.elapsed().as_secs_f64();
                 report.time_s.gather += (gathered - start).as_secs_f64();
                 change
             }
             Sweep::InPlace => {
-                let change = sweep_in_place(job.scene, hierarchy, links, exposure, closure.as_ref(), radiosity);
+                let change = sweep_in_place(reflection, hierarchy, links, exposure, radiosity);
                 report.time_s.gather += start.elapsed().as_secs_f64();
                 change
             }
@@ -274,7 +284,8 @@ impl<'a> Linked<'a> {
         }
         let start = Instant::now();
         let Job { scene, options, .. } = self.job;
-        let gather = self.gather(RayBudget { rays, least_chance: 1.0, seed: options.seed });
+        // What lights bring is known as a mean over the leaf, which tells more than one point does.
+        let gather = self.gather_with(RayBudget { rays, least_chance: 1.0, seed: options.seed }, LinkGather::without_lights);
         let channels = scene.channels();
         let leaves: Vec<NodeId> = self.leaves().collect();
         let mut values = vec![0.0; leaves.len() * channels];
@@ -291,6 +302,9 @@ impl<'a> Linked<'a> {
                     Some(point) => {
                         gather.values_at(&[gather.place_at(point, surface)], gather.budget, scratch, gathered);
                         value.copy_from_slice(&gathered.radiosity);
+                        let of_lights = self.lights.of(leaf, channels).unwrap_or_default();
+                        let reflected = of_lights.iter().zip(&scene.material_of(surface).reflectance);
+                        value.iter_mut().zip(reflected).for_each(|(b, (h, rho))| *b += rho * h);
                     }
                     None => value.copy_from_slice(self.radiosity.of(leaf)),
                 }
@@ -309,9 +323,14 @@ impl<'a> Linked<'a> {
 
     /// Gathers values at points over the links.
     pub fn gather(&self, budget: RayBudget) -> Gather<'_> {
+        self.gather_with(budget, |gather| gather)
+    }
+
+    /// The same by another gather.
+    fn gather_with<'b>(&'b self, budget: RayBudget, other: impl Fn(LinkGather<'b>) -> LinkGather<'b>) -> Gather<'b> {
         let Self { hierarchy, links, radiosity, exposure, job: Job { scene, rays, .. }, .. } = self;
         let over = LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays).with_blockers(self.blockers.clone());
-        let over = Over::Links(LinkGather::with_direct_light(over));
+        let over = Over::Links(other(LinkGather::with_direct_light(over)));
         Gather { scene, hierarchy, over, budget }
     }
 

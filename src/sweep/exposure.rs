@@ -160,6 +160,28 @@ pub(crate) fn sampled_exposed_point(
     }
 }
 
+/// About `count` exposed points of a node, uniform by area; fewer where something stands on it, none if that is all.
+pub(super) fn sampled_exposed_points(
+    hierarchy: &Hierarchy,
+    by_plane: &ByPlane<'_>,
+    exposure: &Exposure,
+    rays: &Rays<'_>,
+    (node, count): (NodeId, u32),
+    seed: u64,
+) -> Vec<DVec3> {
+    match exposure.of(node) {
+        1.0 => {
+            let (facet, sobol) = (hierarchy.facet(node), sampling::shifted_sobol_2d(seed));
+            (0..count).map(sobol).map(|[u, v]| facet.point_at(u, v)).collect()
+        }
+        0.0 => Vec::new(),
+        _ => {
+            let points = sampled_points(hierarchy, by_plane, rays, node, count, seed);
+            points.filter(|point| !point.is_hidden).map(|point| point.point).collect()
+        }
+    }
+}
+
 /// Tells which points of surfaces are hidden: those around which there are backs, but for a gap or two, whatever lies close over them.
 pub(crate) struct HiddenPoints<'a> {
     by_plane: ByPlane<'a>,

@@ -294,7 +294,8 @@ mod tests {
                 let mut radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
                 for _ in 0..400 {
                     let irradiance = gather(&hierarchy, &links, &exposure, &radiosity);
-                    push_pull(&scene, &hierarchy, &exposure, closure, irradiance, &mut radiosity);
+                    let reflection = Reflection { scene: &scene, closure, lights: &LightIrradiance::default() };
+                    push_pull(&reflection, &hierarchy, &exposure, irradiance, &mut radiosity);
                 }
                 let leaves = || hierarchy.ids().filter(|&node| hierarchy.is_leaf(node));
                 let of_leaf = |leaf: NodeId| &initial[2 * leaf.index()..][..2];
