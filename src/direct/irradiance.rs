@@ -17,16 +17,15 @@
 //! What a part will cost is not known beforehand. To give up at its worth costs at most twice what the better choice does (ski rental; Karlin,
 //! Manasse, Rudolph, Sleator 1988). Emitters whose share is less than a ray share rays.
 
-use glam::DVec3;
-
 use super::blockers::Blockers;
 use super::lights::{LightRays, Lights};
+use super::receiver::Receiver;
 use super::undecided::UndecidedRays;
 use super::view::View;
 use super::visible_part::VisiblePart;
 use crate::form_factor::point_to_polygon;
 use crate::geometry::{Facet, sampling, streams};
-use crate::scene::{Scene, Surface, SurfaceId};
+use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
 
 /// Work on the visible part, in corners held against planes, that takes as long as a ray: some 2 ns each, and 0.12 us. What both cost is told by
@@ -55,25 +54,6 @@ pub struct DirectEffort {
     pub rays: u32,
     /// How visible parts are found.
     pub method: Method,
-}
-
-/// Where light arrives: a point on a surface, or a sensor in space.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Receiver {
-    pub point: DVec3,
-    /// Unit normal of the side that light arrives at.
-    pub normal: DVec3,
-    /// The number of the plane that it lies in, [`NO_PLANE`](crate::visibility::NO_PLANE) in space.
-    pub plane: u32,
-    /// Of the random numbers of its rays.
-    pub seed: u64,
-}
-
-impl Receiver {
-    /// A point on a surface.
-    pub fn on(surface: &Surface, point: DVec3, seed: u64) -> Self {
-        Self { point, normal: surface.polygon.facet().normal, plane: surface.plane(), seed }
-    }
 }
 
 /// The direct light of some emitters, and of all lights.

@@ -8,7 +8,7 @@
 
 use glam::DVec3;
 
-use super::irradiance::Receiver;
+use super::receiver::Receiver;
 use crate::geometry::{Frame, sampling, streams};
 use crate::scene::{Light, LightShape, Scene};
 use crate::transmittance::Rays;

@@ -14,6 +14,7 @@ mod irradiance;
 mod lights;
 mod outline;
 mod pieces;
+mod receiver;
 mod undecided;
 mod view;
 mod visible_part;
@@ -28,8 +29,9 @@ use crate::visibility::Visibility;
 
 pub(crate) use blockers::{Blockers, SharedBlockers};
 pub use irradiance::{DirectEffort, Method};
-pub(crate) use irradiance::{DirectLight, DirectScratch, Receiver};
+pub(crate) use irradiance::{DirectLight, DirectScratch};
 pub(crate) use lights::{LightRays, Lights};
+pub(crate) use receiver::Receiver;
 
 /// Direct irradiance at points.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,10 +9,10 @@ use rayon::prelude::*;
 
 use super::cuts::cut_along_discontinuities;
 use super::job::Job;
-use super::memory::{CellDemand, Holdings, LINK_AT_WORK, MemoryLedger};
+use super::memory::{CellDemand, Holdings, LINK_AT_WORK};
 use super::options::{Subdivision, Sweep};
 use super::plan::{COARSE_TOLERANCE, Plan};
-use super::report::{SkippedWork, SolveReport};
+use super::report::SolveReport;
 use crate::direct::{Lights, SharedBlockers};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
@@ -35,9 +35,9 @@ pub(super) struct Linked<'a> {
     /// Where particles from the emitters landed.
     pub landings: Arc<[Landing]>,
     pub hierarchy: Hierarchy,
-    maps: Option<Maps<'a>>,
+    pub maps: Option<Maps<'a>>,
     pub links: LinkSet,
-    dropped: Dropped,
+    pub dropped: Dropped,
     pub exposure: Exposure,
     /// What lights bring to leaves.
     pub lights: LightIrradiance,
@@ -47,7 +47,7 @@ pub(super) struct Linked<'a> {
     /// Where clusters gather and emit.
     pub closure: Option<Closure>,
     /// Whether clusters gather and emit.
-    clusters: bool,
+    pub clusters: bool,
     /// Largest reflectance below each cluster, by channel.
     cluster_reflectance: Vec<f64>,
     /// Bytes that others take of the memory.
@@ -154,7 +154,7 @@ impl<'a> Linked<'a> {
         RefineLimits {
             max_links: self.job.options.max_links.unwrap_or(u64::from(u32::MAX)),
             max_bytes: self.job.memory.left_for_refinement(self.holdings(), self.reserved_bytes),
-            node_bytes: MemoryLedger::bytes_of_new_node(self.job.kept_channels),
+            node_bytes: self.job.memory.bytes_of_new_node(self.job.kept_channels),
             link_bytes: LINK_AT_WORK as u64,
             stop,
             allows,
@@ -383,37 +383,5 @@ impl<'a> Linked<'a> {
     /// Notes that so much is taken by the ledger.
     pub fn account(&mut self, bytes: u64) {
         self.report.accounted_bytes = self.report.accounted_bytes.max(bytes);
-    }
-
-    /// What refinement left out.
-    pub fn skipped(&self) -> Vec<SkippedWork> {
-        let work = |what: &str, count, estimate_saved_rays| SkippedWork {
-            what: what.to_owned(),
-            count,
-            estimate_saved_rays,
-            ..SkippedWork::default()
-        };
-        let Job { scene, options, rays, .. } = self.job;
-        let Dropped { behind, black } = self.dropped;
-        let asleep =
-            |is_counted: &dyn Fn(&Pair) -> bool| self.links.dormant().iter().filter(|pair| is_counted(pair)).count() as u64;
-        let (dark, within) = (asleep(&|pair| pair.receiver != pair.source), asleep(&|pair| pair.receiver == pair.source));
-        let rays_of_pair = 2 * u64::from(options.links.rays_per_link);
-        let unused = if self.clusters { 0 } else { self.hierarchy.cluster_count() as u64 };
-        let is_dark = |surface: &u32| self.radiosity.of(self.hierarchy.node_of(SurfaceId(*surface))).iter().all(|&b| b == 0.0);
-        let sealed = (0..scene.surfaces().len() as u32).filter(is_dark).count() as u64;
-        let (spared, by_maps) = (rays.spared(), self.maps.as_ref().map_or(0, Maps::answered));
-        let (everywhere, between) = if rays.is_clear_everywhere() { (spared, 0) } else { (0, spared) };
-        vec![
-            work("pairs behind one another", behind.pairs, behind.rays),
-            work("pairs with a black receiver", black.pairs, black.rays),
-            work("dormant pairs with a dark source, or for which there was no room", dark, rays_of_pair * dark),
-            work("dormant pairs of a cluster with itself", within, rays_of_pair * within),
-            work("surfaces that no light reaches", sealed, 0),
-            work("clusters that are not linked", unused, 0),
-            work("segments that transmittance maps answered, for the time that these take", by_maps, 0),
-            work("segments in a scene where nothing occludes", everywhere, everywhere),
-            work("segments between planes with nothing in between", between, between),
-        ]
     }
 }

@@ -211,7 +211,7 @@ mod tests {
     use crate::geometry::{Polygon, sampling};
     use crate::links::Link;
     use crate::scene::{Material, Sides};
-    use crate::sweep::{gather, push_pull};
+    use crate::sweep::{LightIrradiance, Reflection, gather, push_pull};
     use crate::transmittance::Rays;
     use crate::visibility::{Backend, OccluderMesh, build};
 

@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::exposure::{ByPlane, sampled_exposed_points};
+use super::exposed_points::sampled_exposed_points;
+use super::exposure::ByPlane;
 use super::{Exposure, PARALLEL};
 use crate::direct::{LightRays, Lights, Receiver};
 use crate::geometry::{sampling, streams};

@@ -4,6 +4,7 @@
 mod change;
 mod closure;
 mod defect;
+mod exposed_points;
 mod exposure;
 mod gather;
 mod importance;
@@ -18,8 +19,9 @@ mod reflection;
 pub(crate) use change::Change;
 pub(crate) use closure::Closure;
 pub(crate) use defect::Reflections;
+pub(crate) use exposed_points::sampled_exposed_point;
 pub use exposure::Exposure;
-pub(crate) use exposure::{ByPlane, HiddenPoints, sampled_exposed_point};
+pub(crate) use exposure::{ByPlane, HiddenPoints};
 pub(crate) use gather::{Irradiance, gather};
 pub(crate) use importance::Adjoint;
 pub use importance::Importance;

@@ -101,6 +101,11 @@ impl LightShape {
     }
 }
 
+/// Whether a direction is a unit vector, but for rounding.
+fn is_unit(direction: DVec3) -> bool {
+    (direction.length() - 1.0).abs() < 1e-9
+}
+
 impl Scene {
     /// Its lights.
     pub fn lights(&self) -> &[Light] {

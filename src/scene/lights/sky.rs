@@ -3,6 +3,8 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::is_unit;
+
 /// A sky over the ground, without a sun.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sky {
@@ -12,7 +14,7 @@ pub struct Sky {
 
 impl Sky {
     pub(super) fn wrong(&self) -> Option<&'static str> {
-        (!((self.up.length() - 1.0).abs() < 1e-9)).then_some("its zenith is no unit vector")
+        (!is_unit(self.up)).then_some("its zenith is no unit vector")
     }
 
     /// Its radiance in a direction, times pi, for each unit of strength.
