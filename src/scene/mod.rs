@@ -1,6 +1,7 @@
 //! What is lit: surfaces with materials, validated and immutable from here on.
 
 mod distinct_channels;
+mod emitters;
 mod error;
 mod face_names;
 pub mod import;
@@ -17,6 +18,7 @@ mod summary;
 mod twins;
 
 pub(crate) use distinct_channels::DistinctChannels;
+pub(crate) use emitters::Emitter;
 pub use error::SceneError;
 pub use face_names::FaceNames;
 pub(crate) use largest::largest;
