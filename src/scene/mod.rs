@@ -12,6 +12,7 @@ mod light_group_error;
 mod light_grouping;
 mod light_groups;
 mod lights;
+mod lit_by;
 mod material;
 mod planes;
 mod point;

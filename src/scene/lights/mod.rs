@@ -1,6 +1,7 @@
 //! Lights: what sends light and is no surface. They are not seen and hide nothing; what they send is direct light of a solve.
 
 mod point_light;
+mod seen;
 mod sky;
 mod sun;
 
@@ -8,10 +9,11 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 pub use point_light::PointLight;
+pub(crate) use seen::Seen;
 pub use sky::Sky;
 pub use sun::Sun;
 
-use super::{Material, Scene, SceneError};
+use super::{Material, SceneError};
 
 /// Light that comes from no surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,17 +37,6 @@ pub enum LightShape {
     Sky(Sky),
 }
 
-/// How a light is seen from a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Seen {
-    /// Unit vector to it.
-    pub towards: DVec3,
-    /// In metres; infinite for a sun.
-    pub distance: f64,
-    /// The irradiance of what faces it, if nothing is in between, for each unit of strength.
-    pub irradiance: f64,
-}
-
 impl Light {
     /// Whether any channel sends light.
     pub fn is_on(&self) -> bool {
@@ -57,7 +48,7 @@ impl Light {
         self.strength.iter().copied().fold(0.0, f64::max)
     }
 
-    fn validate(&self, channels: usize) -> Result<(), SceneError> {
+    pub(super) fn validate(&self, channels: usize) -> Result<(), SceneError> {
         let bad = |reason: String| Err(SceneError::BadLight { name: self.name.clone(), reason });
         if self.name.is_empty() {
             return bad("it has no name".to_owned());
@@ -98,53 +89,5 @@ impl LightShape {
             Self::Sun(sun) => sun.diameter == 0.0,
             Self::Sky(_) => false,
         }
-    }
-}
-
-/// Whether a direction is a unit vector, but for rounding.
-fn is_unit(direction: DVec3) -> bool {
-    (direction.length() - 1.0).abs() < 1e-9
-}
-
-impl Scene {
-    /// Its lights.
-    pub fn lights(&self) -> &[Light] {
-        &self.lights
-    }
-
-    /// The same surfaces under these lights, without light groups.
-    ///
-    /// # Errors
-    /// [`SceneError::BadLight`] for one that does not fit the scene's channels, or whose numbers are out of range.
-    pub fn with_lights(self, lights: Vec<Light>) -> Result<Self, SceneError> {
-        let scene = Self { lights, light_groups: None, ..self };
-        scene.check_lights()?;
-        Ok(scene)
-    }
-
-    /// Every light must have as many channels as the scene, with values in range.
-    pub(super) fn check_lights(&self) -> Result<(), SceneError> {
-        self.lights.iter().try_for_each(|light| light.validate(self.channels))
-    }
-
-    /// Adds `weight` times the radiance of the skies in a direction, times pi, by channel in W/m^2.
-    pub(crate) fn add_sky_radiosity(&self, direction: DVec3, weight: f64, sum: &mut [f64]) {
-        for (sky, light) in self.skies() {
-            let weight = weight * sky.radiosity(direction);
-            sum.iter_mut().zip(&light.strength).for_each(|(sum, strength)| *sum += weight * strength);
-        }
-    }
-
-    /// Whether there is a sky, and on.
-    pub(crate) fn has_sky(&self) -> bool {
-        self.skies().next().is_some()
-    }
-
-    /// The lights that are skies, and on.
-    fn skies(&self) -> impl Iterator<Item = (&Sky, &Light)> {
-        self.lights.iter().filter(|light| light.is_on()).filter_map(|light| match &light.shape {
-            LightShape::Sky(sky) => Some((sky, light)),
-            LightShape::Point(_) | LightShape::Sun(_) => None,
-        })
     }
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::Seen;
+use super::seen::Seen;
 
 /// A light at a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

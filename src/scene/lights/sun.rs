@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::is_unit;
+use super::seen::is_unit;
 use crate::geometry::Frame;
 
 /// A sun.
