@@ -17,15 +17,15 @@
 //! What a part will cost is not known beforehand. To give up at its worth costs at most twice what the better choice does (ski rental; Karlin,
 //! Manasse, Rudolph, Sleator 1988). Emitters whose share is less than a ray share rays.
 
-use glam::DVec3;
-
 use super::blockers::Blockers;
+use super::lights::{LightRays, Lights};
+use super::receiver::Receiver;
 use super::undecided::UndecidedRays;
 use super::view::View;
 use super::visible_part::VisiblePart;
 use crate::form_factor::point_to_polygon;
 use crate::geometry::{Facet, sampling, streams};
-use crate::scene::{Scene, Surface, SurfaceId};
+use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
 
 /// Work on the visible part, in corners held against planes, that takes as long as a ray: some 2 ns each, and 0.12 us. What both cost is told by
@@ -56,26 +56,7 @@ pub struct DirectEffort {
     pub method: Method,
 }
 
-/// Where light arrives: a point on a surface, or a sensor in space.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Receiver {
-    pub point: DVec3,
-    /// Unit normal of the side that light arrives at.
-    pub normal: DVec3,
-    /// The number of the plane that it lies in, [`NO_PLANE`](crate::visibility::NO_PLANE) in space.
-    pub plane: u32,
-    /// Of the random numbers of its rays.
-    pub seed: u64,
-}
-
-impl Receiver {
-    /// A point on a surface.
-    pub fn on(surface: &Surface, point: DVec3, seed: u64) -> Self {
-        Self { point, normal: surface.polygon.facet().normal, plane: surface.plane(), seed }
-    }
-}
-
-/// The direct light of some emitters.
+/// The direct light of some emitters, and of all lights.
 pub(crate) struct DirectLight<'a> {
     pub scene: &'a Scene,
     pub rays: &'a Rays<'a>,
@@ -98,6 +79,7 @@ pub(crate) struct DirectScratch {
     seen: Vec<Seen>,
     part: VisiblePart,
     undecided: UndecidedRays,
+    lights: LightRays,
 }
 
 /// Sums by channel.
@@ -107,7 +89,7 @@ struct Sums<'a> {
 }
 
 impl DirectLight<'_> {
-    /// Adds the direct irradiance at a point, in W/m^2 by channel, and its variance.
+    /// Adds the irradiance from emitters at a point, in W/m^2 by channel, and its variance.
     pub fn add_irradiance(
         &self,
         receiver: &Receiver,
@@ -138,6 +120,34 @@ impl DirectLight<'_> {
         self.draw_shared(receiver, &seen, shared, &mut scratch.undecided);
         self.add_undecided(&mut scratch.undecided, &mut sums);
         scratch.seen = seen;
+    }
+
+    /// Adds the irradiance from all lights but skies at a point, and its variance, by about so many rays or one for each light, whichever is less.
+    pub fn add_lights(
+        &self,
+        receiver: &Receiver,
+        rays: u32,
+        scratch: &mut DirectScratch,
+        irradiance: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        let add = |_: usize, h: &[f64], of_h: &[f64]| {
+            irradiance.iter_mut().zip(h).for_each(|(sum, h)| *sum += h);
+            variance.iter_mut().zip(of_h).for_each(|(sum, variance)| *sum += variance);
+        };
+        Lights::new(self.scene, self.rays).add_irradiance(std::iter::once(*receiver), rays, &mut scratch.lights, add);
+    }
+
+    /// Adds the irradiance from skies at a point by so many rays, and its variance, likewise.
+    pub fn add_sky(
+        &self,
+        receiver: &Receiver,
+        rays: u32,
+        scratch: &mut DirectScratch,
+        irradiance: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        Lights::new(self.scene, self.rays).add_sky(receiver, rays, &mut scratch.lights, irradiance, variance);
     }
 
     /// The form factor of the visible part of a source, any convex polygon in the plane with number `source_plane`: exact, whatever it

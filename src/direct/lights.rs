@@ -8,7 +8,7 @@
 
 use glam::DVec3;
 
-use super::irradiance::Receiver;
+use super::receiver::Receiver;
 use crate::geometry::{Frame, sampling, streams};
 use crate::scene::{Light, LightShape, Scene};
 use crate::transmittance::Rays;
@@ -184,7 +184,7 @@ impl<'a> Lights<'a> {
 
     /// Adds the irradiance from skies at a receiver by `count` rays over the hemisphere, and its variance, by channel.
     pub fn add_sky(&self, receiver: &Receiver, count: u32, memory: &mut LightRays, irradiance: &mut [f64], variance: &mut [f64]) {
-        if self.scene.skies().next().is_none() {
+        if !self.scene.has_sky() {
             return;
         }
         // Rays in pairs, by the cosine.
@@ -209,7 +209,7 @@ impl<'a> Lights<'a> {
             both.resize(2 * channels, 0.0);
             for ((direction, occluded), brought) in directions.iter().zip(occluded).zip(both.chunks_mut(channels)) {
                 if !occluded {
-                    self.add_sky_radiosity(*direction, 1.0 / f64::from(rays), brought);
+                    self.scene.add_sky_radiosity(*direction, 1.0 / f64::from(rays), brought);
                 }
             }
             for channel in 0..channels {
@@ -217,14 +217,6 @@ impl<'a> Lights<'a> {
                 irradiance[channel] += first + second;
                 variance[channel] += (first - second).powi(2);
             }
-        }
-    }
-
-    /// Adds `weight` times the radiance of the skies in a direction, times pi, by channel.
-    pub fn add_sky_radiosity(&self, direction: DVec3, weight: f64, sum: &mut [f64]) {
-        for (sky, light) in self.scene.skies() {
-            let weight = weight * sky.radiosity(direction);
-            sum.iter_mut().zip(&light.strength).for_each(|(sum, strength)| *sum += weight * strength);
         }
     }
 }

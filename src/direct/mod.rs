@@ -14,6 +14,7 @@ mod irradiance;
 mod lights;
 mod outline;
 mod pieces;
+mod receiver;
 mod undecided;
 mod view;
 mod visible_part;
@@ -28,8 +29,9 @@ use crate::visibility::Visibility;
 
 pub(crate) use blockers::{Blockers, SharedBlockers};
 pub use irradiance::{DirectEffort, Method};
-pub(crate) use irradiance::{DirectLight, DirectScratch, Receiver};
+pub(crate) use irradiance::{DirectLight, DirectScratch};
 pub(crate) use lights::{LightRays, Lights};
+pub(crate) use receiver::Receiver;
 
 /// Direct irradiance at points.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,9 +44,9 @@ pub struct DirectIrradiance {
     pub rays: u64,
 }
 
-/// The irradiance that comes straight from all emitters of a scene at points that lie on the surfaces named with them; `seed` picks random numbers.
+/// The irradiance that comes straight from all emitters and lights of a scene at points that lie on the surfaces named with them; `seed` picks random numbers.
 ///
-/// Exact parts are good to about 1e-12 for each edge of what stands between, as a part of the exitance. Each point looks at all emitters: where there
+/// Skies are always seen by rays. Exact parts are good to about 1e-12 for each edge of what stands between, as a part of the exitance. Each point looks at all emitters: where there
 /// are thousands, that alone takes longer than rays to some would.
 pub fn direct_irradiance(
     scene: &Scene,
@@ -65,6 +67,8 @@ pub fn direct_irradiance(
         let point = DVec3::from(point);
         let receiver = Receiver::on(scene.surface(surface), point, sampling::seed_at(point, seed));
         light.add_irradiance(&receiver, effort, scratch, irradiance, variance);
+        light.add_lights(&receiver, effort.rays, scratch, irradiance, variance);
+        light.add_sky(&receiver, effort.rays, scratch, irradiance, variance);
     });
     DirectIrradiance { irradiance, variance, rays: rays.segments().count() }
 }

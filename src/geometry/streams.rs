@@ -43,6 +43,9 @@ pub(crate) const BAKE_CONTROLS: u64 = kind(15);
 /// Transmittance maps of clusters. Of what that gives, the cluster and then the direction cell pick the stream.
 pub(crate) const MAPS: u64 = kind(16);
 
+/// Irradiance of leaves by lights; of what that gives, the node picks the stream.
+pub(crate) const LIGHT_IRRADIANCE: u64 = kind(17);
+
 // Of the seed of a node's exposure.
 /// Rays from points that seem hidden; add the round.
 pub(crate) const EXPOSURE_AGAIN: u64 = kind(1);

@@ -105,7 +105,7 @@ impl<'a> LightPaths<'a> {
         };
         let is_black = (0..scene.surfaces().len() as u32).map(|surface| is_black(SurfaceId(surface))).collect();
         let (open_parts, blockers) = (OpenParts::new(scene), OnceLock::new());
-        let (lights, has_sky) = (Lights::new(scene, rays), scene.skies().next().is_some());
+        let (lights, has_sky) = (Lights::new(scene, rays), scene.has_sky());
         Self { scene, rays, grids, open_parts, emitters, lights, has_sky, reflectors, blockers, is_black }
     }
 
@@ -143,7 +143,6 @@ impl<'a> LightPaths<'a> {
         let blockers = self.blockers.get_or_init(|| Blockers::of(self.scene));
         let direct = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters.surfaces };
         scratch.direct.add_irradiance(&direct, places, count, irradiance);
-        self.add_lights(places, count, &mut scratch.light_rays, irradiance);
         self.see_reflectors(places, count, scratch);
     }
 
@@ -234,7 +233,7 @@ impl<'a> LightPaths<'a> {
         ends.weight.clear();
         ends.weight.resize(ends.continued.len() * channels, 1.0);
         for (continuation, direction) in scratch.into_sky.drain(..) {
-            self.lights.add_sky_radiosity(direction, 1.0, &mut ends.constant[continuation * channels..][..channels]);
+            self.scene.add_sky_radiosity(direction, 1.0, &mut ends.constant[continuation * channels..][..channels]);
         }
         for bounce in 1..=MAX_BOUNCES {
             if scratch.heads.is_empty() {
@@ -349,7 +348,7 @@ impl<'a> LightPaths<'a> {
                 Arrival::Nothing => {}
                 Arrival::Sky(direction) => {
                     brought.fill(0.0);
-                    self.lights.add_sky_radiosity(direction, 1.0, &mut brought);
+                    self.scene.add_sky_radiosity(direction, 1.0, &mut brought);
                     for (channel, brought) in brought.iter().enumerate() {
                         let index = continuation * channels + channel;
                         ends.constant[index] += ends.weight[index] * brought;

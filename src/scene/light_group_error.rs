@@ -44,6 +44,14 @@ pub enum LightGroupError {
         /// Two groups that it is in.
         groups: [String; 2],
     },
+    /// A light that is no surface is in no group, or in several.
+    #[error("light groups: light '{name}' is in {}; it must be in one", in_groups(.groups))]
+    Light {
+        /// Its name.
+        name: String,
+        /// The groups that it is in.
+        groups: Vec<String>,
+    },
     /// Two groups have one name, or one has none.
     #[error("light groups: '{0}' must be the name of one group, and not empty")]
     BadName(String),
@@ -99,4 +107,8 @@ pub enum LightGroupError {
 
 fn of_object(object: &Option<String>) -> String {
     object.as_ref().map_or(String::new(), |name| format!(" in object '{name}'"))
+}
+
+fn in_groups(groups: &[String]) -> String {
+    if groups.is_empty() { "no group".to_owned() } else { format!("the groups {}", groups.join(", ")) }
 }

@@ -26,6 +26,7 @@ mod relight;
 mod report;
 mod scale;
 mod shares;
+mod skipped;
 mod solution;
 mod step;
 mod strategies;

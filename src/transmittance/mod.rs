@@ -89,6 +89,11 @@ impl<'a> Rays<'a> {
         places.into_iter().zip(answers).for_each(|(place, answer)| occluded[place] = answer);
     }
 
+    /// A ball around the scene: its centre, and its radius in metres.
+    pub fn ball(&self) -> (DVec3, f64) {
+        (self.centre, self.radius)
+    }
+
     /// How far from a point nothing of the scene lies any more, in metres.
     pub fn beyond(&self, point: DVec3) -> f64 {
         // Beyond the ball around the scene, by its radius.

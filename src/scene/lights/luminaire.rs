@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{IntensityTable, LightError};
+use super::{IntensityTable, LightError, is_unit};
 
 /// Measured intensities about an axis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,7 +33,6 @@ impl Luminaire {
     }
 
     pub(super) fn wrong(&self) -> Option<&'static str> {
-        let is_unit = |v: DVec3| (v.length() - 1.0).abs() < 1e-9;
         let fits = is_unit(self.axis) && is_unit(self.front) && self.axis.dot(self.front).abs() < 1e-9;
         (!fits).then_some("its axis and front are no unit vectors across each other")
     }

@@ -27,7 +27,7 @@ use super::{Material, Scene, SceneError};
 /// Light that comes from no surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Light {
-    /// Its name in the input.
+    /// Its name in the input, not empty.
     pub name: String,
     /// How much it sends per channel, 0 or more; what that measures is said by its shape.
     pub strength: Vec<f64>,
@@ -98,6 +98,9 @@ impl Light {
 
     /// For what it is no light of a scene of so many channels.
     pub(super) fn wrong(&self, channels: usize) -> Option<String> {
+        if self.name.is_empty() {
+            return Some("it has no name".to_owned());
+        }
         if self.strength.len() != channels {
             return Some(format!("it has {} channels, the scene {channels}", self.strength.len()));
         }
@@ -138,18 +141,23 @@ impl LightShape {
     }
 }
 
+/// Whether a direction is a unit vector, but for rounding.
+fn is_unit(direction: DVec3) -> bool {
+    (direction.length() - 1.0).abs() < 1e-9
+}
+
 impl Scene {
     /// Its lights.
     pub fn lights(&self) -> &[Light] {
         &self.lights
     }
 
-    /// The same surfaces under these lights.
+    /// The same surfaces under these lights, without light groups.
     ///
     /// # Errors
     /// [`SceneError::BadLight`] for one that does not fit the scene's channels, or whose numbers are out of range.
     pub fn with_lights(self, lights: Vec<Light>) -> Result<Self, SceneError> {
-        let scene = Self { lights, ..self };
+        let scene = Self { lights, light_groups: None, ..self };
         scene.check_lights()?;
         Ok(scene)
     }
@@ -165,8 +173,21 @@ impl Scene {
         !emits && !self.lights.iter().any(Light::is_on)
     }
 
+    /// Adds `weight` times the radiance of the skies in a direction, times pi, by channel in W/m^2.
+    pub(crate) fn add_sky_radiosity(&self, direction: DVec3, weight: f64, sum: &mut [f64]) {
+        for (sky, light) in self.skies() {
+            let weight = weight * sky.radiosity(direction);
+            sum.iter_mut().zip(&light.strength).for_each(|(sum, strength)| *sum += weight * strength);
+        }
+    }
+
+    /// Whether there is a sky, and on.
+    pub(crate) fn has_sky(&self) -> bool {
+        self.skies().next().is_some()
+    }
+
     /// The lights that are skies, and on.
-    pub(crate) fn skies(&self) -> impl Iterator<Item = (&Sky, &Light)> {
+    fn skies(&self) -> impl Iterator<Item = (&Sky, &Light)> {
         self.lights.iter().filter(|light| light.is_on()).filter_map(|light| match &light.shape {
             LightShape::Sky(sky) => Some((sky, light)),
             LightShape::Point(_) | LightShape::Sun(_) => None,

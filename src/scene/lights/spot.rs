@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::LightError;
+use super::{LightError, is_unit};
 use crate::geometry::Frame;
 
 /// A cone of light.
@@ -33,7 +33,7 @@ impl Spot {
     }
 
     pub(super) fn wrong(&self) -> Option<&'static str> {
-        if !((self.axis.length() - 1.0).abs() < 1e-9) {
+        if !is_unit(self.axis) {
             return Some("its axis is no unit vector");
         }
         let fits = 0.0 <= self.inner && self.inner <= self.outer && 0.0 < self.outer && self.outer <= FRAC_PI_2 + 1e-12;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::LightError;
+use super::{LightError, is_unit};
 use crate::geometry::Frame;
 
 /// A sun.
@@ -27,7 +27,7 @@ impl Sun {
     }
 
     pub(super) fn wrong(&self) -> Option<&'static str> {
-        if !((self.towards.length() - 1.0).abs() < 1e-9) {
+        if !is_unit(self.towards) {
             return Some("its direction is no unit vector");
         }
         (!(0.0..std::f64::consts::FRAC_PI_2).contains(&self.diameter)).then_some("its diameter is not from 0 to pi / 2")
