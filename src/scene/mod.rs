@@ -31,7 +31,7 @@ pub use lights::{
 };
 pub use material::Material;
 pub use point::{PointError, SurfacePoint};
-pub use summary::SceneSummary;
+pub use summary::{LightSummary, SceneSummary};
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};

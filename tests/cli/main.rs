@@ -4,6 +4,7 @@ mod bake;
 mod batch;
 mod commands;
 mod hostile;
+mod lights;
 mod lit_mesh;
 mod pictures;
 mod relight;

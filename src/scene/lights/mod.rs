@@ -97,7 +97,7 @@ impl Light {
     }
 
     /// For what it is no light of a scene of so many channels.
-    pub(super) fn wrong(&self, channels: usize) -> Option<String> {
+    pub(crate) fn wrong(&self, channels: usize) -> Option<String> {
         if self.name.is_empty() {
             return Some("it has no name".to_owned());
         }

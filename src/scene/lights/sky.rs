@@ -98,6 +98,11 @@ impl Sky {
         Self::new(up, SkyLight::Uniform, 0.0)
     }
 
+    /// Unit vector to the zenith.
+    pub fn up(&self) -> [f64; 3] {
+        self.said.up.to_array()
+    }
+
     /// How its light is spread.
     pub fn light(&self) -> SkyLight {
         self.said.light

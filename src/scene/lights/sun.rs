@@ -26,6 +26,16 @@ impl Sun {
         sun.wrong().map_or(Ok(sun), |why| Err(LightError(why)))
     }
 
+    /// Unit vector to its middle.
+    pub fn towards(&self) -> [f64; 3] {
+        self.towards.to_array()
+    }
+
+    /// Its diameter as an angle, in radians.
+    pub fn diameter(&self) -> f64 {
+        self.diameter
+    }
+
     pub(super) fn wrong(&self) -> Option<&'static str> {
         if !is_unit(self.towards) {
             return Some("its direction is no unit vector");
