@@ -23,7 +23,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::geometry::sampling;
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{Emitter, Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::Visibility;
 
@@ -58,8 +58,7 @@ pub fn direct_irradiance(
     let channels = scene.channels();
     let rays = Rays::new(visibility, scene);
     let blockers = Blockers::of(scene);
-    let emitters: Vec<SurfaceId> =
-        (0..scene.surfaces().len() as u32).map(SurfaceId).filter(|&id| scene.material_of(id).emits()).collect();
+    let emitters = Emitter::all(scene);
     let light = DirectLight { scene, rays: &rays, blockers: &blockers, emitters: &emitters };
     let (mut irradiance, mut variance) = (vec![0.0; points.len() * channels], vec![0.0; points.len() * channels]);
     let sums = irradiance.par_chunks_mut(channels).zip(variance.par_chunks_mut(channels));

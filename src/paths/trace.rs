@@ -137,11 +137,11 @@ impl<'a> LightPaths<'a> {
     /// [`Self::add_next_event`] takes: emitters are seen exactly where that is worth it.
     pub fn add_direct(&self, places: &[impl Receives], count: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
         // To look at all emitters costs less than the rays where there are as many of these.
-        if self.emitters.surfaces.len() > count as usize {
+        if self.emitters.emitters.len() > count as usize {
             return self.add_next_event(places, 1, count, scratch, irradiance);
         }
         let blockers = self.blockers.get_or_init(|| Blockers::of(self.scene));
-        let direct = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters.surfaces };
+        let direct = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters.emitters };
         scratch.direct.add_irradiance(&direct, places, count, irradiance);
         self.see_reflectors(places, count, scratch);
     }

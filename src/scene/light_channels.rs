@@ -57,7 +57,12 @@ impl Scene {
     pub(crate) fn with_weights_of_one(self) -> Self {
         let groups = self.light_groups.as_ref();
         let of_scene = |groups: &LightGroups| {
-            LightGroups::new(groups.names.clone(), groups.of_material.clone(), groups.of_light.clone(), &self)
+            LightGroups::new(
+                groups.names.clone(),
+                groups.of_material.clone(),
+                groups.of_light.clone(),
+                (&self.materials, &self.lights),
+            )
         };
         let groups = groups.map(of_scene);
         Self { light_groups: groups, ..self }
@@ -102,6 +107,6 @@ impl Scene {
     }
 
     pub(super) fn check_light_groups(&self) -> Result<(), String> {
-        self.light_groups.as_ref().map_or(Ok(()), |groups| groups.validate(self))
+        self.light_groups.as_ref().map_or(Ok(()), |groups| groups.validate(&self.materials, &self.lights, self.channels))
     }
 }

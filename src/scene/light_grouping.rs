@@ -71,7 +71,7 @@ impl Scene {
         for (material, _) in scene.materials.iter_mut().zip(&of_material).filter(|(_, group)| group.is_none()) {
             material.exitance.fill(0.0);
         }
-        let groups = LightGroups::new(names, of_material, of_light, &scene);
+        let groups = LightGroups::new(names, of_material, of_light, (&scene.materials, &scene.lights));
         scene.light_groups = Some(groups);
         Ok(scene)
     }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{LightGroupError, Scene};
+use super::{Light, LightGroupError, Material};
 
 /// The light groups of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,10 +30,15 @@ pub struct LightWeight {
 
 impl LightGroups {
     /// Groups with these names, by material and by light of a scene, all with the weight 1.
-    pub(super) fn new(names: Vec<String>, of_material: Vec<Option<u32>>, of_light: Vec<u32>, scene: &Scene) -> Self {
-        let exitance = scene.materials.iter().map(|material| material.exitance.clone()).collect();
-        let strength = scene.lights.iter().map(|light| light.strength.clone()).collect();
-        let weights = vec![vec![1.0; scene.channels]; names.len()];
+    pub(super) fn new(
+        names: Vec<String>,
+        of_material: Vec<Option<u32>>,
+        of_light: Vec<u32>,
+        (materials, lights): (&[Material], &[Light]),
+    ) -> Self {
+        let exitance = materials.iter().map(|material| material.exitance.clone()).collect();
+        let strength = lights.iter().map(|light| light.strength.clone()).collect();
+        let weights = vec![vec![1.0; materials[0].exitance.len()]; names.len()];
         Self { names, of_material, exitance, of_light, strength, weights }
     }
 
@@ -74,11 +79,10 @@ impl LightGroups {
     }
 
     /// Checks what a stored scene says of its groups.
-    pub(super) fn validate(&self, scene: &Scene) -> Result<(), String> {
+    pub(super) fn validate(&self, all: &[Material], lights: &[Light], bands: usize) -> Result<(), String> {
         let Self { names, of_material, exitance, of_light, strength, weights } = self;
-        let (materials, lights, bands) = (scene.materials.len(), scene.lights.len(), scene.channels);
         let is_light = |values: &Vec<f64>| values.len() == bands && values.iter().all(|value| value.is_finite() && *value >= 0.0);
-        let fit = [of_material.len(), exitance.len()] == [materials; 2] && [of_light.len(), strength.len()] == [lights; 2];
+        let fit = [of_material.len(), exitance.len()] == [all.len(); 2] && [of_light.len(), strength.len()] == [lights.len(); 2];
         if !fit || weights.len() != names.len() || !exitance.iter().chain(strength).chain(weights).all(is_light) {
             return Err("the light groups do not fit the scene".to_owned());
         }
@@ -86,13 +90,13 @@ impl LightGroups {
         if names.is_empty() || !(0..names.len()).all(is_named) {
             return Err("light groups have no names of their own".to_owned());
         }
-        for (material, (group, exitance)) in scene.materials.iter().zip(of_material.iter().zip(exitance)) {
+        for (material, (group, exitance)) in all.iter().zip(of_material.iter().zip(exitance)) {
             let weights = group.map(|group| weights.get(group as usize).ok_or("a light group does not exist")).transpose()?;
             if material.exitance != weighted_exitance(exitance, weights) {
                 return Err(format!("material '{}': its exitance is not what its light group says", material.name));
             }
         }
-        for (light, (&group, strength)) in scene.lights.iter().zip(of_light.iter().zip(strength)) {
+        for (light, (&group, strength)) in lights.iter().zip(of_light.iter().zip(strength)) {
             let weights = weights.get(group as usize).ok_or("a light group does not exist")?;
             if light.strength != weighted_exitance(strength, Some(weights)) {
                 return Err(format!("light '{}': its strength is not what its light group says", light.name));

@@ -2,6 +2,7 @@
 
 mod distinct_channels;
 mod emitter_name;
+mod emitters;
 mod error;
 mod face_names;
 pub mod import;
@@ -11,6 +12,7 @@ mod light_group_error;
 mod light_grouping;
 mod light_groups;
 mod lights;
+mod lit_by;
 mod material;
 mod planes;
 mod point;
@@ -19,6 +21,7 @@ mod twins;
 
 pub(crate) use distinct_channels::DistinctChannels;
 pub use emitter_name::EmitterName;
+pub(crate) use emitters::Emitter;
 pub use error::SceneError;
 pub use face_names::FaceNames;
 pub(crate) use largest::largest;

@@ -83,6 +83,16 @@ pub(super) struct MemoryLedger {
     has_lights: bool,
 }
 
+/// The least memory that a solve of a scene takes, in bytes, by the ledger: all that is there before the first link, and room for some.
+pub(crate) fn least_bytes(scene: &Scene, backend: Backend) -> u64 {
+    let surfaces = scene.surfaces().len();
+    let clusters = (CLUSTERS * surfaces as f64) as usize;
+    let corners = scene.surfaces().iter().map(|surface| surface.polygon.facet().vertices.len()).sum();
+    let ledger = MemoryLedger::new(scene, false, backend, None);
+    let nodes: u64 = ledger.node_bytes(surfaces + clusters, clusters, scene.channels_with_groups()).iter().sum();
+    ledger.fixed + Hierarchy::bytes_of(surfaces, clusters, corners) + nodes + FIRST_LINKS
+}
+
 impl MemoryLedger {
     /// Of a scene that is solved as `solved`, which may have fewer channels.
     pub fn new(scene: &Scene, is_copied: bool, backend: Backend, budget: Option<u64>) -> Self {
@@ -105,15 +115,6 @@ impl MemoryLedger {
     /// Bytes for each new node while links are refined.
     pub fn bytes_of_new_node(&self, channels: usize) -> u64 {
         self.node_bytes(1, 0, channels).iter().sum()
-    }
-
-    /// The least that a solve takes: all that is there before the first link, and room for some.
-    pub fn least(&self, scene: &Scene) -> u64 {
-        let surfaces = scene.surfaces().len();
-        let clusters = (CLUSTERS * surfaces as f64) as usize;
-        let corners = scene.surfaces().iter().map(|surface| surface.polygon.facet().vertices.len()).sum();
-        let nodes: u64 = self.node_bytes(surfaces + clusters, clusters, scene.channels_with_groups()).iter().sum();
-        self.fixed + Hierarchy::bytes_of(surfaces, clusters, corners) + nodes + FIRST_LINKS
     }
 
     /// What there is while links are refined beside nodes and links.

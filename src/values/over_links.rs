@@ -29,7 +29,7 @@ use crate::geometry::{sampling, streams};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::paths::{Place, place_at};
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{Emitter, Scene, SurfaceId};
 use crate::sweep::{Exposure, Radiosity};
 use crate::transmittance::Rays;
 use crate::visibility::Segment;
@@ -61,7 +61,7 @@ pub(crate) struct LinkGather<'a> {
     /// Where only reflected light is gathered over links: the gather of all light, for rays that end close by.
     whole: Option<Box<LinkGather<'a>>>,
     /// Emitters whose light is added beside that of links.
-    emitters: Vec<SurfaceId>,
+    emitters: Vec<Emitter>,
     /// Which lights are added.
     lights: WhichLights,
 }
@@ -167,8 +167,7 @@ impl<'a> LinkGather<'a> {
 
     /// The same of all light, that of emitters beside the links.
     pub fn with_direct_light(whole: Self) -> Self {
-        let surfaces = (0..whole.scene.surfaces().len() as u32).map(SurfaceId);
-        let emitters: Vec<SurfaceId> = surfaces.filter(|&surface| whole.scene.material_of(surface).emits()).collect();
+        let emitters = Emitter::all(whole.scene);
         if emitters.is_empty() { whole } else { Self { emitters, lights: WhichLights::All, ..Self::of_reflected(whole) } }
     }
 

@@ -56,7 +56,7 @@ fn a_scene_is_lit_by_them() {
 fn what_is_wrong_with_them_is_told() {
     let place = place();
     fs::write(place.path("bad.toml"), LIGHTS.replace("elevation", "height")).unwrap();
-    place.run("solve floor.obj --lights bad.toml -o f.solution").failed(3, &["bad.toml:7: say where the sun stands"]);
+    place.run("solve floor.obj --lights bad.toml -o f.solution").failed(3, &["bad.toml:6: say where the sun stands"]);
     place.run("info floor.obj --lights none.toml").failed(3, &["none.toml: cannot be read"]);
     // What is read is not written.
     place.run("solve floor.obj --lights lights.toml --report lights.toml").failed(2, &["lights.toml"]);

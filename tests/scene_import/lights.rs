@@ -50,7 +50,7 @@ fn strengths_are_in_watts_or_what_an_eye_sees() {
     let bands = lights("[[point]]\nposition = [0, 0, 0]\nintensity = [1, 2, 3, 4, 5]", 5).unwrap();
     assert_eq!(bands.lights[0].strength, [1.0, 2.0, 3.0, 4.0, 5.0]);
     let unseen = lights("[[point]]\nposition = [0, 0, 0]\ncandela = 5", 5).unwrap_err();
-    assert!(unseen.starts_with("l.toml:2: of 5 channels it is not known what an eye sees"), "{unseen}");
+    assert!(unseen.starts_with("l.toml:1: of 5 channels it is not known what an eye sees"), "{unseen}");
 }
 
 #[test]
@@ -146,8 +146,8 @@ fn what_is_wrong_is_told_with_file_and_line() {
         ("up = 'y'\nnorth = [0, 1, 0]\n".to_owned() + point, "l.toml:2: 'north' must point aside"),
         ("upp = 'y'\n".to_owned() + point, "l.toml:1: there is no key 'upp' here, it must be one of up, north, point"),
         ("[point]\nposition = [1, 2, 3]\n".to_owned(), "l.toml:1: write [[point]], with two brackets"),
-        (point.to_owned(), "l.toml:2: say how strong the light is, by one of intensity, power, candela, lumens"),
-        ("[[point]]\ncandela = 1\n".to_owned(), "l.toml:2: 'position' is missing"),
+        (point.to_owned(), "l.toml:1: say how strong the light is, by one of intensity, power, candela, lumens"),
+        ("[[point]]\ncandela = 1\n".to_owned(), "l.toml:1: 'position' is missing"),
         (format!("{point}candela = 1\nlumens = 2\n"), "l.toml:4: 'candela' and 'lumens' say the same thing"),
         (format!("{point}candela = 'much'\n"), "l.toml:3: 'candela' must be a decimal number"),
         (format!("{point}candela = inf\n"), "l.toml:3: 'candela' is inf, not a number below 1e30"),
@@ -157,12 +157,12 @@ fn what_is_wrong_is_told_with_file_and_line() {
         (format!("{point}intensity = [1, -2, 3]\n"), "l.toml:3: 'intensity' is -2"),
         (format!("{point}intensity = 1\nkelvin = 3000\n"), "l.toml:4: 'intensity' is in watts, which have no colour"),
         (format!("{point}candela = 1\nkelvin = 100\n"), "l.toml:4: 'kelvin' is 100, it must be from 1667 to 25000"),
-        (format!("{point}candela = 1\ncolour = [0, 0, 0]\n"), "l.toml:2: its colour is black"),
+        (format!("{point}candela = 1\ncolour = [0, 0, 0]\n"), "l.toml:1: its colour is black"),
         (format!("{point}candela = 1\nradius = 1\n"), "l.toml:4: there is no key 'radius' here"),
-        (format!("{point}candela = 1\nname = ''\n"), "l.toml:2: it has no name"),
-        (format!("{point}candela = 1\nname = 'a'\n{point}candela = 1\nname = 'a'\n"), "l.toml:6: another light is named 'a'"),
+        (format!("{point}candela = 1\nname = ''\n"), "l.toml:1: it has no name"),
+        (format!("{point}candela = 1\nname = 'a'\n{point}candela = 1\nname = 'a'\n"), "l.toml:5: another light is named 'a'"),
         ("[[point]]\nposition = [1, 2]\ncandela = 1\n".to_owned(), "l.toml:2: 'position' must be three numbers"),
-        ("[[spot]]\nposition = [1, 2, 3]\nouter = 30\n".to_owned(), "l.toml:2: say where the spot looks"),
+        ("[[spot]]\nposition = [1, 2, 3]\nouter = 30\n".to_owned(), "l.toml:1: say where the spot looks"),
         ("[[spot]]\nposition = [1, 2, 3]\ntowards = [1, 2, 3]\nouter = 30\n".to_owned(), "l.toml:3: 'towards' leaves no direction"),
         (
             "[[spot]]\nposition = [1, 2, 3]\ndirection = [0, 0, 1]\nouter = 100\n".to_owned(),
@@ -170,14 +170,14 @@ fn what_is_wrong_is_told_with_file_and_line() {
         ),
         (
             "[[spot]]\nposition = [1, 2, 3]\ndirection = [0, 0, 1]\ninner = 40\nouter = 30\n".to_owned(),
-            "l.toml:2: its cones are not 0 <= inner <= outer <= 90 degrees",
+            "l.toml:1: its cones are not 0 <= inner <= outer <= 90 degrees",
         ),
         ("[[ies]]\nposition = [1, 2, 3]\nfile = 'b.ies'\n".to_owned(), "l.toml:3: b.ies cannot be read"),
         ("[[ies]]\nposition = [1, 2, 3]\nfile = 'l.toml'\n".to_owned(), "l.toml: it has no line TILT="),
-        ("[[sun]]\nlux = 1\nazimuth = 3\n".to_owned(), "l.toml:2: say where the sun stands"),
-        ("[[sky]]\nlux = 1\n".to_owned(), "l.toml:2: 'kind' is missing"),
+        ("[[sun]]\nlux = 1\nazimuth = 3\n".to_owned(), "l.toml:1: say where the sun stands"),
+        ("[[sky]]\nlux = 1\n".to_owned(), "l.toml:1: 'kind' is missing"),
         ("[[sky]]\nlux = 1\nkind = 'blue'\n".to_owned(), "l.toml:3: 'kind' is 'blue'"),
-        ("[[sky]]\nlux = 1\nkind = 'clear'\nazimuth = 0\nelevation = -5\n".to_owned(), "l.toml:2: its sun is below the horizon"),
+        ("[[sky]]\nlux = 1\nkind = 'clear'\nazimuth = 0\nelevation = -5\n".to_owned(), "l.toml:1: its sun is below the horizon"),
         ("[[sky]]\nlux = 1\nkind = 'uniform'\nground = 1\n".to_owned(), "l.toml:4: 'ground' is 1, it must be from 0 to 0.99"),
     ] {
         let message = lights(&text, 3).map(|_| ()).unwrap_err();

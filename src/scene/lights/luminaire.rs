@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{IntensityTable, LightError, is_unit};
+use super::seen::is_unit;
+use super::{IntensityTable, LightError};
 
 /// Measured intensities about an axis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

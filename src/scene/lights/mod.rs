@@ -5,6 +5,7 @@ mod light_error;
 mod luminaire;
 mod photometric;
 mod point_light;
+mod seen;
 mod sky;
 mod spot;
 mod sun;
@@ -18,11 +19,12 @@ pub use luminaire::Luminaire;
 pub use photometric::LUMENS_PER_WATT;
 pub(crate) use photometric::luminance;
 pub use point_light::{Distribution, PointLight};
+pub(crate) use seen::Seen;
 pub use sky::{Sky, SkyLight};
 pub use spot::Spot;
 pub use sun::Sun;
 
-use super::{Material, Scene, SceneError};
+use super::{Material, SceneError};
 
 /// Light that comes from no surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,17 +46,6 @@ pub enum LightShape {
     Sun(Sun),
     /// From all directions. Strength: irradiance in W/m^2 of the ground under the whole sky.
     Sky(Sky),
-}
-
-/// How a light is seen from a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Seen {
-    /// Unit vector to it.
-    pub towards: DVec3,
-    /// In metres; infinite for a sun.
-    pub distance: f64,
-    /// The irradiance of what faces it, if nothing is in between, for each unit of strength.
-    pub irradiance: f64,
 }
 
 impl Light {
@@ -92,7 +83,7 @@ impl Light {
         self.strength.iter().copied().fold(0.0, f64::max)
     }
 
-    fn validate(&self, channels: usize) -> Result<(), SceneError> {
+    pub(super) fn validate(&self, channels: usize) -> Result<(), SceneError> {
         self.wrong(channels).map_or(Ok(()), |reason| Err(SceneError::BadLight { name: self.name.clone(), reason }))
     }
 
@@ -138,59 +129,5 @@ impl LightShape {
             Self::Sun(sun) => sun.diameter == 0.0,
             Self::Sky(_) => false,
         }
-    }
-}
-
-/// Whether a direction is a unit vector, but for rounding.
-fn is_unit(direction: DVec3) -> bool {
-    (direction.length() - 1.0).abs() < 1e-9
-}
-
-impl Scene {
-    /// Its lights.
-    pub fn lights(&self) -> &[Light] {
-        &self.lights
-    }
-
-    /// The same surfaces under these lights, without light groups.
-    ///
-    /// # Errors
-    /// [`SceneError::BadLight`] for one that does not fit the scene's channels, or whose numbers are out of range.
-    pub fn with_lights(self, lights: Vec<Light>) -> Result<Self, SceneError> {
-        let scene = Self { lights, light_groups: None, ..self };
-        scene.check_lights()?;
-        Ok(scene)
-    }
-
-    /// Every light must have as many channels as the scene, with values in range.
-    pub(super) fn check_lights(&self) -> Result<(), SceneError> {
-        self.lights.iter().try_for_each(|light| light.validate(self.channels))
-    }
-
-    /// Whether nothing in it sends light.
-    pub(crate) fn is_dark(&self) -> bool {
-        let emits = self.surfaces.iter().any(|surface| self.materials[surface.material as usize].emits());
-        !emits && !self.lights.iter().any(Light::is_on)
-    }
-
-    /// Adds `weight` times the radiance of the skies in a direction, times pi, by channel in W/m^2.
-    pub(crate) fn add_sky_radiosity(&self, direction: DVec3, weight: f64, sum: &mut [f64]) {
-        for (sky, light) in self.skies() {
-            let weight = weight * sky.radiosity(direction);
-            sum.iter_mut().zip(&light.strength).for_each(|(sum, strength)| *sum += weight * strength);
-        }
-    }
-
-    /// Whether there is a sky, and on.
-    pub(crate) fn has_sky(&self) -> bool {
-        self.skies().next().is_some()
-    }
-
-    /// The lights that are skies, and on.
-    fn skies(&self) -> impl Iterator<Item = (&Sky, &Light)> {
-        self.lights.iter().filter(|light| light.is_on()).filter_map(|light| match &light.shape {
-            LightShape::Sky(sky) => Some((sky, light)),
-            LightShape::Point(_) | LightShape::Sun(_) => None,
-        })
     }
 }

@@ -5,7 +5,8 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Luminaire, Seen, Spot};
+use super::seen::Seen;
+use super::{Luminaire, Spot};
 
 /// A light at a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

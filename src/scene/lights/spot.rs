@@ -8,7 +8,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{LightError, is_unit};
+use super::LightError;
+use super::seen::is_unit;
 use crate::geometry::Frame;
 
 /// A cone of light.

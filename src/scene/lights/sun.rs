@@ -3,7 +3,8 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{LightError, is_unit};
+use super::LightError;
+use super::seen::is_unit;
 use crate::geometry::Frame;
 
 /// A sun.

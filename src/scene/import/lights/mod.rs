@@ -33,6 +33,7 @@
 
 mod kelvin;
 mod lamps;
+mod numbers;
 mod photometry;
 mod place;
 mod strength;
@@ -122,9 +123,7 @@ fn tables<'a>(text: &'a Text<'a>, top: &Table<'a>, all: &'a DeTable<'a>) -> Resu
         let DeValue::Array(items) = value.get_ref() else { return Err(no_list()) };
         for item in items.iter() {
             let DeValue::Table(table) = item.get_ref() else { return Err(no_list()) };
-            // Of a table without a key nothing tells the line but itself.
-            let at = table.keys().map(|key| key.span().start).min().unwrap_or(0).min(item.span().start);
-            found.push((at, kind, table));
+            found.push((item.span().start, kind, table));
         }
     }
     top.check_keys()?;

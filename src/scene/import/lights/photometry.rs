@@ -11,6 +11,7 @@ use std::path::Path;
 
 use super::super::ImportError;
 use super::super::text::decode;
+use super::numbers::Numbers;
 use crate::scene::IntensityTable;
 
 /// More intensities than this are a slip.
@@ -42,62 +43,8 @@ impl Photometry {
         let mut numbers = Numbers::after_tilt(path, &text)?;
         let tilt = if numbers.has_tilt { Some(tilt(&mut numbers)?) } else { None };
 
-        // Lamps, and what there is to come.
-        numbers.between("the number of lamps", 1.0, 1e6)?;
-        let lumens = numbers.next("the lumens of a lamp")?;
-        if !(lumens >= 0.0 || lumens == -1.0) {
-            return Err(numbers
-                .wrong(format_args!("the lumens of a lamp are {lumens}, they must be 0 or more, or -1 for absolute photometry")));
-        }
-        let multiplier = numbers.between("the multiplier", 0.0, 1e12)?;
-        let rows = numbers.count("the number of vertical angles", 2)?;
-        let columns = numbers.count("the number of horizontal angles", 1)?;
-        if rows.saturating_mul(columns) > MOST_VALUES {
-            return Err(numbers.wrong(format_args!("{rows} x {columns} intensities are too many: there may be {MOST_VALUES}")));
-        }
-        match numbers.count("the type of photometry", 1)? {
-            1 => {}
-            kind => {
-                let kind = ["B", "A"].get(kind - 2).copied().unwrap_or("no type");
-                return Err(
-                    numbers.wrong(format_args!("its photometry is of type {kind} and must be of type C (1): convert the file"))
-                );
-            }
-        }
-        let unit = match numbers.count("the type of units", 1)? {
-            1 => 0.3048,
-            2 => 1.0,
-            other => return Err(numbers.wrong(format_args!("the type of units is {other}, it must be 1 (feet) or 2 (metres)"))),
-        };
-        let mut opening = [0.0; 3];
-        for size in &mut opening {
-            // Negative ones are round (2002).
-            *size = unit * numbers.next("a luminous dimension")?.abs();
-        }
-        let ballast = numbers.between("the ballast factor", 0.0, 1e6)?;
-        let of_lamp = numbers.next("the ballast-lamp photometric factor")?;
-        numbers.next("the watts")?;
-        let of_lamp = if numbers.is_of_2019 { 1.0 } else { of_lamp };
-        if !(of_lamp > 0.0) {
-            return Err(numbers.wrong(format_args!("the ballast-lamp photometric factor is {of_lamp}, it must be above 0")));
-        }
-
-        // The intensities.
-        let vertical = numbers.angles("a vertical angle", rows)?;
-        let ends = [vertical[0], vertical[rows - 1]];
-        if ![[0.0, 90.0], [0.0, 180.0], [90.0, 180.0]].contains(&ends) {
-            let reason =
-                format_args!("its vertical angles go from {} to {}, they must go from 0 or 90 to 90 or 180", ends[0], ends[1]);
-            return Err(numbers.wrong(reason));
-        }
-        let horizontal = numbers.angles("a horizontal angle", columns)?;
-        let last = horizontal[columns - 1];
-        if horizontal[0] != 0.0 || ![0.0, 90.0, 180.0, 360.0].contains(&last) {
-            let reason =
-                format_args!("its horizontal angles go from {} to {last}, they must go from 0 to 0, 90, 180 or 360", horizontal[0]);
-            return Err(numbers.wrong(reason));
-        }
-        let factor = multiplier * ballast * of_lamp;
+        let Head { rows, columns, factor, opening } = head(&mut numbers)?;
+        let (vertical, horizontal) = angles(&mut numbers, rows, columns)?;
         let mut values = Vec::with_capacity(rows * columns);
         for _ in 0..rows * columns {
             values.push(factor * numbers.between("an intensity", 0.0, 1e30)?);
@@ -130,6 +77,77 @@ impl Photometry {
         }
         (tilt.factor(angle.to_degrees()), None)
     }
+}
+
+/// What stands before the angles.
+struct Head {
+    /// How many vertical angles there are, and horizontal ones.
+    rows: usize,
+    columns: usize,
+    /// What candelas are multiplied by.
+    factor: f64,
+    /// In metres.
+    opening: [f64; 3],
+}
+
+/// Reads on from the number of lamps.
+fn head(numbers: &mut Numbers<'_>) -> Result<Head, ImportError> {
+    numbers.between("the number of lamps", 1.0, 1e6)?;
+    let lumens = numbers.next("the lumens of a lamp")?;
+    if !(lumens >= 0.0 || lumens == -1.0) {
+        return Err(
+            numbers.wrong(format_args!("the lumens of a lamp are {lumens}, they must be 0 or more, or -1 for absolute photometry"))
+        );
+    }
+    let multiplier = numbers.between("the multiplier", 0.0, 1e12)?;
+    let rows = numbers.count("the number of vertical angles", 2)?;
+    let columns = numbers.count("the number of horizontal angles", 1)?;
+    if rows.saturating_mul(columns) > MOST_VALUES {
+        return Err(numbers.wrong(format_args!("{rows} x {columns} intensities are too many: there may be {MOST_VALUES}")));
+    }
+    match numbers.count("the type of photometry", 1)? {
+        1 => {}
+        kind => {
+            let kind = ["B", "A"].get(kind - 2).copied().unwrap_or("no type");
+            return Err(numbers.wrong(format_args!("its photometry is of type {kind} and must be of type C (1): convert the file")));
+        }
+    }
+    let unit = match numbers.count("the type of units", 1)? {
+        1 => 0.3048,
+        2 => 1.0,
+        other => return Err(numbers.wrong(format_args!("the type of units is {other}, it must be 1 (feet) or 2 (metres)"))),
+    };
+    let mut opening = [0.0; 3];
+    for size in &mut opening {
+        // Negative ones are round (2002).
+        *size = unit * numbers.next("a luminous dimension")?.abs();
+    }
+    let ballast = numbers.between("the ballast factor", 0.0, 1e6)?;
+    let of_lamp = numbers.next("the ballast-lamp photometric factor")?;
+    numbers.next("the watts")?;
+    let of_lamp = if numbers.is_of_2019 { 1.0 } else { of_lamp };
+    if !(of_lamp > 0.0) {
+        return Err(numbers.wrong(format_args!("the ballast-lamp photometric factor is {of_lamp}, it must be above 0")));
+    }
+    Ok(Head { rows, columns, factor: multiplier * ballast * of_lamp, opening })
+}
+
+/// Vertical and horizontal angles in degrees.
+fn angles(numbers: &mut Numbers<'_>, rows: usize, columns: usize) -> Result<(Vec<f64>, Vec<f64>), ImportError> {
+    let vertical = numbers.angles("a vertical angle", rows)?;
+    let ends = [vertical[0], vertical[rows - 1]];
+    if ![[0.0, 90.0], [0.0, 180.0], [90.0, 180.0]].contains(&ends) {
+        let reason = format_args!("its vertical angles go from {} to {}, they must go from 0 or 90 to 90 or 180", ends[0], ends[1]);
+        return Err(numbers.wrong(reason));
+    }
+    let horizontal = numbers.angles("a horizontal angle", columns)?;
+    let last = horizontal[columns - 1];
+    if horizontal[0] != 0.0 || ![0.0, 90.0, 180.0, 360.0].contains(&last) {
+        let reason =
+            format_args!("its horizontal angles go from {} to {last}, they must go from 0 to 0, 90, 180 or 360", horizontal[0]);
+        return Err(numbers.wrong(reason));
+    }
+    Ok((vertical, horizontal))
 }
 
 impl Tilt {
@@ -180,95 +198,6 @@ fn all_around(rows: usize, horizontal: &[f64], values: &[f64], notes: &mut Vec<S
     }
     let azimuths = columns.iter().map(|(angle, _)| angle.to_radians()).collect();
     (azimuths, columns.iter().flat_map(|(_, column)| column.iter().copied()).collect())
-}
-
-/// The numbers of a file, one after the other.
-struct Numbers<'a> {
-    path: &'a Path,
-    /// With their lines, from 1.
-    words: Box<dyn Iterator<Item = (u32, &'a str)> + 'a>,
-    /// The line of the last one.
-    line: u32,
-    has_tilt: bool,
-    is_of_2019: bool,
-}
-
-impl<'a> Numbers<'a> {
-    /// Those behind the line that tells of the tilt.
-    fn after_tilt(path: &'a Path, text: &'a str) -> Result<Self, ImportError> {
-        let mut lines = (1..).zip(text.lines());
-        let is_of_2019 = text.lines().next().is_some_and(|line| line.trim().eq_ignore_ascii_case("IES:LM-63-2019"));
-        let tilt = lines.find_map(|(line, text)| {
-            let (key, value) = text.split_once('=')?;
-            key.trim().eq_ignore_ascii_case("TILT").then(|| (line, value.trim().to_ascii_uppercase()))
-        });
-        let wrong = |line, reason: &str| ImportError::Syntax { file: path.to_owned(), line, face: None, reason: reason.to_owned() };
-        let has_tilt = match tilt {
-            Some((_, value)) if value == "NONE" => false,
-            Some((_, value)) if value == "INCLUDE" => true,
-            Some((line, _)) => {
-                return Err(wrong(line, "the tilt is in another file: write TILT=INCLUDE and put it here, or TILT=NONE"));
-            }
-            None => return Err(wrong(0, "it has no line TILT=...: it is no photometric file (IESNA LM-63)")),
-        };
-        // A file may end with the end-of-file character of DOS.
-        let separates = |c: char| c.is_whitespace() || c == ',' || c == '\u{1a}';
-        let words =
-            lines.flat_map(move |(line, text)| text.split(separates).filter(|word| !word.is_empty()).map(move |word| (line, word)));
-        Ok(Self { path, words: Box::new(words), line: 0, has_tilt, is_of_2019 })
-    }
-
-    fn wrong(&self, reason: impl std::fmt::Display) -> ImportError {
-        ImportError::Syntax { file: self.path.to_owned(), line: self.line, face: None, reason: reason.to_string() }
-    }
-
-    fn next(&mut self, what: &str) -> Result<f64, ImportError> {
-        let Some((line, word)) = self.words.next() else {
-            return Err(self.wrong(format_args!("the file ends where {what} should be: it is not whole")));
-        };
-        self.line = line;
-        let number = word.parse().ok().filter(|number: &f64| number.abs() <= 1e30);
-        number.ok_or_else(|| self.wrong(format_args!("'{word}' stands where {what} should be, a number")))
-    }
-
-    fn between(&mut self, what: &str, low: f64, high: f64) -> Result<f64, ImportError> {
-        let number = self.next(what)?;
-        let fits = (low..=high).contains(&number);
-        if fits { Ok(number) } else { Err(self.wrong(format_args!("{what} is {number}, it must be from {low} to {high}"))) }
-    }
-
-    fn count(&mut self, what: &str, least: usize) -> Result<usize, ImportError> {
-        let number = self.between(what, least as f64, 1e9)?;
-        if number.fract() == 0.0 {
-            Ok(number as usize)
-        } else {
-            Err(self.wrong(format_args!("{what} is {number}, no whole number")))
-        }
-    }
-
-    /// Rising angles in degrees.
-    fn angles(&mut self, what: &str, count: usize) -> Result<Vec<f64>, ImportError> {
-        let mut angles: Vec<f64> = Vec::new();
-        for _ in 0..count {
-            let angle = self.between(what, 0.0, 360.0)?;
-            if let Some(last) = angles.last().filter(|last| **last >= angle) {
-                return Err(self.wrong(format_args!("{what} is {angle} behind {last}: they must rise")));
-            }
-            angles.push(angle);
-        }
-        Ok(angles)
-    }
-
-    /// Nothing may follow.
-    fn end(&mut self) -> Result<(), ImportError> {
-        match self.words.next() {
-            None => Ok(()),
-            Some((line, word)) => {
-                self.line = line;
-                Err(self.wrong(format_args!("'{word}' follows the last intensity: there are more than the numbers of angles say")))
-            }
-        }
-    }
 }
 
 #[cfg(test)]
