@@ -76,7 +76,7 @@ impl IntensityTable {
             let band = Band::of(&measured.polar, &rings, row);
             up_to.push(up_to[row] + band.sent_up_to(band.end).max(0.0));
         }
-        if !(up_to[up_to.len() - 1] > 0.0) {
+        if up_to[up_to.len() - 1] <= 0.0 {
             return Err(LightError("it sends no light"));
         }
         Ok(Self { measured, rings, up_to })

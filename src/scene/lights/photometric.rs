@@ -7,9 +7,9 @@ pub const LUMENS_PER_WATT: f64 = 179.0;
 
 /// The luminance of a colour: of linear Rec. 709, or grey. `None` of spectral bands, of which it is not known what an eye sees.
 pub(crate) fn luminance(channels: &[f64]) -> Option<f64> {
-    match channels {
-        &[grey] => Some(grey),
-        &[r, g, b] => Some(0.2126 * r + 0.7152 * g + 0.0722 * b),
+    match *channels {
+        [grey] => Some(grey),
+        [r, g, b] => Some(0.2126 * r + 0.7152 * g + 0.0722 * b),
         _ => None,
     }
 }

@@ -126,7 +126,7 @@ fn head(numbers: &mut Numbers<'_>) -> Result<Head, ImportError> {
     let of_lamp = numbers.next("the ballast-lamp photometric factor")?;
     numbers.next("the watts")?;
     let of_lamp = if numbers.is_of_2019 { 1.0 } else { of_lamp };
-    if !(of_lamp > 0.0) {
+    if of_lamp <= 0.0 {
         return Err(numbers.wrong(format_args!("the ballast-lamp photometric factor is {of_lamp}, it must be above 0")));
     }
     Ok(Head { rows, columns, factor: multiplier * ballast * of_lamp, opening })

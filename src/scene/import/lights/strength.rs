@@ -50,7 +50,7 @@ pub(super) fn of_seen(table: &Table<'_>, channels: usize, amount: f64) -> Result
         None => vec![1.0; channels],
     };
     let seen = luminance(&colour).unwrap_or(0.0);
-    if !(seen > 0.0) {
+    if seen <= 0.0 {
         return Err(table.wrong("its colour is black: a channel must be above 0"));
     }
     Ok(colour.iter().map(|channel| channel * amount / (seen * LUMENS_PER_WATT)).collect())
