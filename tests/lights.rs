@@ -30,14 +30,16 @@ fn light(name: &str, strength: &[f64], shape: LightShape) -> Light {
 }
 
 fn point(position: [f64; 3]) -> LightShape {
-    LightShape::Point(PointLight { position: position.into() })
+    LightShape::Point(PointLight::uniform(position))
 }
 
 fn sun(towards: [f64; 3], diameter: f64) -> LightShape {
-    LightShape::Sun(Sun { towards: DVec3::from(towards).normalize(), diameter })
+    LightShape::Sun(Sun::new(towards, diameter).unwrap())
 }
 
-const SKY: LightShape = LightShape::Sky(Sky { up: DVec3::Z });
+fn sky() -> LightShape {
+    LightShape::Sky(Sky::uniform([0.0, 0.0, 1.0]).unwrap())
+}
 
 /// Ground of 4 x 4 m around the origin, and a black plate of 2 x 2 m, 1 m above it, whose middle is above `x`, `y`.
 fn under_a_plate(x: f64, y: f64, lights: Vec<Light>) -> Scene {
@@ -127,7 +129,7 @@ fn form_factor_to_ground() -> f64 {
 
 #[test]
 fn a_plate_takes_its_form_factor_of_the_sky_away() {
-    let lights = || vec![light("sky", &[1.0], SKY)];
+    let lights = || vec![light("sky", &[1.0], sky())];
     // Under the middle of a square of side 2 at height 1 (Howell C-12: four times the corner of one metre square).
     let covered = 4.0 * 0.5 / PI * (2.0 / 2f64.sqrt() * (1.0 / 2f64.sqrt()).atan());
     let seen_by_plate = form_factor_to_ground();
@@ -183,7 +185,7 @@ fn sunlit_room() -> Scene {
     let lights = vec![
         light("lamp", &[2.0, 1.8, 1.4], point([1.0, 2.0, 2.2])),
         light("sun", &[100.0, 90.0, 80.0], sun([1.0, 0.3, 0.8], 0.03)),
-        light("sky", &[20.0, 25.0, 40.0], SKY),
+        light("sky", &[20.0, 25.0, 40.0], sky()),
     ];
     room.scene().with_lights(lights).unwrap()
 }
@@ -224,7 +226,7 @@ fn walls_of_a_convex_room_keep_light_out() {
     let lights = vec![
         light("lamp", &[5.0], point([0.5, 0.5, 2.0])),
         light("sun", &[5.0], sun([0.1, 0.2, 1.0], 0.01)),
-        light("sky", &[1.0], SKY),
+        light("sky", &[1.0], sky()),
     ];
     let scene = cube(&[0.8], &[0.0]).with_lights(lights).unwrap();
     for way in WAYS {

@@ -1,5 +1,7 @@
 //! Groups of arguments that several commands take.
 
+use std::path::PathBuf;
+
 use clap::{Args, ValueEnum};
 use patchlight::scene::Sides;
 use patchlight::scene::import::{ImportOptions, Textures};
@@ -63,7 +65,7 @@ impl SettingArguments {
 /// What a scene may reach, and how it is read.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct TrustArguments {
-    /// Read material libraries, buffers and images wherever the scene says they lie, not only beside it and below
+    /// Read material libraries, buffers, images and photometric files wherever the scene or its lights say they lie, not only beside it and below
     #[arg(long)]
     pub allow_any_path: bool,
     /// What becomes of textures: each face has their mean over it (face), or a scene with textures is not read (reject)
@@ -72,13 +74,13 @@ pub struct TrustArguments {
 }
 
 impl TrustArguments {
-    /// How a scene is read.
-    pub fn import(&self, sides: Sides) -> ImportOptions {
+    /// How a scene is read, with these lights beside it.
+    pub fn import(&self, sides: Sides, lights: Option<PathBuf>) -> ImportOptions {
         let textures = match self.texture {
             Texture::Face => Textures::Face,
             Texture::Reject => Textures::Reject,
         };
-        ImportOptions { sides, allow_any_path: self.allow_any_path, textures }
+        ImportOptions { sides, allow_any_path: self.allow_any_path, textures, lights }
     }
 }
 

@@ -76,6 +76,9 @@ pub struct SolveArguments {
     /// or as a TOML file says, a group on each line: lamps = ["object desk lamp", "material tube"]
     #[arg(long, value_name = "GROUPS")]
     pub light_groups: Option<PathBuf>,
+    /// Lights that are no surfaces, beside those of the scene's own file: a TOML file, see docs/lights.md
+    #[arg(long, value_name = "LIGHTS.toml")]
+    pub lights: Option<PathBuf>,
     #[command(flatten)]
     pub trust: TrustArguments,
     /// Take a picture: .png to look at, .exr or .hdr with linear radiances; may be repeated, to have it in both
@@ -256,6 +259,9 @@ pub struct BakeArguments {
     pub from: Option<Whence>,
     #[command(flatten)]
     pub settings: SettingArguments,
+    /// Lights that are no surfaces, beside those of the scene's own file: a TOML file, see docs/lights.md
+    #[arg(long, value_name = "LIGHTS.toml")]
+    pub lights: Option<PathBuf>,
     #[command(flatten)]
     pub trust: TrustArguments,
     #[command(flatten)]
@@ -349,6 +355,9 @@ pub struct InfoArguments {
     /// Which sides of a scene's faces emit and receive: front or both
     #[arg(long, value_name = "SIDES", default_value = "front")]
     pub sides: String,
+    /// Lights that are no surfaces, beside those of the scene's own file: a TOML file, see docs/lights.md
+    #[arg(long, value_name = "LIGHTS.toml")]
+    pub lights: Option<PathBuf>,
     #[command(flatten)]
     pub trust: TrustArguments,
 }

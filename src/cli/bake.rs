@@ -105,6 +105,10 @@ impl Input {
                 let path = typed.input.display();
                 return Err(Failure::usage(format_args!("--set {setting} is for scenes; {path} is solved already")));
             }
+            if typed.lights.is_some() {
+                let path = typed.input.display();
+                return Err(Failure::usage(format_args!("--lights is for scenes; {path} is solved already")));
+            }
             return Ok(Self::Solution(typed.input, run_options(&typed.run)?));
         }
         let wants_mesh = typed.from == Some(Whence::Mesh);
@@ -123,6 +127,7 @@ impl Input {
             html: None,
             report: None,
             light_groups: None,
+            lights: typed.lights,
             run: typed.run,
         };
         Ok(Self::Scene(Box::new(SolveRequest::new(solve)?)))

@@ -28,10 +28,13 @@ pub(crate) use largest::largest;
 pub use light_group_error::LightGroupError;
 pub use light_grouping::LightGrouping;
 pub use light_groups::{LightGroups, LightWeight};
-pub use lights::{Light, LightShape, PointLight, Sky, Sun};
+pub(crate) use lights::luminance;
+pub use lights::{
+    Distribution, IntensityTable, LUMENS_PER_WATT, Light, LightError, LightShape, Luminaire, PointLight, Sky, SkyLight, Spot, Sun,
+};
 pub use material::Material;
 pub use point::{PointError, SurfacePoint};
-pub use summary::SceneSummary;
+pub use summary::{LightSummary, SceneSummary};
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};

@@ -145,6 +145,7 @@ fn read_values(
         libraries: files,
         objects: structure.objects.finish(),
         groups: structure.groups.finish(),
+        lights: Vec::new(),
     };
 
     // Faces without a material share a grey one.

@@ -2,7 +2,7 @@
 //!
 //! What is read: the nodes of the default scene with their transforms, meshes of triangles in all their forms, quantised or not, materials as diffuse ones
 //! (`materials`), textures as the mean over each face. A mesh whose transform mirrors it keeps its fronts. Double-sided materials make
-//! faces of two sides. Cameras, lights, skins, morphs, animations, points and lines have no part, which is noted.
+//! faces of two sides. Lights without a surface are read (`lights`). Cameras, skins, morphs, animations, points and lines have no part, which is noted.
 //!
 //! A face is what triangles of a primitive that lie in one plane make together (`join`); it has the number of its first triangle, counted through
 //! all instances of the scene. Lengths are metres, and axes stay as they are.
@@ -15,6 +15,7 @@ mod buffers;
 mod colours;
 mod container;
 mod json;
+mod lights;
 mod materials;
 mod nodes;
 mod primitives;
@@ -86,6 +87,9 @@ pub(super) fn read(
         }
     }
 
+    let (lights, of_lights) = lights::read(&root, &placed).map_err(wrong)?;
+    reader.read.lights = lights;
+    diagnostics.items.extend(of_lights.into_iter().map(|text| Diagnostic::new(DiagnosticKind::Light, text).at(file, 0)));
     let left_out = reader.left_out;
     note_left_out(&root, &placed, left_out, |kind, text| diagnostics.push(Diagnostic::new(kind, text).at(file, 0)));
     for (kind, text) in reader.materials.notes() {
@@ -202,11 +206,7 @@ fn note_left_out(root: &json::Root, placed: &Placed, points_and_lines: usize, mu
     }
     for name in root.extensions_used.iter().filter(|name| !name.starts_with("KHR_materials_")) {
         match name.as_str() {
-            "KHR_mesh_quantization" | "KHR_texture_transform" | "EXT_mesh_gpu_instancing" => {}
-            "KHR_lights_punctual" => {
-                let text = "lights without a surface (KHR_lights_punctual) are left out: light comes from faces that emit";
-                note(IgnoredElement, text.to_owned());
-            }
+            "KHR_mesh_quantization" | "KHR_texture_transform" | "EXT_mesh_gpu_instancing" | "KHR_lights_punctual" => {}
             other => note(IgnoredProperty, format!("extension {} is left out", shown(other))),
         }
     }
