@@ -13,14 +13,15 @@ mod triangles;
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use patchlight::direct::{DirectEffort, Method, direct_irradiance};
 use patchlight::pipeline::{self, Evaluator, PipelineError};
 use patchlight::progress::Silent;
 use patchlight::scene::{
-    EmitterName, Light, LightGroupError, LightGrouping, LightShape, LightWeight, PointLight, Scene, Sky, Sun, SurfaceId,
-    SurfacePoint,
+    EmitterName, Light, LightGroupError, LightGrouping, LightShape, LightWeight, PointLight, Scene, SceneError, Sky, Sun,
+    SurfaceId, SurfacePoint,
 };
 use patchlight::solve::{Bounds, Norm, RunOptions, SolveOptions, Solver, Strategy};
-use patchlight::visibility::Backend;
+use patchlight::visibility::{Backend, OccluderMesh, build};
 use path_tracer::PathTracer;
 use rooms::{Room, cube, points_of, solve, straight, values};
 use triangles::Random;
@@ -283,6 +284,57 @@ fn lights_make_light_groups() {
     }
     let unnamed = LightGrouping::Named(vec![("day".to_owned(), vec!["light sun".parse().unwrap(), "light sky".parse().unwrap()])]);
     assert!(matches!(all.with_light_groups(&unnamed), Err(LightGroupError::Light { name, .. }) if name == "lamp"));
+}
+
+/// Of fifty lights, more than there are rays, some of which suns with discs: draws are right on average, and know their scatter.
+#[test]
+fn lights_that_are_drawn_bring_what_all_bring() {
+    let mut random = Random(17);
+    let mut lights = Vec::new();
+    for number in 0..50 {
+        let at = [random.between(-3.0, 3.0), random.between(-3.0, 3.0), random.between(0.3, 3.0)];
+        let shape = if number % 5 == 0 { sun(at, 0.02) } else { point(at) };
+        lights.push(light(&format!("{number}"), &[random.between(0.1, 2.0)], shape));
+    }
+    let scene = under_a_plate(0.2, -0.1, lights);
+    let visibility = build(Backend::Auto, &OccluderMesh::of_scene(&scene)).unwrap();
+    let points = vec![(SurfaceId(0), [0.4, 0.3, 0.0]); 4000];
+    let many = direct_irradiance(&scene, &*visibility, &points[..1], DirectEffort { rays: 20_000, method: Method::Rays }, 5);
+    for rays in [1, 2, 7, 16, 49, 64] {
+        let effort = DirectEffort { rays, method: Method::Rays };
+        let found: Vec<[f64; 2]> = (0..4000)
+            .map(|seed| {
+                let found = direct_irradiance(&scene, &*visibility, &points[..1], effort, seed);
+                [found.irradiance[0], found.variance[0]]
+            })
+            .collect();
+        let count = found.len() as f64;
+        let mean = found.iter().map(|[h, _]| h).sum::<f64>() / count;
+        let variance = found.iter().map(|[h, _]| (h - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        let told = found.iter().map(|[_, variance]| variance).sum::<f64>() / count;
+        let se = (variance / count).sqrt() + 1e-3 * mean;
+        assert!((mean - many.irradiance[0]).abs() < 4.0 * se, "{rays} rays: {mean} +- {se} for {}", many.irradiance[0]);
+        // A single ray tells nothing of its variance; the discs' points are spread evenly, so that they scatter less than they tell.
+        assert!(rays == 1 || (told > 0.8 * variance && told < 3.0 * variance + 1e-9), "{rays} rays: {told} for {variance}");
+    }
+}
+
+/// The dimmest and the brightest lamps, and one that all but touches the ground.
+#[test]
+fn lamps_out_of_range_are_refused_and_near_ones_stay_finite() {
+    for strength in [1e-40, 1e21, -1.0, f64::NAN, f64::INFINITY] {
+        let lamp = light("lamp", &[strength], point([0.0, 0.0, 1.0]));
+        let wrong = under_a_plate(0.0, 0.0, Vec::new()).with_lights(vec![lamp]);
+        assert!(matches!(wrong, Err(SceneError::BadLight { .. })), "{strength}");
+    }
+    for way in WAYS {
+        for (strength, height) in [(1e-30, 0.5), (1e20, 1e-12), (1e20, 0.5)] {
+            // The solution is checked where it is solved.
+            let (_, report) =
+                solve(under_a_plate(0.0, 0.0, vec![light("lamp", &[strength], point([-1.5, 0.0, height]))]), &options(way, 0.1));
+            assert!(report.error.estimate.is_finite(), "{way:?} {strength} {height}: {report:?}");
+        }
+    }
 }
 
 #[test]

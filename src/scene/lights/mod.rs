@@ -24,14 +24,14 @@ pub use sky::{Sky, SkyLight};
 pub use spot::Spot;
 pub use sun::Sun;
 
-use super::{Material, SceneError};
+use super::SceneError;
 
 /// Light that comes from no surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Light {
     /// Its name in the input, not empty.
     pub name: String,
-    /// How much it sends per channel, 0 or more; what that measures is said by its shape.
+    /// How much it sends per channel: 0, or from 1e-30 to 1e20; what that measures is said by its shape.
     pub strength: Vec<f64>,
     /// What kind of light it is, and where.
     pub shape: LightShape,
@@ -47,6 +47,10 @@ pub enum LightShape {
     /// From all directions. Strength: irradiance in W/m^2 of the ground under the whole sky.
     Sky(Sky),
 }
+
+/// Below this squares of what it brings vanish in f64, as of exitances; above, what is reflected of it near by might not be told in f32.
+const LEAST_STRENGTH: f64 = 1e-30;
+const MOST_STRENGTH: f64 = 1e20;
 
 impl Light {
     /// Whether any channel sends light.
@@ -95,8 +99,9 @@ impl Light {
         if self.strength.len() != channels {
             return Some(format!("it has {} channels, the scene {channels}", self.strength.len()));
         }
-        if let Some(strength) = self.strength.iter().find(|s| !(0.0..=Material::MOST_RADIOSITY).contains(*s)) {
-            return Some(format!("strength {strength} is negative or too large: it may be {:e}", Material::MOST_RADIOSITY));
+        let is_in_range = |strength: f64| strength == 0.0 || (LEAST_STRENGTH..=MOST_STRENGTH).contains(&strength);
+        if let Some(strength) = self.strength.iter().find(|strength| !is_in_range(**strength)) {
+            return Some(format!("strength {strength:e} is neither 0 nor from {LEAST_STRENGTH:e} to {MOST_STRENGTH:e}"));
         }
         let wrong = match &self.shape {
             LightShape::Point(light) => light.wrong(),

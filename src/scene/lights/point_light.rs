@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::seen::Seen;
 use super::{Luminaire, Spot};
 
+/// From nearer than this, in metres, a light is seen as from there: no lamp is so small, and irradiances stay finite.
+const NEAREST: f64 = 1e-6;
+
 /// A light at a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PointLight {
@@ -87,7 +90,7 @@ impl PointLight {
         }
         let towards = to / distance;
         let intensity = self.intensity(-towards);
-        (intensity > 0.0).then(|| Seen { towards, distance, irradiance: intensity * distance.powi(-2) })
+        (intensity > 0.0).then(|| Seen { towards, distance, irradiance: intensity * distance.max(NEAREST).powi(-2) })
     }
 
     /// The direction of the light number `u`, `v` in the unit square, even over what it sends, and all of that, in sr for each unit of strength.
