@@ -135,9 +135,10 @@ impl PartOfLight<'_> {
     fn take(&mut self, texels: &mut [Texels<'_>], notes: &mut [Notes], wanted: &[Texel]) -> Option<()> {
         let found = self.gathers(texels, wanted)?;
         let channels = self.scene.channels();
-        let found = found.radiosity.chunks(channels).zip(found.standard_error.chunks(channels));
-        for (&(chart, index), (reflected, errors)) in wanted.iter().zip(found) {
-            texels[chart].set(index, reflected);
+        let straight = found.straight.chunks(channels);
+        let found = found.radiosity.chunks(channels).zip(found.standard_error.chunks(channels)).zip(straight);
+        for (&(chart, index), ((reflected, errors), straight)) in wanted.iter().zip(found) {
+            texels[chart].set(index, reflected, straight);
             let noise_sq: f32 = errors.iter().map(|error| error * error).sum();
             notes[chart].noise_sq[index] = if noise_sq.is_finite() { noise_sq } else { 0.0 };
             self.squares.push([texels[chart].light_sq(index, reflected), f64::from(noise_sq)]);

@@ -150,7 +150,7 @@ impl Cell {
         let (columns, channels) = (texels.columns(), texels.channels());
         let (across, down, nodes) = (self.lines(0), self.lines(1), self.nodes(columns));
         let mut filled = Vec::new();
-        let mut radiosity = vec![0.0; channels];
+        let mut numbers = vec![0.0; texels.numbers()];
         for (index, [column, row]) in self.texels(columns) {
             if !texels.is_wanted(index) {
                 continue;
@@ -159,11 +159,11 @@ impl Cell {
             let part = |at: usize, from: usize, to: usize| if to > from { (at - from) as f64 / (to - from) as f64 } else { 0.0 };
             let weights = bilinear(part(column, across[i], across[i + 1]), part(row, down[j], down[j + 1]));
             let corners = [0, 1, 3, 4].map(|corner| nodes[3 * j + i + corner]);
-            for (channel, radiosity) in radiosity.iter_mut().enumerate() {
-                let of_corner = |corner: usize| f64::from(texels.reflected_of(corner)[channel]);
-                *radiosity = corners.iter().zip(weights).map(|(&corner, weight)| weight * of_corner(corner)).sum::<f64>() as f32;
+            for (k, number) in numbers.iter_mut().enumerate() {
+                let of_corner = |corner: usize| f64::from(texels.numbers_of(corner)[k]);
+                *number = corners.iter().zip(weights).map(|(&corner, weight)| weight * of_corner(corner)).sum::<f64>() as f32;
             }
-            texels.set(index, &radiosity);
+            texels.set(index, &numbers[..channels], &numbers[channels..]);
             filled.push(index);
         }
         filled

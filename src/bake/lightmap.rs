@@ -20,8 +20,22 @@ pub struct Lightmap {
     pub atlas: Atlas,
     /// The pages in linear radiance B / pi, row after row from the top left; 0 where there is no chart.
     pub pages: Vec<Image>,
+    /// What of it is direct light, page by page: what surfaces emit, and what they reflect of light that comes straight from emitters. Only if parts
+    /// were to be kept apart.
+    pub direct: Option<Vec<Image>>,
     /// What is known of it.
     pub report: BakeReport,
+}
+
+/// A part of the light of a lightmap. Direct and indirect light add up to all of it, to rounding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightPart {
+    /// All light.
+    All,
+    /// What surfaces emit, and what they reflect of light that comes straight from emitters; of irradiance, the latter.
+    Direct,
+    /// What was reflected at least once on its way.
+    Indirect,
 }
 
 /// What is known of a lightmap.
@@ -48,17 +62,9 @@ pub struct BakeReport {
 /// off a mesh.
 pub(crate) fn finish(scene: &Scene, atlas: &Atlas, texels: &[Texels<'_>], hidden: u64, found: Option<&Found>) -> Lightmap {
     let channels = scene.channels();
-    let mut pages: Vec<Image> = atlas.pages.iter().map(|&[width, height]| Image::black(width, height, channels)).collect();
-    let padding = atlas.options.padding as usize;
-    let canvases: Vec<Canvas> = texels.par_iter().map(|texels| filled(texels, padding)).collect();
-    for (placed, canvas) in atlas.charts.iter().zip(&canvases) {
-        let page = &mut pages[placed.page];
-        for (row, numbers) in canvas.numbers.chunks(canvas.width * channels).enumerate() {
-            let [left, top] = placed.at.map(|corner| corner as usize - padding);
-            let start = ((top + row) * page.width as usize + left) * channels;
-            page.radiance[start..][..numbers.len()].copy_from_slice(numbers);
-        }
-    }
+    let canvases: Vec<Canvas> = texels.par_iter().map(|texels| filled(texels, atlas.options.padding as usize)).collect();
+    let pages = lay(atlas, &canvases, 0..channels);
+    let direct = atlas.options.separate.then(|| lay(atlas, &canvases, channels..2 * channels));
 
     let count = texels.iter().flat_map(|texels| &texels.sites).filter(|site| site.is_covered()).count() as u64;
     let seams = seams::compare(scene, atlas, &pages);
@@ -70,20 +76,36 @@ pub(crate) fn finish(scene: &Scene, atlas: &Atlas, texels: &[Texels<'_>], hidden
         whole: found.error.map(|error| error.hypot(found.interpolated)),
         ..report
     });
-    Lightmap { atlas: atlas.clone(), pages, report }
+    Lightmap { atlas: atlas.clone(), pages, direct, report }
+}
+
+/// Pages of some of the numbers of each texel.
+fn lay(atlas: &Atlas, canvases: &[Canvas], numbers: std::ops::Range<usize>) -> Vec<Image> {
+    let (count, padding) = (numbers.len(), atlas.options.padding as usize);
+    let mut pages: Vec<Image> = atlas.pages.iter().map(|&[width, height]| Image::black(width, height, count)).collect();
+    for (placed, canvas) in atlas.charts.iter().zip(canvases) {
+        let page = &mut pages[placed.page];
+        let [left, top] = placed.at.map(|corner| corner as usize - padding);
+        for (row, texels) in canvas.numbers.chunks(canvas.width * canvas.channels).enumerate() {
+            let start = ((top + row) * page.width as usize + left) * count;
+            let of_row = page.radiance[start..].chunks_mut(count);
+            of_row.zip(texels.chunks(canvas.channels)).for_each(|(own, texel)| own.copy_from_slice(&texel[numbers.clone()]));
+        }
+    }
+    pages
 }
 
 /// The radiances of a chart with its padding.
 fn filled(texels: &Texels<'_>, padding: usize) -> Canvas {
-    let ([columns, rows], channels) = (texels.chart.size(), texels.channels());
-    let mut canvas = Canvas::new([columns + 2 * padding, rows + 2 * padding], channels);
+    let ([columns, rows], count) = (texels.chart.size(), texels.numbers());
+    let mut canvas = Canvas::new([columns + 2 * padding, rows + 2 * padding], count);
     for index in (0..texels.sites.len()).filter(|&index| texels.sites[index].is_covered() && texels.is_known(index)) {
         let (column, row) = (index % columns + padding, index / columns + padding);
-        let numbers = &mut canvas.numbers[(row * canvas.width + column) * channels..][..channels];
+        let numbers = &mut canvas.numbers[(row * canvas.width + column) * count..][..count];
         numbers
             .iter_mut()
-            .zip(texels.reflected_of(index))
-            .zip(&texels.material.exitance)
+            .zip(texels.numbers_of(index))
+            .zip(texels.material.exitance.iter().cycle())
             .for_each(|((number, b), e)| *number = (b + *e as f32) / PI);
     }
     canvas.fill();
@@ -93,7 +115,33 @@ fn filled(texels: &Texels<'_>, padding: usize) -> Canvas {
 impl Lightmap {
     /// A page as irradiance H = (B - E) / rho over pi, 0 where nothing is reflected. `scene` is the one that was baked.
     pub fn irradiance(&self, scene: &Scene, page: usize) -> Image {
-        let (mut image, padding) = (self.pages[page].clone(), self.atlas.options.padding as usize);
+        self.to_irradiance(scene, page, self.pages[page].clone())
+    }
+
+    /// A part of the light of a page in linear radiance; `None` if parts were not kept apart.
+    pub fn part(&self, part: LightPart, page: usize) -> Option<Image> {
+        let direct = || Some(&self.direct.as_ref()?[page]);
+        match part {
+            LightPart::All => Some(self.pages[page].clone()),
+            LightPart::Direct => direct().cloned(),
+            LightPart::Indirect => Some(difference(&self.pages[page], direct()?)),
+        }
+    }
+
+    /// The same as irradiance over pi.
+    pub fn irradiance_of(&self, scene: &Scene, part: LightPart, page: usize) -> Option<Image> {
+        match part {
+            LightPart::All => Some(self.irradiance(scene, page)),
+            LightPart::Direct => Some(self.to_irradiance(scene, page, self.part(part, page)?)),
+            LightPart::Indirect => {
+                let direct = self.irradiance_of(scene, LightPart::Direct, page)?;
+                Some(difference(&self.irradiance(scene, page), &direct))
+            }
+        }
+    }
+
+    fn to_irradiance(&self, scene: &Scene, page: usize, mut image: Image) -> Image {
+        let padding = self.atlas.options.padding as usize;
         for Placed { chart, at, .. } in self.atlas.charts.iter().filter(|placed| placed.page == page) {
             let material = &scene.materials()[chart.material as usize];
             let ([columns, rows], [left, top]) = (chart.size(), at.map(|corner| corner as usize - padding));
@@ -107,4 +155,10 @@ impl Lightmap {
         }
         image
     }
+}
+
+/// What is left of all light; rounding takes nothing below zero.
+fn difference(all: &Image, part: &Image) -> Image {
+    let radiance = all.radiance.iter().zip(&part.radiance).map(|(all, part)| (all - part).max(0.0)).collect();
+    Image { radiance, ..all.clone() }
 }

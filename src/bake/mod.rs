@@ -25,7 +25,7 @@ pub use atlas::{Atlas, FaceOnAtlas};
 pub(crate) use gathered::{Aim, Asked, Found, gather};
 pub(crate) use hidden::hide;
 pub(crate) use lightmap::finish;
-pub use lightmap::{BakeReport, Lightmap};
+pub use lightmap::{BakeReport, LightPart, Lightmap};
 pub use options::{BakeError, BakeOptions, Only};
 pub use seams::Seams;
 pub(crate) use texels::{Texels, texels_of};

@@ -26,6 +26,8 @@ pub struct BakeOptions {
     pub size: u32,
     /// What is baked; all if not given.
     pub only: Option<Only>,
+    /// Whether direct and indirect light are kept apart as well.
+    pub separate: bool,
 }
 
 /// A part of a scene by name, typed as `material X` or `object X`.
@@ -88,11 +90,14 @@ pub enum BakeError {
     /// The lightmap is of another scene.
     #[error("this atlas was made of another scene")]
     OtherScene,
+    /// Direct and indirect light are asked for apart, of a mesh.
+    #[error("a lit mesh holds all light as one: direct and indirect light are apart only where texels are gathered")]
+    MeshIsWhole,
 }
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { texel: 0.05, padding: 2, size: 4096, only: None }
+        Self { texel: 0.05, padding: 2, size: 4096, only: None, separate: false }
     }
 }
 

@@ -15,20 +15,24 @@ pub(crate) struct Texels<'a> {
     pub material: &'a Material,
     /// By texel, row after row.
     pub sites: Vec<Site>,
-    /// Reflected radiosity by texel and channel in W/m^2, or a part of it; NaN where it is not known.
+    /// Reflected radiosity by texel and channel in W/m^2, or a part of it; NaN where it is not known. Where direct light is kept apart, as many numbers
+    /// follow for each texel: what of it emitters sent straight.
     pub reflected: Vec<f32>,
     /// The other part, as far as it is known already, else 0.
     pub before: Vec<f32>,
+    /// Whether direct light is kept apart.
+    pub is_apart: bool,
 }
 
 /// The texels of all charts of an atlas. Those of faces that reflect nothing are known.
 pub(crate) fn texels_of<'a>(atlas: &'a Atlas, scene: &'a Scene) -> Vec<Texels<'a>> {
+    let is_apart = atlas.options.separate;
     let of_chart = |placed: &'a Placed| {
         let (chart, material) = (&placed.chart, &scene.materials()[placed.chart.material as usize]);
         let sites = sites(scene, chart);
-        let numbers = |number: f32| vec![number; sites.len() * scene.channels()];
+        let numbers = |number: f32| vec![number; sites.len() * scene.channels() * if is_apart { 2 } else { 1 }];
         let (reflected, before) = (numbers(if material.reflects() { f32::NAN } else { 0.0 }), numbers(0.0));
-        Texels { chart, material, sites, reflected, before }
+        Texels { chart, material, sites, reflected, before, is_apart }
     };
     atlas.charts.par_iter().map(of_chart).collect()
 }
@@ -43,6 +47,11 @@ impl Texels<'_> {
         self.material.exitance.len()
     }
 
+    /// Numbers for each texel: its channels, and once more where direct light is kept apart.
+    pub fn numbers(&self) -> usize {
+        self.channels() * if self.is_apart { 2 } else { 1 }
+    }
+
     /// Whether a texel shall have a value and has none yet.
     pub fn is_wanted(&self, index: usize) -> bool {
         self.sites[index].is_covered() && !self.is_known(index)
@@ -50,22 +59,30 @@ impl Texels<'_> {
 
     /// Whether a texel has a value.
     pub fn is_known(&self, index: usize) -> bool {
-        !self.reflected[index * self.channels()].is_nan()
+        !self.reflected[index * self.numbers()].is_nan()
     }
 
     /// What is known of the light that a texel reflects.
     pub fn reflected_of(&self, index: usize) -> &[f32] {
-        &self.reflected[index * self.channels()..][..self.channels()]
+        &self.reflected[index * self.numbers()..][..self.channels()]
     }
 
-    pub fn set(&mut self, index: usize, reflected: &[f32]) {
-        let channels = self.channels();
-        self.reflected[index * channels..][..channels].copy_from_slice(reflected);
+    /// All numbers of a texel.
+    pub fn numbers_of(&self, index: usize) -> &[f32] {
+        &self.reflected[index * self.numbers()..][..self.numbers()]
+    }
+
+    /// Sets what is reflected, and where direct light is kept apart, what of it is that.
+    pub fn set(&mut self, index: usize, reflected: &[f32], straight: &[f32]) {
+        let (channels, numbers) = (self.channels(), self.numbers());
+        let (whole, apart) = self.reflected[index * numbers..][..numbers].split_at_mut(channels);
+        whole.copy_from_slice(reflected);
+        apart.iter_mut().zip(straight).for_each(|(number, straight)| *number = *straight);
     }
 
     /// The square of all light that a texel reflects, channels added, when its value is `reflected`.
     pub fn light_sq(&self, index: usize, reflected: &[f32]) -> f64 {
-        let before = &self.before[index * self.channels()..][..self.channels()];
+        let before = &self.before[index * self.numbers()..][..self.channels()];
         reflected.iter().zip(before).map(|(&a, &b)| f64::from(a + b).powi(2)).sum()
     }
 

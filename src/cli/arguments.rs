@@ -244,6 +244,10 @@ pub struct BakeArguments {
     /// Bake a part alone: 'material NAME' or 'object NAME'
     #[arg(long, value_name = "WHAT")]
     pub only: Option<String>,
+    /// Keep direct and indirect light apart as well: layers 'direct' and 'indirect' of .exr, files FILE.direct.png and FILE.indirect.png of
+    /// others. Texels are gathered for it, whatever --from says by default
+    #[arg(long)]
+    pub separate: bool,
     /// What .exr, .hdr and RGBM hold: radiosity (W/m^2), radiance (W/m^2/sr), irradiance (W/m^2) or illuminance (lx) [default: radiosity]
     #[arg(long, value_name = "QUANTITY")]
     pub quantity: Option<String>,

@@ -2,21 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use patchlight::bake::{Atlas, BakeOptions, BakeReport, Lightmap};
+use patchlight::bake::{Atlas, BakeOptions, BakeReport};
 use patchlight::mesh::LitMesh;
-use patchlight::output::{
-    Destination, ImageFormat, LightmapCode, PngExposure, Provenance, Quantity, auto_exposure, is_solution_file, write_hdr,
-    write_lightmap_glb, write_lightmap_json, write_lightmap_png,
-};
-use patchlight::picture::Image;
+use patchlight::output::{ImageFormat, PngExposure, Provenance, Quantity, is_solution_file};
 use patchlight::pipeline::Evaluator;
 use patchlight::scene::Scene;
 
 use super::argument_groups::{PictureArguments, Whence};
 use super::arguments::{BakeArguments, SolveArguments};
 use super::exit::{Exit, Failure};
-use super::files::{self, Outputs, Sink};
+use super::files::{self, Outputs};
 use super::interrupt;
+use super::lightmap_files::{LightmapFiles, PageFile, PageFormat};
 use super::progress::{Voice, Watcher};
 use super::request::{SolveRequest, parse_exposure, parse_quantity};
 use super::results::no_mesh;
@@ -29,11 +26,7 @@ pub struct BakeRequest {
     input: Input,
     options: BakeOptions,
     from: Option<Whence>,
-    quantity: Quantity,
-    exposure: PngExposure,
-    pages: Vec<(PathBuf, PageFormat)>,
-    glb: Option<Destination>,
-    json: Option<Sink>,
+    files: LightmapFiles,
     outputs: Outputs,
     voice: Voice,
 }
@@ -44,13 +37,6 @@ enum Input {
     Solution(PathBuf, patchlight::solve::RunOptions),
     /// A scene, to be solved first.
     Scene(Box<SolveRequest>),
-}
-
-/// How a page is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum PageFormat {
-    Picture(ImageFormat),
-    Rgbm,
 }
 
 impl BakeRequest {
@@ -71,25 +57,32 @@ impl BakeRequest {
         let mut outputs = Outputs::beside(&[&typed.input]);
         let mut pages = Vec::new();
         for path in &typed.output {
-            pages.push((path.clone(), PageFormat::Picture(ImageFormat::of_path(path).map_err(Failure::usage)?)));
+            let format = ImageFormat::of_path(path).map_err(Failure::usage)?;
+            pages.extend(PageFile::of(path, PageFormat::Picture(format), options.separate));
         }
-        pages.extend(typed.rgbm.iter().map(|path| (path.clone(), PageFormat::Rgbm)));
-        let keeps_light = |format: &PageFormat| *format == PageFormat::Picture(ImageFormat::Png);
-        if typed.exposure.is_some() && typed.glb.is_none() && !pages.iter().any(|(_, format)| keeps_light(format)) {
+        if let Some(path) = &typed.rgbm {
+            pages.extend(PageFile::of(path, PageFormat::Rgbm, options.separate));
+        }
+        let is_exposed = |page: &PageFile| page.format == PageFormat::Picture(ImageFormat::Png);
+        if typed.exposure.is_some() && typed.glb.is_none() && !pages.iter().any(is_exposed) {
             return Err(Failure::usage("--exposure is for .png and .glb; other files keep the numbers as they are"));
         }
         let exposure = typed.exposure.as_deref().map_or(Ok(PngExposure::Auto), parse_exposure)?;
-        for (path, format) in &pages {
-            if *format == PageFormat::Rgbm {
-                check_extension(path, "png", "--rgbm")?;
+        for page in &pages {
+            if page.format == PageFormat::Rgbm {
+                check_extension(&page.path, "png", "--rgbm")?;
             }
-            outputs.file(path)?;
+            outputs.file(&page.path)?;
         }
         let glb =
             typed.glb.as_deref().map(|path| check_extension(path, "glb", "--glb").and_then(|()| outputs.file(path))).transpose()?;
         let json = typed.json.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let (from, voice) = (typed.from, Voice::new(typed.run.progress));
-        Ok(Self { input: Input::new(typed)?, options, from, quantity, exposure, pages, glb, json, outputs, voice })
+        if options.separate && from == Some(Whence::Mesh) {
+            return Err(Failure::usage("--separate: a lit mesh holds all light as one; leave out --from mesh"));
+        }
+        let files = LightmapFiles { quantity, exposure, pages, glb, json, voice };
+        Ok(Self { input: Input::new(typed)?, options, from, files, outputs, voice })
     }
 }
 
@@ -138,6 +131,7 @@ fn bake_options(typed: &BakeArguments) -> Result<BakeOptions, Failure> {
     }
     options.padding = typed.padding.unwrap_or(options.padding);
     options.size = typed.size.unwrap_or(options.size);
+    options.separate = typed.separate;
     options.only = typed.only.as_deref().map(str::parse).transpose().map_err(Failure::usage)?;
     options.validate().map_err(Failure::usage)?;
     Ok(options)
@@ -155,7 +149,7 @@ pub fn bake(request: BakeRequest) -> Result<Exit, Failure> {
     let BakeRequest { input, options, voice, .. } = &request;
     let plan = |scene: &Scene| {
         let channels = scene.channels();
-        if request.quantity == Quantity::Illuminance && !matches!(channels, 1 | 3) {
+        if request.files.quantity == Quantity::Illuminance && !matches!(channels, 1 | 3) {
             return Err(Failure::usage(format_args!(
                 "--quantity illuminance: not known for {channels} channels, only for one or three"
             )));
@@ -181,10 +175,11 @@ pub fn bake(request: BakeRequest) -> Result<Exit, Failure> {
         }
     };
     tell_atlas(&atlas, *voice);
-    let files = destinations(&request, &atlas)?;
+    let files = request.files.of_pages(atlas.pages().len())?;
 
     let mesh = match (request.from, evaluator.mesh()) {
         (Some(Whence::Gather), _) => None,
+        (None, _) if options.separate => None,
         (Some(Whence::Mesh), None) => return Err(no_mesh("--from mesh")),
         (_, mesh) => mesh,
     };
@@ -193,21 +188,9 @@ pub fn bake(request: BakeRequest) -> Result<Exit, Failure> {
         return Ok(Exit::Cancelled);
     };
     tell_report(&lightmap.report, mesh, *voice);
-    write(&request, &files, &lightmap, evaluator.solution().scene(), &Provenance::new(evaluator.solution().options()))?;
+    let provenance = Provenance::new(evaluator.solution().options());
+    request.files.write(&files, &lightmap, evaluator.solution().scene(), &provenance)?;
     Ok(exit)
-}
-
-/// The files of all pages: of the second page on with its number before the extension.
-fn destinations(request: &BakeRequest, atlas: &Atlas) -> Result<Vec<Vec<Destination>>, Failure> {
-    let of_page = |(path, _): &(PathBuf, PageFormat)| {
-        let page = |number: usize| {
-            let extension = path.extension().unwrap_or_default().to_string_lossy();
-            let path = if number == 0 { path.clone() } else { path.with_extension(format!("{}.{extension}", number + 1)) };
-            Destination::new(&path).map_err(Failure::usage)
-        };
-        (0..atlas.pages().len()).map(page).collect()
-    };
-    request.pages.iter().map(of_page).collect()
 }
 
 fn tell_atlas(atlas: &Atlas, voice: Voice) {
@@ -254,77 +237,4 @@ fn tell_report(report: &BakeReport, mesh: Option<&LitMesh>, voice: Voice) {
             format_args!("{}, their sides {mean} apart in the mean, {largest} at most", plural(seams.edges as usize, "edge")),
         );
     }
-}
-
-/// Writes everything that was asked for.
-fn write(
-    request: &BakeRequest,
-    files: &[Vec<Destination>],
-    lightmap: &Lightmap,
-    scene: &Scene,
-    provenance: &Provenance,
-) -> Result<(), Failure> {
-    let (voice, quantity) = (request.voice, request.quantity);
-    let ev = match request.exposure {
-        PngExposure::Ev(ev) => ev,
-        PngExposure::Auto => exposure_of(&lightmap.pages),
-    };
-    let images: Vec<Image> =
-        (0..lightmap.pages.len()).map(|page| image(lightmap, scene, page, quantity)).collect::<Result<_, _>>()?;
-    let largest = images.iter().flat_map(|image| &image.radiance).fold(0.0_f32, |most, &x| most.max(x));
-    let code = |format: PageFormat| match format {
-        PageFormat::Rgbm => LightmapCode::Rgbm { range: f64::from(largest * quantity.per_radiance()) },
-        PageFormat::Picture(_) => LightmapCode::Srgb { ev },
-    };
-    for ((_, format), destinations) in request.pages.iter().zip(files) {
-        for (image, destination) in images.iter().zip(destinations) {
-            write_page(destination, image, (*format, quantity, code(*format)), provenance)?;
-            voice.figure("wrote", format_args!("{} ({} in {})", destination.path().display(), quantity.name(), quantity.unit()));
-        }
-    }
-    if let Some(destination) = &request.glb {
-        destination.write(|file| write_lightmap_glb(file, scene, lightmap, ev, provenance))?;
-        voice.figure("wrote", format_args!("{} (exposure EV {ev:.2})", destination.path().display()));
-    }
-    if let Some(sink) = &request.json {
-        sink.write(|writer| write_lightmap_json(writer, scene, lightmap, quantity, provenance))?;
-        voice.figure("wrote", format_args!("{}", sink.name()));
-    }
-    Ok(())
-}
-
-/// A page as an image of a quantity.
-fn image(lightmap: &Lightmap, scene: &Scene, page: usize, quantity: Quantity) -> Result<Image, Failure> {
-    match quantity {
-        Quantity::Irradiance => Ok(lightmap.irradiance(scene, page)),
-        Quantity::Illuminance => lightmap.irradiance(scene, page).to_luminance().map_err(|channels| {
-            Failure::usage(format_args!("--quantity illuminance: not known for {channels} channels, only for one or three"))
-        }),
-        _ => Ok(lightmap.pages[page].clone()),
-    }
-}
-
-fn write_page(
-    destination: &Destination,
-    image: &Image,
-    (format, quantity, code): (PageFormat, Quantity, LightmapCode),
-    provenance: &Provenance,
-) -> Result<(), Failure> {
-    #[cfg(not(feature = "openexr"))]
-    use patchlight::output::write_exr;
-    #[cfg(feature = "openexr")]
-    use patchlight::output::write_openexr as write_exr;
-    destination.write(|file| match format {
-        PageFormat::Picture(ImageFormat::Exr) => write_exr(file, image, quantity, provenance),
-        PageFormat::Picture(ImageFormat::Hdr) => write_hdr(file, image, quantity, provenance),
-        PageFormat::Picture(ImageFormat::Png) | PageFormat::Rgbm => write_lightmap_png(file, image, (quantity, code), provenance),
-    })?;
-    Ok(())
-}
-
-/// One exposure for all pages, each counting by its size.
-fn exposure_of(pages: &[Image]) -> f64 {
-    let of = |image: &Image| [f64::from(image.width) * f64::from(image.height), auto_exposure(image)];
-    let [sum, area] = pages.iter().map(of).fold([0.0; 2], |[sum, total], [area, ev]| [sum + area * ev, total + area]);
-    if area > 0.0 { sum / area } else { 0.0 }
 }

@@ -11,6 +11,7 @@ mod files;
 mod info;
 mod interrupt;
 mod light_groups;
+mod lightmap_files;
 mod memory_guard;
 mod option_help;
 mod pictures;

@@ -54,7 +54,7 @@ mod vtp;
 
 pub use atomic::{Destination, DestinationError};
 pub use export::{export_elements, export_mesh};
-pub use exr::write_exr;
+pub use exr::{write_exr, write_exr_layers};
 pub use false_colours::{Scale, ScaleError};
 pub use flux::write_fluxes;
 pub use format::{ExportFormat, ImageFormat, UnknownExtension};
@@ -66,7 +66,7 @@ pub use lightmap_json::write_lightmap_json;
 pub use lightmap_png::{LightmapCode, write_lightmap_png};
 pub use mesh_ply::{write_mesh_ply, write_quadratic_mesh_ply};
 #[cfg(feature = "openexr")]
-pub use openexr::write_openexr;
+pub use openexr::{write_openexr, write_openexr_layers};
 pub use page::{Page, write_page};
 pub use ply::write_ply;
 pub use png::{Display, Look, PngExposure, auto_exposure, write_display, write_png};

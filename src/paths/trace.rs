@@ -64,8 +64,8 @@ pub(crate) struct PathScratch {
 enum Arrival {
     /// Nothing, what sends nothing, or what next-event rays bring.
     Nothing,
-    /// A cell that is small, and the point in it.
-    Cell(u32, DVec3),
+    /// A cell that is small, and the point of a surface in it.
+    Cell(u32, DVec3, SurfaceId),
     /// A point from which the path goes on; with its cell, if only the least number of bounces forbids to end there.
     Onward(DVec3, SurfaceId, Option<u32>),
 }
@@ -245,13 +245,14 @@ impl<'a> LightPaths<'a> {
         for (path, (ray, hit)) in rays.iter().zip(&scratch.hits).enumerate() {
             match self.arrival(&places[path / count as usize], ray, *hit, beyond) {
                 Arrival::Nothing => {}
-                Arrival::Cell(cell, point) => {
+                Arrival::Cell(cell, point, surface) => {
                     let from = &places[path / count as usize];
-                    (ends.cell[path], ends.point[path]) = (cell, point);
+                    (ends.cell[path], ends.point[path], ends.surface[path]) = (cell, point, surface.0);
                     ends.form_factor[path] = hit.map_or(0.0, |hit| self.form_factor(&from.receiver(self.scene), ray, hit));
                 }
                 Arrival::Onward(point, surface, small) => {
                     let (place, ray) = (path / count as usize, path % count as usize);
+                    ends.surface[path] = surface.0;
                     let seed = sampling::hash(places[place].receiver(self.scene).seed, streams::PATHS_ONWARD + ray as u64);
                     heads.push(Place { point, surface, seed });
                     continuation_of.push(ends.continued.len());
@@ -316,7 +317,7 @@ impl<'a> LightPaths<'a> {
             let continuation = continuation_of[index];
             match self.arrival(&heads[index], ray, *hit, beyond) {
                 Arrival::Nothing => {}
-                Arrival::Cell(cell, _) => ends.continued[continuation].cell = cell,
+                Arrival::Cell(cell, ..) => ends.continued[continuation].cell = cell,
                 Arrival::Onward(point, surface, _) => {
                     let draw = sampling::unit(sampling::hash(heads[index].seed, streams::ROULETTE));
                     if !ends.goes_on(continuation, draw, channels, self.cell_at(surface, point)) {
@@ -343,7 +344,7 @@ impl<'a> LightPaths<'a> {
         let point = DVec3::from(ray.origin) + hit.distance * direction;
         match self.small_cell(surface, point, hit.distance) {
             Some(cell) if self.reflectors.is_target(cell) && !self.is_on_target(from) => Arrival::Nothing,
-            Some(cell) if !beyond => Arrival::Cell(cell, point),
+            Some(cell) if !beyond => Arrival::Cell(cell, point, surface),
             small => Arrival::Onward(point, surface, small),
         }
     }

@@ -14,11 +14,14 @@ impl Evaluator {
     /// A lightmap, read off a lit mesh of this solution, or gathered where that is needed and interpolated between. `None` if the observer cancels.
     ///
     /// # Errors
-    /// [`BakeError::OtherScene`] if `atlas` was made of another scene.
+    /// [`BakeError::OtherScene`] if `atlas` was made of another scene, [`BakeError::MeshIsWhole`] if it asks for what a mesh does not hold.
     pub fn bake(&self, atlas: &Atlas, mesh: Option<&LitMesh>, observer: &dyn Observer) -> Result<Option<Lightmap>, BakeError> {
         let (scene, seed) = (self.solution.scene(), self.solution.options().seed);
         if !atlas.is_of(scene) {
             return Err(BakeError::OtherScene);
+        }
+        if mesh.is_some() && atlas.options().separate {
+            return Err(BakeError::MeshIsWhole);
         }
         let rays = Rays::new(&*self.visibility, scene);
         let stop = || observer.cancelled();
@@ -30,18 +33,24 @@ impl Evaluator {
                     read(&mut texels, &self.reader(mesh), scene, &stop);
                     None
                 }
-                None => Some(self.gather_texels(&mut texels, &rays, observer)?),
+                None => Some(self.gather_texels(&mut texels, &rays, (atlas.options().separate, observer))?),
             };
             (!observer.cancelled()).then(|| bake::finish(scene, atlas, &texels, hidden, found.as_ref()))
         }))
     }
 
     /// Gathers texels; `None` if the observer cancels.
-    fn gather_texels(&self, texels: &mut [Texels<'_>], rays: &Rays<'_>, observer: &dyn Observer) -> Option<Found> {
+    fn gather_texels(
+        &self,
+        texels: &mut [Texels<'_>],
+        rays: &Rays<'_>,
+        (is_separate, observer): (bool, &dyn Observer),
+    ) -> Option<Found> {
         let (scene, options) = (self.solution.scene(), self.solution.options());
         let stop = || observer.cancelled();
         let paths = self.solution.light_paths(rays, &stop);
         let gather = self.solution.gather_at_points(rays, paths.as_ref());
+        let gather = if is_separate { gather.keeping_apart() } else { gather };
         let lines = discontinuities::of_shape(scene, &stop);
         let asked = Asked { gather: &gather, error_bars: self.solution.error_bars, observer };
         let aim = Aim { error: options.error, norm: options.norm.into(), seed: options.seed };
@@ -61,6 +70,6 @@ fn read(texels: &mut [Texels<'_>], reader: &MeshReader<'_>, scene: &crate::scene
             reflected.into_iter().map(|b| b as f32).collect::<Vec<f32>>()
         };
         let found: Vec<Vec<f32>> = wanted.par_iter().map(of_texel).collect();
-        wanted.iter().zip(&found).for_each(|(&index, reflected)| of_chart.set(index, reflected));
+        wanted.iter().zip(&found).for_each(|(&index, reflected)| of_chart.set(index, reflected, &[]));
     });
 }

@@ -62,6 +62,8 @@ pub(crate) struct LinkGather<'a> {
     whole: Option<Box<LinkGather<'a>>>,
     /// Emitters whose light is added beside that of links.
     emitters: Vec<SurfaceId>,
+    /// Whether it is so however many there are.
+    is_apart: bool,
 }
 
 /// Memory that a gather reuses from point to point.
@@ -84,6 +86,8 @@ pub(crate) struct LinkScratch {
     /// that each brings.
     pub variance: Vec<f64>,
     pub by_sources_sq: Vec<f64>,
+    /// What of it came beside the links, by channel, in W/m^2.
+    pub straight: Vec<f64>,
     /// Memory for the gather there.
     beyond: Option<Box<LinkScratch>>,
 }
@@ -112,7 +116,7 @@ impl<'a> LinkGather<'a> {
     ) -> Self {
         let (variation, blockers) = (Arc::new(Variation::new(hierarchy, radiosity)), SharedBlockers::default());
         let (radiosity, emitters) = (Cow::Borrowed(radiosity), Vec::new());
-        Self { scene, hierarchy, links, radiosity, variation, exposure, rays, blockers, whole: None, emitters }
+        Self { scene, hierarchy, links, radiosity, variation, exposure, rays, blockers, whole: None, emitters, is_apart: false }
     }
 
     /// The same with blockers that others share.
@@ -127,7 +131,7 @@ impl<'a> LinkGather<'a> {
         let (variation, blockers) = (whole.variation.clone(), whole.blockers.clone());
         let radiosity = Cow::Owned(whole.radiosity.without_exitance(scene, hierarchy, exposure));
         let (whole, emitters) = (Some(Box::new(whole)), Vec::new());
-        Self { scene, hierarchy, links, radiosity, variation, exposure, rays, blockers, whole, emitters }
+        Self { scene, hierarchy, links, radiosity, variation, exposure, rays, blockers, whole, emitters, is_apart: false }
     }
 
     /// The same of all light, that of emitters beside the links.
@@ -135,6 +139,11 @@ impl<'a> LinkGather<'a> {
         let surfaces = (0..whole.scene.surfaces().len() as u32).map(SurfaceId);
         let emitters: Vec<SurfaceId> = surfaces.filter(|&surface| whole.scene.material_of(surface).emits()).collect();
         if emitters.is_empty() { whole } else { Self { emitters, ..Self::of_reflected(whole) } }
+    }
+
+    /// The same, which looks at all emitters even where links would cost less, so that it is known what these send straight.
+    pub fn keeping_apart(self) -> Self {
+        Self { is_apart: true, ..self }
     }
 
     /// The irradiance H at a place, by channel, in W/m^2; `scratch` tells then what its error may be.
@@ -191,7 +200,8 @@ impl<'a> LinkGather<'a> {
     /// The irradiance H at a receiver, by channel, in W/m^2; `scratch` tells then what its error may be.
     fn irradiance(&self, receiver: &Receiver<'_>, budget: RayBudget, scratch: &mut LinkScratch, irradiance: &mut [f64]) {
         // To look at all emitters costs less than the rays where there are as many of these.
-        if let Some(whole) = self.whole.as_ref().filter(|_| self.emitters.len() > budget.rays as usize) {
+        let is_dear = !self.is_apart && self.emitters.len() > budget.rays as usize;
+        if let Some(whole) = self.whole.as_ref().filter(|_| is_dear) {
             return whole.irradiance(receiver, budget, scratch, irradiance);
         }
         irradiance.fill(0.0);
@@ -200,6 +210,8 @@ impl<'a> LinkGather<'a> {
             squares.resize(irradiance.len(), 0.0);
         }
         self.add_direct(receiver, budget, scratch, irradiance);
+        scratch.straight.clear();
+        scratch.straight.extend_from_slice(irradiance);
         self.collect_sources(receiver, scratch);
         let total: f64 = scratch.pieces.iter().map(|piece| piece.worth).sum();
         if total <= 0.0 {

@@ -13,6 +13,8 @@ use crate::progress::{Observer, Progress, Stage};
 pub(crate) struct Reflected {
     pub radiosity: Vec<f32>,
     pub standard_error: Vec<f32>,
+    /// What of the radiosities emitters sent straight.
+    pub straight: Vec<f32>,
 }
 
 /// Progress is reported, and cancelling asked for, once in so many places.
@@ -27,7 +29,7 @@ pub(crate) fn reflected_at(
     observer: &dyn Observer,
 ) -> Option<Reflected> {
     let channels = gather.scene.channels();
-    let mut numbers = vec![[f32::NAN; 2]; channels * places.len()];
+    let mut numbers = vec![[f32::NAN; 3]; channels * places.len()];
     let (done, total) = (AtomicUsize::new(0), places.len());
     numbers.par_chunks_mut(channels * BATCH).zip(places.par_chunks(BATCH)).for_each_init(
         || (Scratch::default(), Gathered::default()),
@@ -38,7 +40,7 @@ pub(crate) fn reflected_at(
             gather.reflected_at(places, part, scratch, gathered);
             for (value, number) in numbers.iter_mut().enumerate() {
                 let error = error_bars.map_or(f64::NAN, |error_bars| error_bars.standard_error(gathered, value));
-                *number = [gathered.radiosity[value] as f32, error as f32];
+                *number = [gathered.radiosity[value], error, gathered.straight[value]].map(|number| number as f32);
             }
 
             let done = done.fetch_add(places.len(), Ordering::Relaxed) + places.len();
@@ -46,6 +48,6 @@ pub(crate) fn reflected_at(
             observer.progress(&Progress { stage: Stage::Sample, round: 0, fraction, links: 0, elements: 0, error: None });
         },
     );
-    let (radiosity, standard_error) = numbers.into_iter().map(|[radiosity, error]| (radiosity, error)).unzip();
-    (!observer.cancelled()).then_some(Reflected { radiosity, standard_error })
+    let of = |kind: usize| numbers.iter().map(|numbers| numbers[kind]).collect();
+    (!observer.cancelled()).then(|| Reflected { radiosity: of(0), standard_error: of(1), straight: of(2) })
 }

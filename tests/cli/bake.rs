@@ -26,6 +26,37 @@ fn a_solution_is_baked_into_all_kinds_of_files() {
 }
 
 #[test]
+fn direct_and_indirect_light_are_layers_or_files_and_add_up() {
+    let place = Place::new();
+    let ran = place.run("bake room.solution --texel 0.1 --separate -o l.exr -o l.png --rgbm m.png");
+    assert!(
+        ran.succeeded().stderr.contains("l.exr (radiosity in W/m^2, with layers of direct and indirect light)"),
+        "{}",
+        ran.stderr
+    );
+    assert!(ran.stderr.contains("l.direct.png (radiosity in W/m^2, direct light)"), "{}", ran.stderr);
+    let names = ["l.direct.png", "l.exr", "l.indirect.png", "l.png", "m.direct.png", "m.indirect.png", "m.png"];
+    assert_eq!(place.new_files(), names);
+
+    // The layers of the file, by the names that programs look for.
+    let image = exr::prelude::read_first_flat_layer_from_file(place.path("l.exr")).unwrap();
+    let channel = |name: &str| {
+        let all = &image.layer_data.channel_data.list;
+        let found = all.iter().find(|channel| channel.name.eq(name)).unwrap_or_else(|| panic!("no channel {name}"));
+        found.sample_data.values_as_f32().collect::<Vec<f32>>()
+    };
+    for name in ["R", "G", "B"] {
+        let [all, direct, indirect] = ["", "direct.", "indirect."].map(|layer| channel(&format!("{layer}{name}")));
+        assert!(direct.iter().any(|x| *x > 0.0) && indirect.iter().any(|x| *x > 0.0));
+        for ((all, direct), indirect) in all.iter().zip(&direct).zip(&indirect) {
+            assert!((all - direct - indirect).abs() <= 2e-6 * all, "{all} is not {direct} + {indirect}");
+        }
+    }
+    place.run("bake room.solution --separate --from mesh -o l.exr").failed(2, &["--separate", "leave out --from mesh"]);
+    place.run("bake room.solution --separate -o l.png -o l.direct.png").failed(2, &["two outputs cannot both be l.direct.png"]);
+}
+
+#[test]
 fn a_scene_is_solved_first_and_pages_are_numbered() {
     let place = Place::new();
     let line = ["bake", "room.obj", "--error", "0.2", "--texel", "0.1", "--size", "32", "--only", "material wall", "-o", "l.exr"];
