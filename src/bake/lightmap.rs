@@ -11,6 +11,7 @@ use super::gathered::Found;
 use super::seams::{self, Seams};
 use super::texels::Texels;
 use crate::picture::{Image, Shown};
+use crate::progress::Stop;
 use crate::scene::Scene;
 
 /// Light as textures.
@@ -50,32 +51,52 @@ pub struct BakeReport {
     /// How wrong the gathered ones are; errors are root mean squares relative to the light, in the norm of the options. `None` if none were gathered, or
     /// if that is not known.
     pub error: Option<f64>,
-    /// How far interpolated ones are off gathers, at two standard deviations.
+    /// How far interpolated ones are off gathers, at two standard deviations; infinite if the time was over before that was known.
     pub interpolated: f64,
     /// How wrong all are together: an estimate.
     pub whole: Option<f64>,
+    /// Texels that the limit of time kept from being found: interpolated from what there was, or filled from others of their chart.
+    pub filled: u64,
+    /// Texels of charts in which nothing was found in time: they have the radiosities of the solver's own elements, all of it as indirect light beside
+    /// what was known of direct light.
+    pub coarse: u64,
     /// Seams between charts that meet at a flat angle.
     pub seams: Seams,
 }
 
-/// Lays all texels on their pages, fills what has none, and compares the seams. Of all texels `hidden` are so; they were gathered as `found` says, or read
-/// off a mesh.
-pub(crate) fn finish(scene: &Scene, atlas: &Atlas, texels: &[Texels<'_>], hidden: u64, found: Option<&Found>) -> Lightmap {
+impl BakeReport {
+    /// Whether no limit ended it before all texels were found, and their error was known.
+    pub fn is_complete(&self) -> bool {
+        self.filled == 0 && self.coarse == 0 && self.interpolated.is_finite()
+    }
+}
+
+/// Lays all texels on their pages, fills what has none, and compares the seams. Of all texels `hidden` are so; they were found as `found` says. Stopped,
+/// it is not to be used.
+pub(crate) fn finish(
+    scene: &Scene,
+    atlas: &Atlas,
+    texels: &[Texels<'_>],
+    (hidden, found): (u64, &Found),
+    stop: Stop<'_>,
+) -> Lightmap {
     let channels = scene.channels();
-    let canvases: Vec<Canvas> = texels.par_iter().map(|texels| filled(texels, atlas.options.padding as usize)).collect();
+    let canvases: Vec<Canvas> = texels.par_iter().map(|texels| filled(texels, atlas.options.padding as usize, stop)).collect();
     let pages = lay(atlas, &canvases, 0..channels);
     let direct = atlas.options.separate.then(|| lay(atlas, &canvases, channels..2 * channels));
 
     let count = texels.iter().flat_map(|texels| &texels.sites).filter(|site| site.is_covered()).count() as u64;
-    let seams = seams::compare(scene, atlas, &pages);
+    let seams = if stop() { Seams::default() } else { seams::compare(scene, atlas, &pages) };
     let report = BakeReport { texels: count, hidden, seams, ..BakeReport::default() };
-    let report = found.map_or(report, |found| BakeReport {
+    let report = BakeReport {
         gathered: found.gathered,
         error: found.error,
         interpolated: found.interpolated,
-        whole: found.error.map(|error| error.hypot(found.interpolated)),
+        whole: found.error.map(|error| error.hypot(found.interpolated)).filter(|whole| whole.is_finite()),
+        filled: found.not_found.filled,
+        coarse: found.not_found.coarse,
         ..report
-    });
+    };
     Lightmap { atlas: atlas.clone(), pages, direct, report }
 }
 
@@ -95,8 +116,22 @@ fn lay(atlas: &Atlas, canvases: &[Canvas], numbers: std::ops::Range<usize>) -> V
     pages
 }
 
+impl Atlas {
+    /// Bytes that baking it takes beside the solution, with the images that are written of it, for so many channels.
+    pub fn bytes_to_bake(&self, channels: usize) -> u64 {
+        let numbers = channels * if self.options.separate { 2 } else { 1 };
+        let (texels, texel) = (self.texels() as u64, Texels::bytes_of(channels, numbers) as u64);
+        let pixels: u64 = self.pages.iter().map(|[width, height]| u64::from(*width) * u64::from(*height)).sum();
+
+        // Charts with their padding, and pages of them; later pages with an image of each part, and their channels one by one.
+        let parts = if self.options.separate { 3 } else { 1 };
+        let of_pixel = (2 * numbers).max(numbers + 2 * parts * channels) * size_of::<f32>();
+        texels * texel + pixels * of_pixel as u64
+    }
+}
+
 /// The radiances of a chart with its padding.
-fn filled(texels: &Texels<'_>, padding: usize) -> Canvas {
+fn filled(texels: &Texels<'_>, padding: usize, stop: Stop<'_>) -> Canvas {
     let ([columns, rows], count) = (texels.chart.size(), texels.numbers());
     let mut canvas = Canvas::new([columns + 2 * padding, rows + 2 * padding], count);
     for index in (0..texels.sites.len()).filter(|&index| texels.sites[index].is_covered() && texels.is_known(index)) {
@@ -108,7 +143,9 @@ fn filled(texels: &Texels<'_>, padding: usize) -> Canvas {
             .zip(texels.material.exitance.iter().cycle())
             .for_each(|((number, b), e)| *number = (b + *e as f32) / PI);
     }
-    canvas.fill();
+    if !stop() {
+        canvas.fill();
+    }
     canvas
 }
 

@@ -7,11 +7,12 @@
 //!
 //! Values are read off a lit mesh, or gathered where they are needed: on a lattice first, then wherever the values in between differ from what the
 //! lattice says (`lattice`); the rest is interpolated. Interpolated texels are held against gathers of their own, which tells how far they are off
-//! (`gathered`).
+//! (`gathered`). What a limit keeps from being found is filled from others, or has the solver's own light (`cut_short`).
 
 mod atlas;
 mod charts;
 mod coverage;
+mod cut_short;
 mod fill;
 mod gathered;
 mod hidden;
@@ -22,6 +23,7 @@ mod seams;
 mod texels;
 
 pub use atlas::{Atlas, FaceOnAtlas};
+pub(crate) use cut_short::{NotFound, complete};
 pub(crate) use gathered::{Aim, Asked, Found, gather};
 pub(crate) use hidden::hide;
 pub(crate) use lightmap::finish;

@@ -7,6 +7,7 @@ use super::atlas::{Atlas, Placed};
 use super::charts::Chart;
 use super::coverage::{Site, sites};
 use crate::paths::{Place, place_at};
+use crate::progress::Stop;
 use crate::scene::{Material, Scene, SurfaceId};
 
 /// The texels of a chart.
@@ -22,22 +23,33 @@ pub(crate) struct Texels<'a> {
     pub before: Vec<f32>,
     /// Whether direct light is kept apart.
     pub is_apart: bool,
+    /// Whether all of its light is the solver's own: no part of it is to be found any more.
+    pub is_coarse: bool,
+    /// How many texels a limit kept from being found, in the part where these are most.
+    pub not_found: u64,
 }
 
-/// The texels of all charts of an atlas. Those of faces that reflect nothing are known.
-pub(crate) fn texels_of<'a>(atlas: &'a Atlas, scene: &'a Scene) -> Vec<Texels<'a>> {
+/// The texels of all charts of an atlas. Those of faces that reflect nothing are known. Stopped, charts have none.
+pub(crate) fn texels_of<'a>(atlas: &'a Atlas, scene: &'a Scene, stop: Stop<'_>) -> Vec<Texels<'a>> {
     let is_apart = atlas.options.separate;
     let of_chart = |placed: &'a Placed| {
         let (chart, material) = (&placed.chart, &scene.materials()[placed.chart.material as usize]);
-        let sites = sites(scene, chart);
+        let sites = if stop() { Vec::new() } else { sites(scene, chart) };
         let numbers = |number: f32| vec![number; sites.len() * scene.channels() * if is_apart { 2 } else { 1 }];
         let (reflected, before) = (numbers(if material.reflects() { f32::NAN } else { 0.0 }), numbers(0.0));
-        Texels { chart, material, sites, reflected, before, is_apart }
+        Texels { chart, material, sites, reflected, before, is_apart, is_coarse: false, not_found: 0 }
     };
     atlas.charts.par_iter().map(of_chart).collect()
 }
 
 impl Texels<'_> {
+    /// Bytes that a texel takes while it is found, with so many numbers for it: what is kept of it, and what it takes to gather it.
+    pub fn bytes_of(channels: usize, numbers: usize) -> usize {
+        let kept = size_of::<Site>() + 2 * numbers * size_of::<f32>() + size_of::<f32>() + 3 * size_of::<bool>();
+        let gathered = 2 * size_of::<[usize; 2]>() + size_of::<Place>() + channels * 2 * size_of::<[f32; 3]>();
+        kept + gathered
+    }
+
     /// In a row.
     pub fn columns(&self) -> usize {
         self.chart.size()[0]
@@ -89,7 +101,7 @@ impl Texels<'_> {
     /// What was found is a part: the other one is looked for.
     pub fn begin_next_part(&mut self) {
         if self.material.reflects() {
-            let unknown = vec![f32::NAN; self.reflected.len()];
+            let unknown = vec![if self.is_coarse { 0.0 } else { f32::NAN }; self.reflected.len()];
             self.before = std::mem::replace(&mut self.reflected, unknown);
         }
     }

@@ -13,7 +13,8 @@ Exit codes:
     1  the machine failed (disk full, no threads)
     2  the command line asks for something impossible; nothing was done
     3  an input file is bad
-    4  a limit ended the solve before the requested error was reached; results are written
+    4  a limit ended the solve before the requested error was reached, or the bake before all was gathered; results are
+       written
     5  out of memory: the budget of --memory ended the solve, and results are written; or the budget is too small to
        begin, or the machine has no more, and nothing is written
     6  jobs of a batch failed; the others are done, and the table tells of each

@@ -1,12 +1,14 @@
 //! `patchlight bake`: lightmaps of a solution, or of a scene that is solved first.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use patchlight::bake::{Atlas, BakeOptions, BakeReport};
 use patchlight::mesh::LitMesh;
 use patchlight::output::{ImageFormat, PngExposure, Provenance, Quantity, is_solution_file};
 use patchlight::pipeline::Evaluator;
 use patchlight::scene::Scene;
+use patchlight::solve::RunOptions;
 
 use super::argument_groups::{PictureArguments, Whence};
 use super::arguments::{BakeArguments, SolveArguments};
@@ -17,8 +19,8 @@ use super::lightmap_files::{LightmapFiles, PageFile, PageFormat};
 use super::progress::{Voice, Watcher};
 use super::request::{SolveRequest, parse_exposure, parse_quantity};
 use super::results::no_mesh;
-use super::settings::run_options;
-use super::solve;
+use super::settings::Settings;
+use super::solve::{self, Demand};
 
 /// What is baked, and where it goes.
 #[derive(Debug)]
@@ -28,16 +30,24 @@ pub struct BakeRequest {
     from: Option<Whence>,
     files: LightmapFiles,
     outputs: Outputs,
+    limits: RunOptions,
+    start: Instant,
     voice: Voice,
 }
 
 /// What is read.
 #[derive(Debug)]
 enum Input {
-    Solution(PathBuf, patchlight::solve::RunOptions),
+    Solution(PathBuf),
     /// A scene, to be solved first.
     Scene(Box<SolveRequest>),
 }
+
+/// Limits by these keys are for the bake as well as for the solve before it.
+const LIMITS: [&str; 2] = ["time", "memory"];
+
+/// The part of the time that texels have at least, where a scene is solved first: to find them takes longer than the solve.
+const TIME_OF_TEXELS: f64 = 0.5;
 
 impl BakeRequest {
     /// Validates what was typed.
@@ -82,15 +92,16 @@ impl BakeRequest {
             return Err(Failure::usage("--separate: a lit mesh holds all light as one; leave out --from mesh"));
         }
         let files = LightmapFiles { quantity, exposure, pages, glb, json, voice };
-        Ok(Self { input: Input::new(typed)?, options, from, files, outputs, voice })
+        let (input, limits) = Input::new(typed)?;
+        Ok(Self { input, options, from, files, outputs, limits, start: Instant::now(), voice })
     }
 }
 
 impl Input {
-    /// A solution takes no options of a solve.
-    fn new(typed: BakeArguments) -> Result<Self, Failure> {
+    /// A solution takes no options of a solve but its limits. With how it runs.
+    fn new(typed: BakeArguments) -> Result<(Self, RunOptions), Failure> {
         if is_solution_file(&typed.input) {
-            if let Some((key, _)) = typed.settings.flags().next() {
+            if let Some((key, _)) = typed.settings.flags().find(|(key, _)| !LIMITS.contains(key)) {
                 let flag = key.replace('_', "-");
                 return Err(Failure::usage(format_args!("--{flag} is for scenes; {} is solved already", typed.input.display())));
             }
@@ -98,7 +109,8 @@ impl Input {
                 let path = typed.input.display();
                 return Err(Failure::usage(format_args!("--set {setting} is for scenes; {path} is solved already")));
             }
-            return Ok(Self::Solution(typed.input, run_options(&typed.run)?));
+            let run = Settings::new(&typed.settings, &typed.run, None)?.run;
+            return Ok((Self::Solution(typed.input), run));
         }
         let wants_mesh = typed.from == Some(Whence::Mesh);
         let mut settings = typed.settings;
@@ -118,7 +130,9 @@ impl Input {
             light_groups: None,
             run: typed.run,
         };
-        Ok(Self::Scene(Box::new(SolveRequest::new(solve)?)))
+        let solve = SolveRequest::new(solve)?;
+        let run = solve.run.clone();
+        Ok((Self::Scene(Box::new(solve)), run))
     }
 }
 
@@ -159,21 +173,26 @@ pub fn bake(request: BakeRequest) -> Result<Exit, Failure> {
 
     // What is baked, and where its faces lie: that is known before the long work.
     let (evaluator, exit, atlas) = match input {
-        Input::Solution(path, run) => {
+        Input::Solution(path) => {
             let solution = files::read_solution(path)?;
             let atlas = plan(solution.scene())?;
             interrupt::listen(interrupt::OF_RUN);
-            (Evaluator::new(solution, run)?, Exit::Done, atlas)
+            (Evaluator::new(solution, &request.limits)?, Exit::Done, atlas)
         }
         Input::Scene(solve) => {
             let planned = |scene: &Scene| {
                 let atlas = plan(scene)?;
-                let texels = atlas.texels() as u64;
-                Ok((atlas, texels))
+                let bytes = atlas.bytes_to_bake(scene.channels());
+                let demand = Demand { values: atlas.texels() as u64, bytes, time: TIME_OF_TEXELS };
+                check_memory(request.limits.memory_bytes, bytes)?;
+                Ok((atlas, demand))
             };
             solve::light(solve, &request.outputs, planned)?
         }
     };
+    if let Input::Solution(_) = input {
+        check_memory(request.limits.memory_bytes, evaluator.bytes_to_bake(&atlas, request.limits.backend))?;
+    }
     tell_atlas(&atlas, *voice);
     let files = request.files.of_pages(atlas.pages().len())?;
 
@@ -183,14 +202,33 @@ pub fn bake(request: BakeRequest) -> Result<Exit, Failure> {
         (Some(Whence::Mesh), None) => return Err(no_mesh("--from mesh")),
         (_, mesh) => mesh,
     };
-    let Some(lightmap) = evaluator.bake(&atlas, mesh, &Watcher::new(*voice)).map_err(Failure::usage)? else {
+    let time_s = request.limits.time_s.map(|seconds| (seconds - request.start.elapsed().as_secs_f64()).max(0.0));
+    let found = evaluator.bake_within(&atlas, mesh, time_s, &Watcher::new(*voice)).map_err(Failure::usage)?;
+    let Some(lightmap) = found else {
         voice.warn(format_args!("no lightmap is written: interrupted"));
         return Ok(Exit::Cancelled);
     };
     tell_report(&lightmap.report, mesh, *voice);
     let provenance = Provenance::new(evaluator.solution().options());
     request.files.write(&files, &lightmap, evaluator.solution().scene(), &provenance)?;
-    Ok(exit)
+    let is_complete = lightmap.report.is_complete() || exit != Exit::Done;
+    Ok(if is_complete { exit } else { Exit::Limit })
+}
+
+/// Whether a budget of memory has room for a lightmap.
+fn check_memory(given: Option<u64>, needed: u64) -> Result<(), Failure> {
+    let gigabytes = |bytes: u64| bytes as f64 * 1e-9;
+    match given {
+        Some(given) if needed > given => {
+            let (needed, given) = (gigabytes(needed), gigabytes(given));
+            let message = format!(
+                "--memory: the lightmap takes {needed:.3} GB by the program's own count, more than {given:.3} GB: choose larger texels, or bake a part \
+                 of the scene by --only"
+            );
+            Err(Failure { exit: Exit::Memory, message })
+        }
+        _ => Ok(()),
+    }
 }
 
 fn tell_atlas(atlas: &Atlas, voice: Voice) {
@@ -228,6 +266,13 @@ fn tell_report(report: &BakeReport, mesh: Option<&LitMesh>, voice: Voice) {
             );
         }
         _ => voice.figure("values", format_args!("nothing can be said about their error")),
+    }
+    if !report.is_complete() {
+        let BakeReport { filled, coarse, .. } = report;
+        voice.warn(format_args!(
+            "the time was over: {filled} texels are interpolated or filled from others of their chart, {coarse} have the light of the solver's own \
+             elements; nothing is claimed for them"
+        ));
     }
     let seams = &report.seams;
     if seams.edges > 0 {

@@ -77,21 +77,37 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     ending.finish()
 }
 
-/// Solves a scene for something that is made of it right after: `plan` says of the scene what that is, and how many values it takes. `outputs` are all
+/// What is made of a scene right after it is solved takes so much.
+pub struct Demand {
+    /// Values.
+    pub values: u64,
+    /// Bytes, beside what the solve takes.
+    pub bytes: u64,
+    /// The part of the time that is left to it, at least.
+    pub time: f64,
+}
+
+/// Solves a scene for something that is made of it right after: `plan` says of the scene what that is, and what it takes. `outputs` are all
 /// that is written.
 pub fn light<T>(
     request: &SolveRequest,
     outputs: &Outputs,
-    plan: impl FnOnce(&Scene) -> Result<(T, u64), Failure>,
+    plan: impl FnOnce(&Scene) -> Result<(T, Demand), Failure>,
 ) -> Result<(Evaluator, Exit, T), Failure> {
     let start = Instant::now();
     let (scene, _) = read(request, outputs)?;
-    let (plan, values) = plan(&scene)?;
-    let options = SolveOptions { expected_values: request.options.expected_values.or(Some(values)), ..request.options.clone() };
+    let (plan, demand) = plan(&scene)?;
+    let values = request.options.expected_values.or(Some(demand.values));
+    let options = SolveOptions { expected_values: values, ..request.options.clone() };
     let scene_report = SceneReport::of(&scene, request.scene.clone());
     let load_s = start.elapsed().as_secs_f64();
     interrupt::listen(interrupt::OF_RUN);
     let run = within_limits(request, None, load_s, scene.channels());
+    let run = RunOptions {
+        time_s: run.time_s.map(|seconds| (1.0 - demand.time) * seconds),
+        memory_bytes: run.memory_bytes.map(|bytes| bytes.saturating_sub(demand.bytes)),
+        ..run
+    };
     let (evaluator, report) = pipeline::solve(scene, &options, &run, &Watcher::new(request.voice))?;
     let run_report = RunReport::of_solve(Provenance::new(&options).software(), scene_report, &options, &report);
     tell_key_figures(request.voice, &run_report, &report);

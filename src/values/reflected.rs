@@ -7,9 +7,9 @@ use rayon::prelude::*;
 use super::error_bars::ErrorBars;
 use super::gather::{Gather, Gathered, Part, Scratch};
 use crate::paths::Place;
-use crate::progress::{Observer, Progress, Stage};
+use crate::progress::{Observer, Progress, Stage, Stop};
 
-/// Reflected radiosities at places, and their standard errors, by place and channel in W/m^2; these are not numbers where they are not known.
+/// Reflected radiosities at places, and their standard errors, by place and channel in W/m^2; not numbers where they are not known.
 pub(crate) struct Reflected {
     pub radiosity: Vec<f32>,
     pub standard_error: Vec<f32>,
@@ -17,24 +17,26 @@ pub(crate) struct Reflected {
     pub straight: Vec<f32>,
 }
 
-/// Progress is reported, and cancelling asked for, once in so many places.
+/// Progress is reported, and stopping asked for, once in so many rays, but after so many places at most.
+const RAYS: usize = 1 << 14;
 const BATCH: usize = 256;
 
-/// A part of the reflected light at places, each by itself. `None` if the observer cancels.
+/// A part of the reflected light at places, each by itself. Once it is stopped, no more are gathered.
 pub(crate) fn reflected_at(
     gather: &Gather<'_>,
     error_bars: Option<ErrorBars>,
     places: &[Place],
     part: Part,
-    observer: &dyn Observer,
-) -> Option<Reflected> {
+    (observer, stop): (&dyn Observer, Stop<'_>),
+) -> Reflected {
     let channels = gather.scene.channels();
+    let together = (RAYS / gather.budget.rays.max(1) as usize).clamp(1, BATCH);
     let mut numbers = vec![[f32::NAN; 3]; channels * places.len()];
     let (done, total) = (AtomicUsize::new(0), places.len());
-    numbers.par_chunks_mut(channels * BATCH).zip(places.par_chunks(BATCH)).for_each_init(
+    numbers.par_chunks_mut(channels * together).zip(places.par_chunks(together)).for_each_init(
         || (Scratch::default(), Gathered::default()),
         |(scratch, gathered), (numbers, places)| {
-            if observer.cancelled() {
+            if stop() {
                 return;
             }
             gather.reflected_at(places, part, scratch, gathered);
@@ -49,5 +51,5 @@ pub(crate) fn reflected_at(
         },
     );
     let of = |kind: usize| numbers.iter().map(|numbers| numbers[kind]).collect();
-    (!observer.cancelled()).then(|| Reflected { radiosity: of(0), standard_error: of(1), straight: of(2) })
+    Reflected { radiosity: of(0), standard_error: of(1), straight: of(2) }
 }

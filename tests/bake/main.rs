@@ -8,6 +8,7 @@ mod triangles;
 mod files;
 mod layout;
 mod light;
+mod limits;
 mod separate;
 
 use std::f64::consts::PI;

@@ -71,6 +71,27 @@ fn a_scene_is_solved_first_and_pages_are_numbered() {
 }
 
 #[test]
+fn time_and_memory_are_limits_of_a_bake_as_well() {
+    let place = Place::new();
+    for input in ["room.solution", "room.obj"] {
+        let ran = place.run(&format!("bake {input} --time 1e-6 --texel 0.05 -o l.exr"));
+        assert_eq!(ran.code, 4, "{}", ran.stderr);
+        for words in ["the time was over: ", " have the light of the solver's own elements", "l.exr (radiosity in W/m^2)"] {
+            assert!(ran.stderr.contains(words), "'{words}' is not in: {}", ran.stderr);
+        }
+        assert_eq!(place.new_files(), ["l.exr"]);
+        fs::remove_file(place.path("l.exr")).unwrap();
+
+        place.run(&format!("bake {input} --memory 0.001 -o l.exr")).failed(5, &["--memory", "GB"]);
+        let fine = format!("bake {input} --memory 0.001 --texel 0.0005 --size 32768 -o l.exr");
+        place.run(&fine).failed(5, &["--memory: the lightmap takes", "choose larger texels"]);
+        assert!(place.new_files().is_empty());
+        place.run(&format!("bake {input} --memory 2 --time 600 --texel 0.1 -o l.exr")).succeeded();
+        fs::remove_file(place.path("l.exr")).unwrap();
+    }
+}
+
+#[test]
 fn what_cannot_be_baked_is_told_before_the_work() {
     let place = Place::new();
     for (arguments, code, words) in [
