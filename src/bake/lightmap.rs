@@ -1,11 +1,14 @@
 //! The lightmap: pages with all charts, and what is known of it.
 
 use std::f32::consts::PI;
+use std::ops::Range;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::atlas::{Atlas, Placed};
+use super::charts::Chart;
+use super::compose::{NO_CHART, compose};
 use super::fill::Canvas;
 use super::gathered::Found;
 use super::seams::{self, Seams};
@@ -24,6 +27,8 @@ pub struct Lightmap {
     /// What of it is direct light, page by page: what surfaces emit, and what they reflect of light that comes straight from emitters. Only if parts
     /// were to be kept apart.
     pub direct: Option<Vec<Image>>,
+    /// The chart that each texel is of, on a page that a file lays out.
+    pub(super) owners: Option<Vec<u32>>,
     /// What is known of it.
     pub report: BakeReport,
 }
@@ -81,9 +86,24 @@ pub(crate) fn finish(
     stop: Stop<'_>,
 ) -> Lightmap {
     let channels = scene.channels();
-    let canvases: Vec<Canvas> = texels.par_iter().map(|texels| filled(texels, atlas.options.padding as usize, stop)).collect();
-    let pages = lay(atlas, &canvases, 0..channels);
-    let direct = atlas.options.separate.then(|| lay(atlas, &canvases, channels..2 * channels));
+    let padding = if atlas.is_of_file() { 0 } else { atlas.options.padding as usize };
+    let canvases: Vec<Canvas> = texels.par_iter().map(|texels| filled(texels, padding, stop)).collect();
+    let (pages, owners) = if atlas.is_of_file() {
+        let page = compose(atlas.pages[0], &atlas.charts, texels, &canvases, atlas.options.padding);
+        (vec![page.numbers], Some(page.chart))
+    } else {
+        (lay(atlas, &canvases), None)
+    };
+    let count = if atlas.options.separate { 2 * channels } else { channels };
+    let images = |numbers: Range<usize>| -> Vec<Image> {
+        let image = |(&[width, height], page): (&[u32; 2], &Vec<f32>)| {
+            let radiance = page.chunks(count).flat_map(|texel| &texel[numbers.clone()]).copied().collect();
+            Image { width, height, channels, radiance, standard_error: None }
+        };
+        atlas.pages.iter().zip(&pages).map(image).collect()
+    };
+    let direct = atlas.options.separate.then(|| images(channels..count));
+    let pages = images(0..channels);
 
     let count = texels.iter().flat_map(|texels| &texels.sites).filter(|site| site.is_covered()).count() as u64;
     let seams = if stop() { Seams::default() } else { seams::compare(scene, atlas, &pages) };
@@ -97,20 +117,19 @@ pub(crate) fn finish(
         coarse: found.not_found.coarse,
         ..report
     };
-    Lightmap { atlas: atlas.clone(), pages, direct, report }
+    Lightmap { atlas: atlas.clone(), pages, direct, owners, report }
 }
 
-/// Pages of some of the numbers of each texel.
-fn lay(atlas: &Atlas, canvases: &[Canvas], numbers: std::ops::Range<usize>) -> Vec<Image> {
-    let (count, padding) = (numbers.len(), atlas.options.padding as usize);
-    let mut pages: Vec<Image> = atlas.pages.iter().map(|&[width, height]| Image::black(width, height, count)).collect();
+/// The numbers of pages that were laid out here, texel after texel.
+fn lay(atlas: &Atlas, canvases: &[Canvas]) -> Vec<Vec<f32>> {
+    let (padding, count) = (atlas.options.padding as usize, canvases.first().map_or(1, |canvas| canvas.channels));
+    let mut pages: Vec<Vec<f32>> =
+        atlas.pages.iter().map(|&[width, height]| vec![0.0; width as usize * height as usize * count]).collect();
     for (placed, canvas) in atlas.charts.iter().zip(canvases) {
-        let page = &mut pages[placed.page];
+        let (page, width) = (&mut pages[placed.page], atlas.pages[placed.page][0] as usize);
         let [left, top] = placed.at.map(|corner| corner as usize - padding);
-        for (row, texels) in canvas.numbers.chunks(canvas.width * canvas.channels).enumerate() {
-            let start = ((top + row) * page.width as usize + left) * count;
-            let of_row = page.radiance[start..].chunks_mut(count);
-            of_row.zip(texels.chunks(canvas.channels)).for_each(|(own, texel)| own.copy_from_slice(&texel[numbers.clone()]));
+        for (row, numbers) in canvas.numbers.chunks(canvas.width * count).enumerate() {
+            page[((top + row) * width + left) * count..][..numbers.len()].copy_from_slice(numbers);
         }
     }
     pages
@@ -178,16 +197,24 @@ impl Lightmap {
     }
 
     fn to_irradiance(&self, scene: &Scene, page: usize, mut image: Image) -> Image {
+        let count = image.channels;
+        let irradiance = |numbers: &mut [f32], chart: &Chart| {
+            let material = &scene.materials()[chart.material as usize];
+            for (k, number) in numbers.iter_mut().enumerate() {
+                *number = Shown::Irradiance.of(material, k % count, f64::from(*number * PI)) as f32;
+            }
+        };
+        if let Some(owners) = &self.owners {
+            let texels = image.radiance.chunks_mut(count).zip(owners).filter(|(_, owner)| **owner != NO_CHART);
+            texels.for_each(|(numbers, &owner)| irradiance(numbers, &self.atlas.charts[owner as usize].chart));
+            return image;
+        }
         let padding = self.atlas.options.padding as usize;
         for Placed { chart, at, .. } in self.atlas.charts.iter().filter(|placed| placed.page == page) {
-            let material = &scene.materials()[chart.material as usize];
             let ([columns, rows], [left, top]) = (chart.size(), at.map(|corner| corner as usize - padding));
             for row in top..top + rows + 2 * padding {
-                let start = (row * image.width as usize + left) * image.channels;
-                let numbers = &mut image.radiance[start..][..(columns + 2 * padding) * image.channels];
-                for (k, number) in numbers.iter_mut().enumerate() {
-                    *number = Shown::Irradiance.of(material, k % image.channels, f64::from(*number * PI)) as f32;
-                }
+                let start = (row * image.width as usize + left) * count;
+                irradiance(&mut image.radiance[start..][..(columns + 2 * padding) * count], chart);
             }
         }
         image

@@ -1,6 +1,6 @@
 //! Lightmaps: the light of a solution as textures.
 //!
-//! Coplanar faces of one material that hang together are a chart, laid into its page as it is, without distortion (`charts`, `atlas`). Each texel has a
+//! Where a file has coordinates for lightmaps, these say where its triangles lie (`file_charts`, `compose`). Else coplanar faces of one material that hang together are a chart, laid into its page as it is, without distortion (`charts`, `atlas`). Each texel has a
 //! *site*: the centre of its square, or the centroid of the part that a face covers, so that its value is the mean over what is covered, to second
 //! order (`coverage`). Sites on which something stands have no light and get none (`hidden`); what no site covers is filled from the same
 //! chart, so that nothing leaks in from elsewhere (`fill`).
@@ -11,8 +11,10 @@
 
 mod atlas;
 mod charts;
+mod compose;
 mod coverage;
 mod cut_short;
+mod file_charts;
 mod fill;
 mod gathered;
 mod hidden;
@@ -28,6 +30,6 @@ pub(crate) use gathered::{Aim, Asked, Found, gather};
 pub(crate) use hidden::hide;
 pub(crate) use lightmap::finish;
 pub use lightmap::{BakeReport, LightPart, Lightmap};
-pub use options::{BakeError, BakeOptions, Only};
+pub use options::{BakeError, BakeOptions, Only, UvProblem};
 pub use seams::Seams;
 pub(crate) use texels::{Texels, texels_of};

@@ -80,8 +80,17 @@ impl TrustArguments {
             Texture::Face => Textures::Face,
             Texture::Reject => Textures::Reject,
         };
-        ImportOptions { sides, allow_any_path: self.allow_any_path, textures }
+        ImportOptions { sides, allow_any_path: self.allow_any_path, textures, ..ImportOptions::default() }
     }
+}
+
+/// Whose coordinates a lightmap has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum WhoseUv {
+    /// Those of the file; an error if they cannot be used.
+    File,
+    /// Charts of coplanar faces.
+    Own,
 }
 
 /// What becomes of textures.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use super::argument_groups::{PictureArguments, RunArguments, SettingArguments, TrustArguments, Whence};
+use super::argument_groups::{PictureArguments, RunArguments, SettingArguments, TrustArguments, Whence, WhoseUv};
 use super::option_help;
 
 const EXIT_CODES: &str = "\
@@ -242,6 +242,10 @@ pub struct BakeArguments {
     /// The largest side of a page in texels; what does not fit goes to more pages [default: 4096]
     #[arg(long, value_name = "N")]
     pub size: Option<u32>,
+    /// Where faces lie: as the second texture coordinates of a glTF file say, or the only ones of an OBJ file (file); or as charts of coplanar faces (own)
+    /// [default: file where a glTF file has what can be used]
+    #[arg(long, value_name = "WHOSE", value_enum)]
+    pub uv: Option<WhoseUv>,
     /// Bake a part alone: 'material NAME' or 'object NAME'
     #[arg(long, value_name = "WHAT")]
     pub only: Option<String>,

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use patchlight::bake::{Atlas, BakeOptions, BakeReport};
+use patchlight::bake::{Atlas, BakeError, BakeOptions, BakeReport};
 use patchlight::mesh::LitMesh;
 use patchlight::output::{ImageFormat, PngExposure, Provenance, Quantity, is_solution_file};
 use patchlight::pipeline::Evaluator;
-use patchlight::scene::Scene;
+use patchlight::scene::{FileUv, Scene};
 use patchlight::solve::RunOptions;
 
-use super::argument_groups::{PictureArguments, Whence};
+use super::argument_groups::{PictureArguments, Whence, WhoseUv};
 use super::arguments::{BakeArguments, SolveArguments};
 use super::exit::{Exit, Failure};
 use super::files::{self, Outputs};
@@ -28,6 +28,7 @@ pub struct BakeRequest {
     input: Input,
     options: BakeOptions,
     from: Option<Whence>,
+    uv: Option<WhoseUv>,
     files: LightmapFiles,
     outputs: Outputs,
     limits: RunOptions,
@@ -87,13 +88,13 @@ impl BakeRequest {
         let glb =
             typed.glb.as_deref().map(|path| check_extension(path, "glb", "--glb").and_then(|()| outputs.file(path))).transpose()?;
         let json = typed.json.as_deref().map(|path| outputs.sink(path)).transpose()?;
-        let (from, voice) = (typed.from, Voice::new(typed.run.progress));
+        let (from, uv, voice) = (typed.from, typed.uv, Voice::new(typed.run.progress));
         if options.separate && from == Some(Whence::Mesh) {
             return Err(Failure::usage("--separate: a lit mesh holds all light as one; leave out --from mesh"));
         }
         let files = LightmapFiles { quantity, exposure, pages, glb, json, voice };
         let (input, limits) = Input::new(typed)?;
-        Ok(Self { input, options, from, files, outputs, limits, start: Instant::now(), voice })
+        Ok(Self { input, options, from, uv, files, outputs, limits, start: Instant::now(), voice })
     }
 }
 
@@ -109,9 +110,16 @@ impl Input {
                 let path = typed.input.display();
                 return Err(Failure::usage(format_args!("--set {setting} is for scenes; {path} is solved already")));
             }
+            if typed.uv == Some(WhoseUv::File) {
+                return Err(Failure::usage("--uv file: a solution does not keep the coordinates of its file; bake the scene"));
+            }
             let run = Settings::new(&typed.settings, &typed.run, None)?.run;
             return Ok((Self::Solution(typed.input), run));
         }
+        // Those of OBJ files are for textures, unless somebody says otherwise.
+        let is_gltf =
+            typed.input.extension().is_some_and(|own| own.eq_ignore_ascii_case("glb") || own.eq_ignore_ascii_case("gltf"));
+        let keep_uv = typed.uv.map_or(is_gltf, |uv| uv == WhoseUv::File);
         let wants_mesh = typed.from == Some(Whence::Mesh);
         let mut settings = typed.settings;
         settings.lit_mesh |= wants_mesh;
@@ -130,7 +138,8 @@ impl Input {
             light_groups: None,
             run: typed.run,
         };
-        let solve = SolveRequest::new(solve)?;
+        let mut solve = SolveRequest::new(solve)?;
+        solve.import.keep_uv = keep_uv;
         let run = solve.run.clone();
         Ok((Self::Scene(Box::new(solve)), run))
     }
@@ -161,27 +170,18 @@ fn check_extension(path: &Path, extension: &str, flag: &str) -> Result<(), Failu
 /// Bakes, and writes what is asked for.
 pub fn bake(request: BakeRequest) -> Result<Exit, Failure> {
     let BakeRequest { input, options, voice, .. } = &request;
-    let plan = |scene: &Scene| {
-        let channels = scene.channels();
-        if request.files.quantity == Quantity::Illuminance && !matches!(channels, 1 | 3) {
-            return Err(Failure::usage(format_args!(
-                "--quantity illuminance: not known for {channels} channels, only for one or three"
-            )));
-        }
-        Atlas::new(scene, options).map_err(Failure::usage)
-    };
 
     // What is baked, and where its faces lie: that is known before the long work.
     let (evaluator, exit, atlas) = match input {
         Input::Solution(path) => {
             let solution = files::read_solution(path)?;
-            let atlas = plan(solution.scene())?;
+            let atlas = layout(solution.scene(), &FileUv::default(), &request)?;
             interrupt::listen(interrupt::OF_RUN);
             (Evaluator::new(solution, &request.limits)?, Exit::Done, atlas)
         }
         Input::Scene(solve) => {
-            let planned = |scene: &Scene| {
-                let atlas = plan(scene)?;
+            let planned = |scene: &Scene, uv: &FileUv| {
+                let atlas = layout(scene, uv, &request)?;
                 let bytes = atlas.bytes_to_bake(scene.channels());
                 let demand = Demand { values: atlas.texels() as u64, bytes, time: TIME_OF_TEXELS };
                 check_memory(request.limits.memory_bytes, bytes)?;
@@ -215,6 +215,33 @@ pub fn bake(request: BakeRequest) -> Result<Exit, Failure> {
     Ok(if is_complete { exit } else { Exit::Limit })
 }
 
+/// Where faces lie.
+fn layout(scene: &Scene, uv: &FileUv, request: &BakeRequest) -> Result<Atlas, Failure> {
+    let (channels, options) = (scene.channels(), &request.options);
+    if request.files.quantity == Quantity::Illuminance && !matches!(channels, 1 | 3) {
+        return Err(Failure::usage(format_args!(
+            "--quantity illuminance: not known for {channels} channels, only for one or three"
+        )));
+    }
+    let own = || Atlas::new(scene, options).map_err(Failure::usage);
+    match request.uv {
+        Some(WhoseUv::Own) => own(),
+        Some(WhoseUv::File) => {
+            Atlas::of_file(scene, uv, options).map_err(|error| Failure::usage(format_args!("--uv file: {error}")))
+        }
+        None if uv.triangles.is_empty() => own(),
+        None => match Atlas::of_file(scene, uv, options) {
+            Err(BakeError::Uv(why)) => {
+                request.voice.warn(format_args!(
+                    "the lightmap coordinates of the file are not used, and faces are laid out anew: {why}; --uv own says so beforehand"
+                ));
+                own()
+            }
+            of_file => of_file.map_err(Failure::usage),
+        },
+    }
+}
+
 /// Whether a budget of memory has room for a lightmap.
 fn check_memory(given: Option<u64>, needed: u64) -> Result<(), Failure> {
     let gigabytes = |bytes: u64| bytes as f64 * 1e-9;
@@ -234,7 +261,8 @@ fn check_memory(given: Option<u64>, needed: u64) -> Result<(), Failure> {
 fn tell_atlas(atlas: &Atlas, voice: Voice) {
     let (charts, pages) = (atlas.charts(), atlas.pages());
     let sizes: Vec<String> = pages.iter().map(|[width, height]| format!("{width}x{height}")).collect();
-    voice.figure("atlas", format_args!("{charts} charts on {} of {}", plural(pages.len(), "page"), sizes.join(", ")));
+    let by = if atlas.is_of_file() { ", as the file lays them out" } else { "" };
+    voice.figure("atlas", format_args!("{charts} charts on {} of {}{by}", plural(pages.len(), "page"), sizes.join(", ")));
 }
 
 fn plural(count: usize, what: &str) -> String {

@@ -6,8 +6,8 @@ use patchlight::bounds::{BoundsReport, Certainty};
 use patchlight::output::{CpuReport, Points, Provenance, RunReport, SceneReport, write_report};
 use patchlight::picture::Image;
 use patchlight::pipeline::{self, Evaluator};
-use patchlight::scene::Scene;
 use patchlight::scene::import::read_scene;
+use patchlight::scene::{FileUv, Scene};
 use patchlight::solve::{ErrorReport, LitMeshReport, Norm, RunOptions, SolveOptions, SolveReport};
 use patchlight::values::{Values, ValuesError};
 
@@ -31,7 +31,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let points = request.points.as_ref().map(|(path, _)| files::read_points(path)).transpose()?;
     let expected_values = request.options.expected_values.or(points.as_ref().map(|points| points.len() as u64));
     let options = SolveOptions { expected_values, ..request.options.clone() };
-    let (scene, warnings) = read(&request, &request.outputs)?;
+    let (scene, warnings, _) = read(&request, &request.outputs)?;
     let request = request.or_leave_a_page()?;
     let scene_report = SceneReport::of(&scene, request.scene.clone());
     let load_s = start.elapsed().as_secs_f64();
@@ -92,11 +92,11 @@ pub struct Demand {
 pub fn light<T>(
     request: &SolveRequest,
     outputs: &Outputs,
-    plan: impl FnOnce(&Scene) -> Result<(T, Demand), Failure>,
+    plan: impl FnOnce(&Scene, &FileUv) -> Result<(T, Demand), Failure>,
 ) -> Result<(Evaluator, Exit, T), Failure> {
     let start = Instant::now();
-    let (scene, _) = read(request, outputs)?;
-    let (plan, demand) = plan(&scene)?;
+    let (scene, _, uv) = read(request, outputs)?;
+    let (plan, demand) = plan(&scene, &uv)?;
     let values = request.options.expected_values.or(Some(demand.values));
     let options = SolveOptions { expected_values: values, ..request.options.clone() };
     let scene_report = SceneReport::of(&scene, request.scene.clone());
@@ -127,8 +127,8 @@ pub fn within_limits(request: &SolveRequest, points: Option<&Points>, load_s: f6
     }
 }
 
-/// Reads the scene, and warns of what was repaired.
-fn read(request: &SolveRequest, outputs: &Outputs) -> Result<(Scene, Vec<String>), Failure> {
+/// Reads the scene, with coordinates that its file has for lightmaps, and warns of what was repaired.
+fn read(request: &SolveRequest, outputs: &Outputs) -> Result<(Scene, Vec<String>, FileUv), Failure> {
     let imported = read_scene(&request.scene, &request.import).map_err(Failure::bad_input)?;
     outputs.check_unread(&imported.libraries)?;
     let warnings = imported.diagnostics.warnings();
@@ -141,7 +141,7 @@ fn read(request: &SolveRequest, outputs: &Outputs) -> Result<(Scene, Vec<String>
         Some(grouping) => grouping.apply_to(&imported.scene)?,
         None => imported.scene,
     };
-    Ok((scene, warnings))
+    Ok((scene, warnings, imported.uv))
 }
 
 /// What is known of values that were written.

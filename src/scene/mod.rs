@@ -3,6 +3,7 @@
 mod distinct_channels;
 mod error;
 mod face_names;
+mod file_uv;
 pub mod import;
 mod largest;
 mod light_channels;
@@ -19,6 +20,7 @@ mod twins;
 pub(crate) use distinct_channels::DistinctChannels;
 pub use error::SceneError;
 pub use face_names::FaceNames;
+pub use file_uv::{FileUv, UvTriangle};
 pub(crate) use largest::largest;
 pub use light_group_error::LightGroupError;
 pub use light_grouping::LightGrouping;

@@ -10,7 +10,7 @@ use super::rooms::crowded;
 use super::{baked, options};
 
 /// JSON and binary chunk of a GLB.
-fn chunks(file: &[u8]) -> (serde_json::Value, &[u8]) {
+pub fn chunks(file: &[u8]) -> (serde_json::Value, &[u8]) {
     let number = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
     assert_eq!((&file[..4], number(4), number(8)), (&b"glTF"[..], 2, file.len()));
     (serde_json::from_slice(&file[20..20 + number(12)]).unwrap(), &file[28 + number(12)..])

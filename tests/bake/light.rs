@@ -20,7 +20,7 @@ fn every_texel_of_a_furnace_has_its_radiosity_padding_included() {
 }
 
 /// The form factor of a point of the plane z = 0, facing up, to a polygon that runs clockwise seen from there (Lambert 1760).
-fn lambert(point: [f64; 3], corners: &[[f64; 3]]) -> f64 {
+pub fn lambert(point: [f64; 3], corners: &[[f64; 3]]) -> f64 {
     let unit = |v: [f64; 3]| times(v, 1.0 / v.iter().map(|x| x * x).sum::<f64>().sqrt());
     let term = |k: usize| {
         let (a, b) = (unit(sub(corners[k], point)), unit(sub(corners[(k + 1) % corners.len()], point)));

@@ -5,6 +5,10 @@ mod rooms;
 #[path = "../support/triangles.rs"]
 mod triangles;
 
+#[path = "../support/glb.rs"]
+mod glb;
+
+mod file_uv;
 mod files;
 mod layout;
 mod light;

@@ -70,6 +70,40 @@ fn a_scene_is_solved_first_and_pages_are_numbered() {
     assert!(ran.stderr.contains("m.exr (illuminance in lx)"), "{}", ran.stderr);
 }
 
+/// A square of OBJ with texture coordinates, under another one that emits.
+const WITH_COORDINATES: &str = "mtllib room.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
+    vt 0.1 0.1\nvt 0.4 0.1\nvt 0.4 0.4\nvt 0.1 0.4\nvt 0.6 0.6\nvt 0.9 0.6\nvt 0.9 0.9\nvt 0.6 0.9\n\
+    usemtl wall\nf 1/1 2/2 3/3 4/4\nusemtl lamp\nf 5/5 8/8 7/7 6/6\n";
+
+#[test]
+fn coordinates_of_a_file_are_taken_where_that_is_asked_for_or_told_why_not() {
+    let place = Place::new();
+    fs::write(place.path("squares.obj"), WITH_COORDINATES).unwrap();
+    let ran = place.run("bake squares.obj --error 0.2 --uv file --texel 0.05 --json l.json --glb l.glb");
+    assert!(ran.succeeded().stderr.contains("on 1 page of 68x68, as the file lays them out"), "{}", ran.stderr);
+    let json: serde_json::Value = serde_json::from_str(&place.read("l.json")).unwrap();
+    let uv: Vec<[f64; 2]> = serde_json::from_value(json["faces"][0]["uv"].clone()).unwrap();
+    // From the top left, as lightmaps are read.
+    for (told, exact) in uv.iter().flatten().zip([0.1, 0.9, 0.4, 0.9, 0.4, 0.6]) {
+        assert!((told - exact).abs() < 1e-6, "{uv:?}");
+    }
+    assert_eq!(json["faces"].as_array().unwrap().len(), 4);
+    for file in ["l.json", "l.glb"] {
+        fs::remove_file(place.path(file)).unwrap();
+    }
+
+    // Those of OBJ files are for textures; they may be anything.
+    let ran = place.run("bake squares.obj --error 0.2 --texel 0.1 -o l.exr");
+    assert!(ran.succeeded().stderr.contains("2 charts") && !ran.stderr.contains("as the file"), "{}", ran.stderr);
+    fs::remove_file(place.path("l.exr")).unwrap();
+    fs::write(place.path("squares.obj"), WITH_COORDINATES.replace("f 5/5 8/8 7/7 6/6", "f 5/1 8/4 7/3 6/2")).unwrap();
+    place.run("bake squares.obj --uv file -o l.exr").failed(2, &["--uv file: ", "faces 1 and 2 overlap"]);
+    fs::write(place.path("squares.obj"), WITH_COORDINATES.replace("f 5/5 8/8 7/7 6/6", "f 5 8 7 6")).unwrap();
+    place.run("bake squares.obj --uv file -o l.exr").failed(2, &["--uv file: ", "face 2 has none"]);
+    place.run("bake room.solution --uv file -o l.exr").failed(2, &["bake the scene"]);
+    assert!(place.new_files().iter().all(|file| file == "squares.obj"), "{:?}", place.new_files());
+}
+
 #[test]
 fn time_and_memory_are_limits_of_a_bake_as_well() {
     let place = Place::new();

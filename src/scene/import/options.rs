@@ -12,6 +12,8 @@ pub struct ImportOptions {
     pub allow_any_path: bool,
     /// What becomes of textures.
     pub textures: Textures,
+    /// Whether to keep the coordinates that the file has for lightmaps: the second set (`TEXCOORD_1`) of glTF, the only one (`vt`) of OBJ.
+    pub keep_uv: bool,
 }
 
 /// What becomes of textures: materials have one colour.
