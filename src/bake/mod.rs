@@ -23,6 +23,7 @@ mod lightmap;
 mod options;
 mod seams;
 mod texels;
+mod vertices;
 
 pub use atlas::{Atlas, FaceOnAtlas};
 pub(crate) use cut_short::{NotFound, complete};
@@ -33,3 +34,5 @@ pub use lightmap::{BakeReport, LightPart, Lightmap};
 pub use options::{BakeError, BakeOptions, Only, UvProblem};
 pub use seams::Seams;
 pub(crate) use texels::{Texels, texels_of};
+pub use vertices::VertexLight;
+pub(crate) use vertices::{points_around, surfaces_of};

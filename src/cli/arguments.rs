@@ -242,6 +242,13 @@ pub struct BakeArguments {
     /// The largest side of a page in texels; what does not fit goes to more pages [default: 4096]
     #[arg(long, value_name = "N")]
     pub size: Option<u32>,
+    /// Write light at the vertices of faces, each the mean over the part of its face around the vertex: .ply with radiosities, .glb with COLOR_0, .vtp; may
+    /// be repeated. Vertices are those of the scene's faces: in glTF, STL and PLY files, triangles in one plane were joined
+    #[arg(long, value_name = "FILE")]
+    pub per_vertex: Vec<PathBuf>,
+    /// How far the part around a vertex reaches along its edges, in metres [default: to their middles]
+    #[arg(long, value_name = "M", requires = "per_vertex", allow_hyphen_values = true)]
+    pub within: Option<String>,
     /// Where faces lie: as the second texture coordinates of a glTF file say, or the only ones of an OBJ file (file); or as charts of coplanar faces (own)
     /// [default: file where a glTF file has what can be used]
     #[arg(long, value_name = "WHOSE", value_enum)]

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use patchlight::bake::{Atlas, BakeError, BakeOptions, BakeReport};
+use patchlight::bake::{Atlas, BakeError, BakeOptions, BakeReport, VertexLight};
 use patchlight::mesh::LitMesh;
-use patchlight::output::{ImageFormat, PngExposure, Provenance, Quantity, is_solution_file};
+use patchlight::output::{ExportFormat, ImageFormat, PngExposure, Provenance, Quantity, is_solution_file};
 use patchlight::pipeline::Evaluator;
 use patchlight::scene::{FileUv, Scene};
 use patchlight::solve::RunOptions;
+use patchlight::values::Values;
 
 use super::argument_groups::{PictureArguments, Whence, WhoseUv};
 use super::arguments::{BakeArguments, SolveArguments};
@@ -16,6 +17,7 @@ use super::exit::{Exit, Failure};
 use super::files::{self, Outputs};
 use super::interrupt;
 use super::lightmap_files::{LightmapFiles, PageFile, PageFormat};
+use super::per_vertex::PerVertex;
 use super::progress::{Voice, Watcher};
 use super::request::{SolveRequest, parse_exposure, parse_quantity};
 use super::results::no_mesh;
@@ -30,6 +32,7 @@ pub struct BakeRequest {
     from: Option<Whence>,
     uv: Option<WhoseUv>,
     files: LightmapFiles,
+    vertices: Option<PerVertex>,
     outputs: Outputs,
     limits: RunOptions,
     start: Instant,
@@ -53,8 +56,11 @@ const TIME_OF_TEXELS: f64 = 0.5;
 impl BakeRequest {
     /// Validates what was typed.
     pub fn new(typed: BakeArguments) -> Result<Self, Failure> {
-        if typed.output.is_empty() && typed.rgbm.is_none() && typed.glb.is_none() {
-            return Err(Failure::usage("say where the lightmap goes: -o FILE, --rgbm FILE.png or --glb FILE.glb"));
+        let pages_or_glb = !typed.output.is_empty() || typed.rgbm.is_some() || typed.glb.is_some();
+        if !pages_or_glb && (typed.per_vertex.is_empty() || typed.json.is_some()) {
+            return Err(Failure::usage(
+                "say where the lightmap goes: -o FILE, --rgbm FILE.png, --glb FILE.glb or --per-vertex FILE.ply",
+            ));
         }
         let options = bake_options(&typed)?;
         let quantity = typed.quantity.as_deref().map_or(Ok(Quantity::Radiosity), parse_quantity)?;
@@ -88,13 +94,14 @@ impl BakeRequest {
         let glb =
             typed.glb.as_deref().map(|path| check_extension(path, "glb", "--glb").and_then(|()| outputs.file(path))).transpose()?;
         let json = typed.json.as_deref().map(|path| outputs.sink(path)).transpose()?;
+        let vertices = per_vertex(&typed, &mut outputs)?;
         let (from, uv, voice) = (typed.from, typed.uv, Voice::new(typed.run.progress));
         if options.separate && from == Some(Whence::Mesh) {
             return Err(Failure::usage("--separate: a lit mesh holds all light as one; leave out --from mesh"));
         }
         let files = LightmapFiles { quantity, exposure, pages, glb, json, voice };
         let (input, limits) = Input::new(typed)?;
-        Ok(Self { input, options, from, uv, files, outputs, limits, start: Instant::now(), voice })
+        Ok(Self { input, options, from, uv, files, vertices, outputs, limits, start: Instant::now(), voice })
     }
 }
 
@@ -145,6 +152,20 @@ impl Input {
     }
 }
 
+/// What is written of light at vertices.
+fn per_vertex(typed: &BakeArguments, outputs: &mut Outputs) -> Result<Option<PerVertex>, Failure> {
+    let within = typed.within.as_deref().map_or(Ok(f64::INFINITY), |text| {
+        let length = text.parse().ok().filter(|within| *within > 0.0);
+        length.ok_or_else(|| Failure::usage(format_args!("within is '{text}', it must be a number of metres above 0")))
+    })?;
+    let file = |path: &PathBuf| {
+        let format = ExportFormat::of_path(path).map_err(Failure::usage)?;
+        Ok((outputs.file(path)?, format))
+    };
+    let files: Vec<_> = typed.per_vertex.iter().map(file).collect::<Result<_, Failure>>()?;
+    Ok((!files.is_empty()).then_some(PerVertex { files, within }))
+}
+
 /// How the lightmap is laid out.
 fn bake_options(typed: &BakeArguments) -> Result<BakeOptions, Failure> {
     let mut options = BakeOptions::default();
@@ -182,41 +203,65 @@ pub fn bake(request: BakeRequest) -> Result<Exit, Failure> {
         Input::Scene(solve) => {
             let planned = |scene: &Scene, uv: &FileUv| {
                 let atlas = layout(scene, uv, &request)?;
-                let bytes = atlas.bytes_to_bake(scene.channels());
-                let demand = Demand { values: atlas.texels() as u64, bytes, time: TIME_OF_TEXELS };
-                check_memory(request.limits.memory_bytes, bytes)?;
+                let demand = demand(scene, atlas.as_ref(), &request);
+                check_memory(request.limits.memory_bytes, demand.bytes)?;
                 Ok((atlas, demand))
             };
             solve::light(solve, &request.outputs, planned)?
         }
     };
-    if let Input::Solution(_) = input {
-        check_memory(request.limits.memory_bytes, evaluator.bytes_to_bake(&atlas, request.limits.backend))?;
+    let left = || request.limits.time_s.map(|seconds| (seconds - request.start.elapsed().as_secs_f64()).max(0.0));
+    let of_map = match &atlas {
+        Some(atlas) => bake_map(&request, &evaluator, atlas, left())?,
+        None => Exit::Done,
+    };
+    let of_vertices = match &request.vertices {
+        Some(vertices) if of_map != Exit::Cancelled => vertices.bake(&evaluator, options, left(), *voice)?,
+        _ => Exit::Done,
+    };
+    // What went wrong first.
+    Ok([exit, of_map, of_vertices].into_iter().find(|exit| *exit != Exit::Done).unwrap_or(Exit::Done))
+}
+
+/// What a bake takes beside the solve.
+fn demand(scene: &Scene, atlas: Option<&Atlas>, request: &BakeRequest) -> Demand {
+    let points = if request.vertices.is_some() { VertexLight::most_points(scene) } else { 0 };
+    let of_map = atlas.map_or(0, |atlas| atlas.bytes_to_bake(scene.channels()));
+    let bytes = of_map.max(Values::bytes_of(points as usize, scene.channels()));
+    Demand { values: atlas.map_or(0, |atlas| atlas.texels() as u64) + points, bytes, time: TIME_OF_TEXELS }
+}
+
+/// Bakes the lightmap in so many seconds, and writes it.
+fn bake_map(request: &BakeRequest, evaluator: &Evaluator, atlas: &Atlas, time_s: Option<f64>) -> Result<Exit, Failure> {
+    let voice = request.voice;
+    if let Input::Solution(_) = &request.input {
+        check_memory(request.limits.memory_bytes, evaluator.bytes_to_bake(atlas, request.limits.backend))?;
     }
-    tell_atlas(&atlas, *voice);
+    tell_atlas(atlas, voice);
     let files = request.files.of_pages(atlas.pages().len())?;
 
     let mesh = match (request.from, evaluator.mesh()) {
         (Some(Whence::Gather), _) => None,
-        (None, _) if options.separate => None,
+        (None, _) if request.options.separate => None,
         (Some(Whence::Mesh), None) => return Err(no_mesh("--from mesh")),
         (_, mesh) => mesh,
     };
-    let time_s = request.limits.time_s.map(|seconds| (seconds - request.start.elapsed().as_secs_f64()).max(0.0));
-    let found = evaluator.bake_within(&atlas, mesh, time_s, &Watcher::new(*voice)).map_err(Failure::usage)?;
+    let found = evaluator.bake_within(atlas, mesh, time_s, &Watcher::new(voice)).map_err(Failure::usage)?;
     let Some(lightmap) = found else {
         voice.warn(format_args!("no lightmap is written: interrupted"));
         return Ok(Exit::Cancelled);
     };
-    tell_report(&lightmap.report, mesh, *voice);
+    tell_report(&lightmap.report, mesh, voice);
     let provenance = Provenance::new(evaluator.solution().options());
     request.files.write(&files, &lightmap, evaluator.solution().scene(), &provenance)?;
-    let is_complete = lightmap.report.is_complete() || exit != Exit::Done;
-    Ok(if is_complete { exit } else { Exit::Limit })
+    Ok(if lightmap.report.is_complete() { Exit::Done } else { Exit::Limit })
 }
 
-/// Where faces lie.
-fn layout(scene: &Scene, uv: &FileUv, request: &BakeRequest) -> Result<Atlas, Failure> {
+/// Where faces lie, if a lightmap is wanted.
+fn layout(scene: &Scene, uv: &FileUv, request: &BakeRequest) -> Result<Option<Atlas>, Failure> {
+    if !request.files.are_some() {
+        return Ok(None);
+    }
     let (channels, options) = (scene.channels(), &request.options);
     if request.files.quantity == Quantity::Illuminance && !matches!(channels, 1 | 3) {
         return Err(Failure::usage(format_args!(
@@ -224,7 +269,7 @@ fn layout(scene: &Scene, uv: &FileUv, request: &BakeRequest) -> Result<Atlas, Fa
         )));
     }
     let own = || Atlas::new(scene, options).map_err(Failure::usage);
-    match request.uv {
+    let atlas = match request.uv {
         Some(WhoseUv::Own) => own(),
         Some(WhoseUv::File) => {
             Atlas::of_file(scene, uv, options).map_err(|error| Failure::usage(format_args!("--uv file: {error}")))
@@ -239,7 +284,8 @@ fn layout(scene: &Scene, uv: &FileUv, request: &BakeRequest) -> Result<Atlas, Fa
             }
             of_file => of_file.map_err(Failure::usage),
         },
-    }
+    };
+    atlas.map(Some)
 }
 
 /// Whether a budget of memory has room for a lightmap.

@@ -74,6 +74,11 @@ fn with_word(path: &Path, word: &str) -> PathBuf {
 }
 
 impl LightmapFiles {
+    /// Whether there are any.
+    pub fn are_some(&self) -> bool {
+        !self.pages.is_empty() || self.glb.is_some()
+    }
+
     /// The files of so many pages: of the second page on with its number before the extension.
     pub fn of_pages(&self, pages: usize) -> Result<Vec<Vec<Destination>>, Failure> {
         let of_file = |file: &PageFile| {

@@ -14,6 +14,7 @@ mod light_groups;
 mod lightmap_files;
 mod memory_guard;
 mod option_help;
+mod per_vertex;
 mod pictures;
 mod process;
 mod progress;

@@ -14,6 +14,7 @@ mod layout;
 mod light;
 mod limits;
 mod separate;
+mod vertices;
 
 use std::f64::consts::PI;
 

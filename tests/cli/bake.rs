@@ -105,6 +105,27 @@ fn coordinates_of_a_file_are_taken_where_that_is_asked_for_or_told_why_not() {
 }
 
 #[test]
+fn light_at_vertices_is_written_without_a_lightmap_or_beside_one() {
+    let place = Place::new();
+    let ran = place.run("bake room.solution --per-vertex v.ply --per-vertex v.glb --within 0.2");
+    for words in ["vertices  of 7 faces, gathered at ", "v.ply (radiosity in W/m^2 at vertices)", "v.glb"] {
+        assert!(ran.succeeded().stderr.contains(words), "'{words}' is not in: {}", ran.stderr);
+    }
+    assert_eq!((place.new_files(), ran.stderr.contains("atlas")), (vec!["v.glb".to_owned(), "v.ply".to_owned()], false));
+    let first = fs::read(place.path("v.ply")).unwrap();
+    let beside = "bake room.solution --texel 0.2 -o l.exr --per-vertex v.ply --within 0.2 --threads 2";
+    assert!(place.run(beside).succeeded().stderr.contains("atlas"));
+    assert!(fs::read(place.path("v.ply")).unwrap() == first);
+
+    let ran = place.run("bake room.obj --time 1e-6 --per-vertex w.ply");
+    assert_eq!(ran.code, 4, "{}", ran.stderr);
+    assert!(ran.stderr.contains("light at vertices is not written: the time was over"), "{}", ran.stderr);
+    place.run("bake room.solution --per-vertex w.exr").failed(2, &["unknown extension"]);
+    place.run("bake room.solution --per-vertex w.ply --within 0").failed(2, &["within is '0'"]);
+    assert!(!place.new_files().contains(&"w.ply".to_owned()));
+}
+
+#[test]
 fn time_and_memory_are_limits_of_a_bake_as_well() {
     let place = Place::new();
     for input in ["room.solution", "room.obj"] {
