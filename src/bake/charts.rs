@@ -57,19 +57,19 @@ impl TexelGrid {
     }
 
     /// Coordinates of a point of the plane in texels.
-    pub fn to_texels(&self, point: DVec3) -> DVec2 {
+    pub fn to_texels(self, point: DVec3) -> DVec2 {
         let from = point - self.origin;
         DVec2::new(self.duals[0].dot(from), self.duals[1].dot(from))
     }
 
     /// The point of the plane at coordinates in texels.
-    pub fn to_space(&self, at: DVec2) -> DVec3 {
+    pub fn to_space(self, at: DVec2) -> DVec3 {
         self.origin + at.x * self.steps[0] + at.y * self.steps[1]
     }
 
     /// The same, counted from a texel.
-    pub fn from_texel(&self, at: [u32; 2]) -> Self {
-        Self { origin: self.to_space(DVec2::from(at.map(f64::from))), ..*self }
+    pub fn counted_from(self, at: [u32; 2]) -> Self {
+        Self { origin: self.to_space(DVec2::from(at.map(f64::from))), ..self }
     }
 }
 

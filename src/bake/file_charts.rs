@@ -147,7 +147,7 @@ fn chart(scene: &Scene, uv: &FileUv, (grid, triangles): (TexelGrid, Vec<u32>), s
     surfaces.dedup();
     let material = scene.surface(surfaces[0]).material;
     let of_file = Some(FileParts { polygons, triangles: of_triangles });
-    Some((Chart { surfaces, material, grid: grid.from_texel(at), of_file, extent }, at))
+    Some((Chart { surfaces, material, grid: grid.counted_from(at), of_file, extent }, at))
 }
 
 fn doubled_area(polygon: &[DVec2]) -> f64 {

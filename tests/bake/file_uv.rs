@@ -37,7 +37,7 @@ fn l_shape([flat, mirrored, lamp]: [Option<Uv>; 3]) -> Imported {
     for (parts, material) in [(halves.to_vec(), floor), (vec![(above, lamp)], light)] {
         let corners: Vec<[f32; 3]> = parts.iter().flat_map(|(corners, _)| corners.clone()).collect();
         let mut attributes = json!({ "POSITION": maker.floats(&corners) });
-        let uv = parts.iter().map(|(corners, uv)| Some(corners.iter().map(|&at| (*uv)?(at).into()).collect::<Option<Vec<_>>>()?));
+        let uv = parts.iter().map(|(corners, uv)| corners.iter().map(|&at| Some((*uv)?(at))).collect::<Option<Vec<_>>>());
         let uv = uv.collect::<Option<Vec<Vec<[f32; 2]>>>>();
         if let Some(uv) = uv {
             attributes["TEXCOORD_1"] = json!(maker.floats(&uv.concat()));

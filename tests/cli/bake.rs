@@ -2,7 +2,10 @@
 
 use std::fs;
 
+use serde_json::json;
+
 use super::Place;
+use super::glb::Maker;
 
 #[test]
 fn a_solution_is_baked_into_all_kinds_of_files() {
@@ -102,6 +105,29 @@ fn coordinates_of_a_file_are_taken_where_that_is_asked_for_or_told_why_not() {
     place.run("bake squares.obj --uv file -o l.exr").failed(2, &["--uv file: ", "face 2 has none"]);
     place.run("bake room.solution --uv file -o l.exr").failed(2, &["bake the scene"]);
     assert!(place.new_files().iter().all(|file| file == "squares.obj"), "{:?}", place.new_files());
+}
+
+#[test]
+fn overlapping_coordinates_of_a_file_are_told_and_charts_made_instead() {
+    let place = Place::new();
+    let mut maker = Maker::new();
+    let uv = maker.floats(&[[0.1_f32, 0.1], [0.4, 0.1], [0.4, 0.4], [0.1, 0.4]]);
+    let indices = maker.indices(&[0, 1, 2, 0, 2, 3]);
+    for z in [0.0_f32, 1.0] {
+        let corners = maker.floats(&[[0.0, 0.0, z], [1.0, 0.0, z], [1.0, 1.0, z], [0.0, 1.0, z]]);
+        let mesh = maker.mesh(json!({ "attributes": { "POSITION": corners, "TEXCOORD_1": uv }, "indices": indices }));
+        maker.node(json!({ "mesh": mesh }));
+    }
+    fs::write(place.path("two.glb"), maker.glb()).unwrap();
+    let bake = "bake two.glb --error 0.2 --texel 0.1 -o l.exr";
+    let ran = place.run(bake);
+    let told = "the lightmap coordinates of the file are not used, and faces are laid out anew: faces 1 and 3 overlap at ";
+    assert!(ran.succeeded().stderr.contains(told) && ran.stderr.contains("2 charts on 1 page"), "{}", ran.stderr);
+    let own = fs::read(place.path("l.exr")).unwrap();
+    let ran = place.run(&format!("{bake} --uv own"));
+    assert!(!ran.succeeded().stderr.contains("coordinates"), "{}", ran.stderr);
+    assert!(fs::read(place.path("l.exr")).unwrap() == own);
+    place.run(&format!("{bake} --uv file")).failed(2, &["--uv file: ", "faces 1 and 3 overlap"]);
 }
 
 #[test]

@@ -165,7 +165,7 @@ impl Reader<'_> {
         let colours = Colours::read(&self.materials, source, (primitive, own), &vertices, &self.accessors)?;
         let means: Vec<Means> = faces.iter().map(|face| colours.means(face)).collect();
         if self.options.keep_uv {
-            add_uv(&mut self.read.uv, first_face as u32, &faces, (&vertices, &triangles, own.uv.as_deref()));
+            add_uv(&mut self.read.uv, first_face as u32, &faces, (&vertices, &triangles), own.uv.as_deref());
         }
         self.push(primitive.material, first_face as u32, faces, means);
 
@@ -193,7 +193,8 @@ fn add_uv(
     kept: &mut FileUv,
     first_face: u32,
     faces: &[Joined],
-    (vertices, triangles, uv): (&[DVec3], &[[u32; 3]], Option<&[[f64; 2]]>),
+    (vertices, triangles): (&[DVec3], &[[u32; 3]]),
+    uv: Option<&[[f64; 2]]>,
 ) {
     for face in faces {
         let number = first_face + face.triangles[0] as u32;
