@@ -1,11 +1,14 @@
 //! `patchlight bake`.
 
+#[path = "../support/glb.rs"]
+mod glb;
+
 use std::fs;
 
 use serde_json::json;
 
 use super::Place;
-use super::glb::Maker;
+use glb::Maker;
 
 #[test]
 fn a_solution_is_baked_into_all_kinds_of_files() {

@@ -3,8 +3,6 @@
 mod bake;
 mod batch;
 mod commands;
-#[path = "../support/glb.rs"]
-mod glb;
 mod hostile;
 mod lit_mesh;
 mod pictures;
