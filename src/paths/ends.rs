@@ -53,6 +53,8 @@ pub(crate) struct Continuation {
     pub cell: u32,
     /// The cell where the first ray arrived, if only the least number of bounces kept the path from ending there; else [`NO_CELL`].
     pub shortcut: u32,
+    /// Whether it saw the sky at once, and brings what that sends.
+    pub is_of_sky: bool,
 }
 
 impl Ends {

@@ -31,8 +31,8 @@ struct Shader<'a> {
     shown: Shown,
 }
 
-/// What is shown through the pixels of a camera, with standard errors where `error_bars` are known; black where a back or nothing
-/// is met. `None` if the observer cancels.
+/// What is shown through the pixels of a camera, with standard errors where `error_bars` are known; black where a back is met, and
+/// where nothing is, but for the sky. `None` if the observer cancels.
 pub(crate) fn render(
     (gather, error_bars): (&Gather<'_>, Option<ErrorBars>),
     visibility: &Rays<'_>,
@@ -64,6 +64,7 @@ pub(crate) fn render(
 
             // What is seen there.
             shader.shade_row(&places, scratch, pixels);
+            shader.add_sky(&rays, hits, pixels);
 
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             let fraction = Some(done as f64 / f64::from(height));
@@ -78,6 +79,18 @@ pub(crate) fn render(
 }
 
 impl Shader<'_> {
+    /// Adds what a row of pixels shows of the sky, by the [`SUBSAMPLES`] rays through each.
+    fn add_sky(&self, rays: &[Ray], hits: &[Option<Hit>], pixels: &mut [[f32; 2]]) {
+        let (scene, share) = (self.gather.scene, 1.0 / f64::from(SUBSAMPLES));
+        let mut radiance = vec![0.0; scene.channels()];
+        for (index, ray) in rays.iter().enumerate().filter(|(index, _)| hits[*index].is_none()) {
+            radiance.fill(0.0);
+            self.shown.add_sky(scene, DVec3::from(ray.direction), share, &mut radiance);
+            let pixel = &mut pixels[index / SUBSAMPLES as usize * radiance.len()..];
+            pixel.iter_mut().zip(&radiance).for_each(|([number, _], radiance)| *number += radiance);
+        }
+    }
+
     /// Adds the radiances of a row of pixels, each seen at [`SUBSAMPLES`] places, and their standard errors.
     fn shade_row(&self, places: &[Option<Place>], scratch: &mut Scratch, pixels: &mut [[f32; 2]]) {
         // If all rays of a pixel meet one surface, one of the points with all visibility rays is as good as all points with a share

@@ -5,7 +5,7 @@
 
 use crate::cells::CellRadiosities;
 use crate::geometry::{sampling, streams};
-use crate::paths::{BatchSums, Continuation, LightPaths, NO_CELL, NO_SURFACE, PathScratch, Place, Receives, SeenCell};
+use crate::paths::{BatchSums, Continuation, Ends, LightPaths, NO_CELL, NO_SURFACE, PathScratch, Place, Receives, SeenCell};
 use crate::scene::SurfaceId;
 
 /// Next-event rays for each path. Empirical.
@@ -149,6 +149,7 @@ impl FinalGather<'_> {
         self.paths.follow(places, count as u32, self.bounces, scratch);
         let PathScratch { ends, order, .. } = &*scratch;
         self.note_met_emitters(&ends.surface, count, irradiance);
+        note_sky(ends, count, irradiance);
         let mut of_path = |path: usize, add: &dyn Fn(usize) -> f64| {
             let irradiance = irradiance.in_runs(path / count, order[path % count] as usize, count);
             irradiance.iter_mut().enumerate().for_each(|(channel, h)| *h += share * add(channel));
@@ -201,5 +202,14 @@ impl FinalGather<'_> {
                 straight.iter_mut().zip(exitance).for_each(|(h, e)| *h += e / count as f64);
             }
         }
+    }
+}
+
+/// Notes what paths bring of the sky where they see it first; `count` of them leave each place.
+fn note_sky(ends: &Ends, count: usize, irradiance: &mut BatchSums<'_>) {
+    let channels = irradiance.channels();
+    for (continuation, constant) in ends.continued.iter().zip(ends.constant.chunks(channels)).filter(|(of, _)| of.is_of_sky) {
+        let Some(straight) = irradiance.straight(continuation.path / count) else { break };
+        straight.iter_mut().zip(constant).for_each(|(h, brought)| *h += brought / count as f64);
     }
 }

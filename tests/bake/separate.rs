@@ -6,11 +6,11 @@ use patchlight::bake::{Atlas, BakeError, BakeOptions, LightPart, Lightmap};
 use patchlight::direct::{DirectEffort, Method, direct_irradiance};
 use patchlight::pipeline::Evaluator;
 use patchlight::progress::Silent;
-use patchlight::scene::{Scene, SurfaceId};
+use patchlight::scene::{Light, LightShape, PointLight, Scene, Sky, SurfaceId};
 use patchlight::solve::{SolveOptions, Solver};
 use patchlight::visibility::{Backend, OccluderMesh, build};
 
-use super::rooms::{cube, solve};
+use super::rooms::{Room, cube, solve};
 use super::{apart, middles, options, room_with_box};
 
 /// Baked with direct and indirect light apart, by either solver.
@@ -86,6 +86,24 @@ fn direct_light_is_that_of_the_lamp_alone() {
         // Walls of 0.7 send on much of what they get.
         let direct: f64 = found.iter().sum();
         assert!((0.5..3.0).contains(&(indirect / direct)), "{solver:?}: {indirect} {direct}");
+    }
+}
+
+#[test]
+fn light_of_the_sky_and_of_points_is_direct() {
+    // Open ground of reflectance 0.5: what arrives comes straight, whatever brings it.
+    let light = |name: &str, shape| Light { name: name.to_owned(), strength: vec![1.0], shape };
+    for solver in [Solver::Links, Solver::Cells] {
+        let mut room = Room::default();
+        let grey = room.material(&[0.5], &[0.0]);
+        room.quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], grey);
+        let lamp = LightShape::Point(PointLight { position: [0.0, 0.0, 1.0].into() });
+        let lights = vec![light("sky", LightShape::Sky(Sky { up: glam::DVec3::Z })), light("lamp", lamp)];
+        let (_, lightmap) = apart_by(room.scene().with_lights(lights).unwrap(), solver, 0.1);
+        let [all, direct] = [LightPart::All, LightPart::Direct].map(|part| lightmap.part(part, 0).unwrap().radiance);
+        let lit: Vec<(f32, f32)> = direct.into_iter().zip(all).filter(|(_, all)| *all > 0.0).collect();
+        let (_, most) = apart(lit.iter().map(|&(direct, all)| (f64::from(direct), f64::from(all))));
+        assert!(most < 1e-5 && lit.len() > 400, "{solver:?}: {most}");
     }
 }
 
