@@ -30,11 +30,13 @@ pub struct SettingArguments {
     /// Which sides of a face emit and receive: front or both [default: front]
     #[arg(long, value_name = "SIDES")]
     pub sides: Option<String>,
-    /// Stop when the program would take more than this many GB (1e9 bytes), by its own count: the same on every machine
+    /// Stop when the program would take more than this many GB (1e9 bytes), by its own count: the same on every machine; bake begins with no lightmap
+    /// that would not fit
     /// [default: no budget; a run that takes nearly all memory ends with an error]
     #[arg(long, value_name = "GB")]
     pub memory: Option<String>,
-    /// Stop after this many seconds, those of reading included; results are written after that
+    /// Stop after this many seconds, those of reading included; results are written after that. What bake has not gathered by then is filled from what it
+    /// has
     #[arg(long, value_name = "S")]
     pub time: Option<String>,
     /// Set any option by its key, as in --set error=0.01; may be repeated; --help lists the keys
@@ -80,8 +82,17 @@ impl TrustArguments {
             Texture::Face => Textures::Face,
             Texture::Reject => Textures::Reject,
         };
-        ImportOptions { sides, allow_any_path: self.allow_any_path, textures, lights }
+        ImportOptions { sides, allow_any_path: self.allow_any_path, textures, lights, ..ImportOptions::default() }
     }
+}
+
+/// Whose coordinates a lightmap has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum WhoseUv {
+    /// Those of the file; an error if they cannot be used.
+    File,
+    /// Charts of coplanar faces.
+    Own,
 }
 
 /// What becomes of textures.

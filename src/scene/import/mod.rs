@@ -24,6 +24,7 @@ mod statements;
 mod stl;
 mod structure;
 mod text;
+mod texture_coordinates;
 mod textured;
 mod textures;
 
@@ -37,7 +38,7 @@ pub use lights::{ImportedLights, read_lights};
 pub use options::{ImportOptions, Textures};
 
 use self::faces::FaceFile;
-use super::Scene;
+use super::{FileUv, Scene};
 use crate::progress::{Observer, Progress, Silent, Stage};
 
 /// A scene and what was noted while reading it.
@@ -56,6 +57,8 @@ pub struct Imported {
     pub lines: Vec<u32>,
     /// How many vertices the file has.
     pub vertices: usize,
+    /// The coordinates that it has for lightmaps; empty if they were not to be kept.
+    pub uv: FileUv,
 }
 
 /// Reads the scene at `path`, by its extension: `.obj` with its material libraries, `.gltf` and `.glb`, or
@@ -93,7 +96,7 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     if stop() {
         return Err(ImportError::Cancelled);
     }
-    let FaceFile { lines, vertices, faces, corners, materials, mut libraries, objects, groups, mut lights } = read;
+    let FaceFile { lines, vertices, faces, corners, materials, mut libraries, objects, groups, mut lights, uv } = read;
     let in_file = assemble::Faces { faces: &faces, corners: &corners, source: Some((path, &lines)), objects: &objects };
     let assembled = assemble::assemble(&in_file, &mut diagnostics, &stop).ok_or(ImportError::Cancelled)?;
     if assembled.polygons.is_empty() {
@@ -119,5 +122,5 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
         let text = "no light: no face has a material that emits, and there are no lights, so everything is black";
         diagnostics.push(Diagnostic::new(DiagnosticKind::NoLight, text).at(path, 0));
     }
-    Ok(Imported { scene, diagnostics, file: file(), libraries, lines, vertices })
+    Ok(Imported { scene, diagnostics, file: file(), libraries, lines, vertices, uv })
 }

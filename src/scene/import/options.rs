@@ -16,6 +16,8 @@ pub struct ImportOptions {
     pub textures: Textures,
     /// A TOML file of lights that are no surfaces, see [`read_lights`](super::read_lights), beside those of the scene's own file.
     pub lights: Option<PathBuf>,
+    /// Whether to keep the coordinates that the file has for lightmaps: the second set (`TEXCOORD_1`) of glTF, the only one (`vt`) of OBJ.
+    pub keep_uv: bool,
 }
 
 /// What becomes of textures: materials have one colour.

@@ -30,6 +30,7 @@ use super::join::{Joined, joined};
 use super::text::read_regular_file;
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError, ImportOptions, Textures};
 use crate::progress::Stop;
+use crate::scene::{FileUv, UvTriangle};
 use accessors::Accessors;
 use buffers::{Buffers, Place};
 use colours::Colours;
@@ -144,7 +145,7 @@ impl Reader<'_> {
         // Its triangles, in the world.
         let key = (instance.mesh, number);
         if !self.shapes.contains_key(&key) {
-            self.shapes.insert(key, primitives::read(primitive, shape, &self.accessors)?);
+            self.shapes.insert(key, primitives::read(primitive, shape, self.options.keep_uv, &self.accessors)?);
         }
         let first_face = self.read.lines.len();
         let own = &self.shapes[&key];
@@ -167,6 +168,9 @@ impl Reader<'_> {
         let source = self.materials.source_of(primitive.material);
         let colours = Colours::read(&self.materials, source, (primitive, own), &vertices, &self.accessors)?;
         let means: Vec<Means> = faces.iter().map(|face| colours.means(face)).collect();
+        if self.options.keep_uv {
+            add_uv(&mut self.read.uv, first_face as u32, &faces, (&vertices, &triangles), own.uv.as_deref());
+        }
         self.push(primitive.material, first_face as u32, faces, means);
 
         let of_material = self.materials.source_of(primitive.material).name.clone();
@@ -185,6 +189,29 @@ impl Reader<'_> {
                 self.read.push(number, index, face.corners.into_iter().rev());
             }
         }
+    }
+}
+
+/// Keeps the coordinates of the triangles of faces; a primitive has them all, or none.
+fn add_uv(
+    kept: &mut FileUv,
+    first_face: u32,
+    faces: &[Joined],
+    (vertices, triangles): (&[DVec3], &[[u32; 3]]),
+    uv: Option<&[[f64; 2]]>,
+) {
+    for face in faces {
+        let number = first_face + face.triangles[0] as u32;
+        let Some(uv) = uv else {
+            kept.without.get_or_insert(number);
+            return;
+        };
+        let triangle = |&triangle: &usize| UvTriangle {
+            face: number,
+            corners: triangles[triangle].map(|corner| vertices[corner as usize].to_array()),
+            uv: triangles[triangle].map(|corner| uv[corner as usize]),
+        };
+        kept.triangles.extend(face.triangles.iter().map(triangle));
     }
 }
 
