@@ -97,8 +97,8 @@ fn light_of_the_sky_and_of_points_is_direct() {
         let mut room = Room::default();
         let grey = room.material(&[0.5], &[0.0]);
         room.quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], grey);
-        let lamp = LightShape::Point(PointLight { position: [0.0, 0.0, 1.0].into() });
-        let lights = vec![light("sky", LightShape::Sky(Sky { up: glam::DVec3::Z })), light("lamp", lamp)];
+        let lamp = LightShape::Point(PointLight::uniform([0.0, 0.0, 1.0]));
+        let lights = vec![light("sky", LightShape::Sky(Sky::uniform([0.0, 0.0, 1.0]).unwrap())), light("lamp", lamp)];
         let (_, lightmap) = apart_by(room.scene().with_lights(lights).unwrap(), solver, 0.1);
         let [all, direct] = [LightPart::All, LightPart::Direct].map(|part| lightmap.part(part, 0).unwrap().radiance);
         let lit: Vec<(f32, f32)> = direct.into_iter().zip(all).filter(|(_, all)| *all > 0.0).collect();
