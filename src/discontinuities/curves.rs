@@ -21,7 +21,7 @@ pub(super) struct Curve {
 }
 
 /// Curves and counts.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Found {
     pub curves: Vec<Curve>,
     pub counters: Counters,

@@ -32,7 +32,7 @@ pub(super) struct Edge {
 
 /// On which side of a plane through an edge the faces along it lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shadow {
+enum Shadow {
     /// All in the plane: it sees them edge-on.
     Nowhere,
     /// Behind it, or in it.
@@ -45,7 +45,7 @@ pub(super) enum Shadow {
 
 impl Edge {
     /// Where its faces lie as seen along a plane through it.
-    pub fn shadow(&self, normal: DVec3, on_plane: f64) -> Shadow {
+    fn shadow(&self, normal: DVec3, on_plane: f64) -> Shadow {
         let heights = self.wings.iter().map(|wing| normal.dot(wing.inward) * wing.width);
         let (front, behind) = heights.fold((false, false), |(f, b), height| (f | (height > on_plane), b | (height < -on_plane)));
         match (front, behind) {
@@ -54,6 +54,18 @@ impl Edge {
             (true, false) => Shadow::InFront,
             (true, true) => Shadow::Both,
         }
+    }
+
+    /// A plane through it, seen from each side on which its faces leave light free that comes along the plane.
+    pub fn free_sides(&self, plane: &Plane, on_plane: f64) -> impl Iterator<Item = Plane> + use<> {
+        let (front, back) = (Some(*plane), Some(plane.reversed()));
+        let sides = match self.shadow(plane.normal, on_plane) {
+            Shadow::Behind => [front, None],
+            Shadow::InFront => [None, back],
+            Shadow::Nowhere => [front, back],
+            Shadow::Both => [None, None],
+        };
+        sides.into_iter().flatten()
     }
 
     /// Whether two of its faces continue each other: no plane makes it a silhouette.

@@ -17,7 +17,7 @@ use glam::DVec3;
 
 use super::corners::{Corner, is_outline};
 use super::curves::{Curve, Found};
-use super::edges::{Edge, Shadow};
+use super::edges::Edge;
 use super::effect::{Lit, Passing, bound_change};
 use super::emitters::{Apex, Rim};
 use super::envelope::first_hits;
@@ -103,7 +103,7 @@ impl<'a> Tracer<'a> {
             if ![a, b, a + b].iter().any(|&direction| is_outline(sectors, direction)) {
                 continue;
             }
-            for plane in self.free_sides(edge, &plane) {
+            for plane in edge.free_sides(&plane, self.faces.on_plane()) {
                 self.through_edge(&plane, apex, ends, event);
             }
         }
@@ -202,18 +202,6 @@ impl<'a> Tracer<'a> {
         (chord[0].distance(chord[1]) > self.faces.on_plane()).then_some(chord)
     }
 
-    /// The plane, seen from each side on which the edge leaves the source free.
-    fn free_sides(&self, edge: &Edge, plane: &Plane) -> impl Iterator<Item = Plane> + use<> {
-        let (front, back) = (Some(*plane), Some(plane.reversed()));
-        let sides = match edge.shadow(plane.normal, self.faces.on_plane()) {
-            Shadow::Behind => [front, None],
-            Shadow::InFront => [None, back],
-            Shadow::Nowhere => [front, back],
-            Shadow::Both => [None, None],
-        };
-        sides.into_iter().flatten()
-    }
-
     /// A segment of the source and an edge in one plane: all lines through both.
     fn parallel(&mut self, plane: &Plane, source: [DVec3; 2], edge: &Edge, ends: [DVec3; 2], event: Event) {
         let middle = 0.5 * (source[0] + source[1]);
@@ -228,7 +216,7 @@ impl<'a> Tracer<'a> {
         // Beyond a corner of the edge, how far from the edge's line a point lies is to the way from the corner as it is on the source's side.
         let off_line = source.map(|end| plane.normal.cross(ends[1] - ends[0]).normalize_or_zero().dot(end - ends[0]));
         let nearest = if off_line[0] * off_line[1] > 0.0 { off_line[0].abs().min(off_line[1].abs()) } else { 0.0 };
-        for plane in self.free_sides(edge, plane) {
+        for plane in edge.free_sides(plane, self.faces.on_plane()) {
             for apex in &apexes {
                 self.through_edge(&plane, apex, ends, event);
             }

@@ -3,20 +3,23 @@
 //! A fan is all rays from an apex through the segment from `a` to `a + span`. A point of it is `apex + t (a + u span)`: `u` in [0, 1] names the ray,
 //! and `w = 1 / t` tells how near the point is, 1 on the segment itself and more before it. From (x, y) to (u, w) is a projective map, so straight
 //! segments stay straight, and what is seen first from the apex is the upper envelope of segments over [0, 1].
+//!
+//! Parallel rays are a fan as well: a point is `apex + t a + u span`, where `apex` is anywhere before the segment, and `w = 2 - t`.
 
 use glam::DVec3;
 
 use crate::scene::SurfaceId;
 
-/// All rays from an apex through a segment, within one plane.
+/// All rays from an apex through a segment, within one plane; or parallel ones.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fan {
     pub apex: DVec3,
     a: DVec3,
     span: DVec3,
-    /// `t` of a point is the dot product with this; `t u` that with the other.
+    /// `t` of a point is the dot product with this; `t u` that with the other, or `u` where rays are parallel.
     to_t: DVec3,
     to_tu: DVec3,
+    is_parallel: bool,
 }
 
 /// A face's section through the plane of a fan, as the apex sees it.
@@ -30,6 +33,8 @@ pub(super) struct Cut {
     pub w: [f64; 2],
     /// Where it is at both.
     pub ends: [DVec3; 2],
+    /// Whether the fan's rays are parallel.
+    pub is_parallel: bool,
 }
 
 /// Parts of a fan's rays, ascending and apart.
@@ -47,18 +52,32 @@ impl Fan {
         let span = b - a;
         let (across_span, across_a) = (normal.cross(span), normal.cross(a));
         let (t, tu) = (a.dot(across_span), span.dot(across_a));
-        let fan = Self { apex, a, span, to_t: across_span / t, to_tu: across_a / tu };
-        (fan.to_t.is_finite() && fan.to_tu.is_finite()).then_some(fan)
+        let fan = Self { apex, a, span, to_t: across_span / t, to_tu: across_a / tu, is_parallel: false };
+        fan.checked()
+    }
+
+    /// Parallel rays along `way`, through the segment between two points, in the plane with the unit normal `normal`; `way` is longer than all that is
+    /// looked at is wide, so that nothing is at `t` 0. `None` where the segment is parallel to it.
+    pub fn parallel(way: DVec3, [from, to]: [DVec3; 2], normal: DVec3) -> Option<Self> {
+        let span = to - from;
+        let (across_span, across_way) = (normal.cross(span), normal.cross(way));
+        let (t, u) = (way.dot(across_span), span.dot(across_way));
+        let fan = Self { apex: from - way, a: way, span, to_t: across_span / t, to_tu: across_way / u, is_parallel: true };
+        fan.checked()
+    }
+
+    fn checked(self) -> Option<Self> {
+        (self.to_t.is_finite() && self.to_tu.is_finite()).then_some(self)
     }
 
     /// The rays from the segment through the apex and on behind it.
     pub fn opposite(&self) -> Self {
-        Self { apex: self.apex, a: -self.a, span: -self.span, to_t: -self.to_t, to_tu: -self.to_tu }
+        Self { a: -self.a, span: -self.span, to_t: -self.to_t, to_tu: -self.to_tu, ..*self }
     }
 
     /// The direction of a ray, as long as the way to the segment.
     pub fn direction(&self, u: f64) -> DVec3 {
-        self.a + u * self.span
+        if self.is_parallel { self.a } else { self.a + u * self.span }
     }
 
     /// Whether a box, by its centre and half its extent, may hold points of the fan between `nearest` and `farthest` times the segment.
@@ -69,14 +88,14 @@ impl Fan {
         largest(self.to_t) >= nearest
             && -largest(-self.to_t) <= farthest
             && largest(self.to_tu) >= 0.0
-            && largest(self.to_t - self.to_tu) >= 0.0
+            && if self.is_parallel { -largest(-self.to_tu) <= 1.0 } else { largest(self.to_t - self.to_tu) >= 0.0 }
     }
 
     /// The part of a segment of the plane that lies in the fan.
     pub fn project(&self, mut from: DVec3, mut to: DVec3, surface: SurfaceId, plane: u32) -> Option<Cut> {
         let coordinates = |point: DVec3| {
             let arm = point - self.apex;
-            [self.to_t.dot(arm), self.to_tu.dot(arm)]
+            [if self.is_parallel { 1.0 } else { self.to_t.dot(arm) }, self.to_tu.dot(arm)]
         };
         let [mut p, mut q] = [coordinates(from), coordinates(to)];
 
@@ -96,8 +115,10 @@ impl Fan {
             }
         }
 
-        let [u, w] = [[p[1] / p[0], q[1] / q[0]].map(|u: f64| u.clamp(0.0, 1.0)), [1.0 / p[0], 1.0 / q[0]]];
-        let mut cut = Cut { surface, plane, u, w, ends: [from, to] };
+        let u = [p[1] / p[0], q[1] / q[0]].map(|u: f64| u.clamp(0.0, 1.0));
+        let nearness = |t: f64, end: DVec3| if self.is_parallel { 2.0 - self.to_t.dot(end - self.apex) } else { 1.0 / t };
+        let w = [nearness(p[0], from), nearness(q[0], to)];
+        let mut cut = Cut { surface, plane, u, w, ends: [from, to], is_parallel: self.is_parallel };
         if u[0] > u[1] {
             cut.u.reverse();
             cut.w.reverse();
@@ -116,7 +137,8 @@ impl Cut {
 
     /// Where it is on ray `u`: between its ends, also where it is seen nearly end-on.
     pub fn point(&self, u: f64) -> DVec3 {
-        let (after, before) = ((u - self.u[0]).max(0.0) * self.w[1], (self.u[1] - u).max(0.0) * self.w[0]);
+        let w = if self.is_parallel { [1.0; 2] } else { self.w };
+        let (after, before) = ((u - self.u[0]).max(0.0) * w[1], (self.u[1] - u).max(0.0) * w[0]);
         self.ends[0].lerp(self.ends[1], (after / (after + before)).clamp(0.0, 1.0))
     }
 

@@ -2,6 +2,7 @@
 //!
 //! - **D0**, irradiance jumps: where surfaces touch or cross (`contacts`).
 //! - **D1** and **D2**, its first or second derivative jumps: edge-vertex events of sources with convex or other polygons between (`events`).
+//! - D0 or D1 where shadows of lights that are no surfaces end (`lights`).
 //!
 //! All curves of such events are straight, since the events lie in planes. They are exact but for what counts as touching, a millionth of the scene's
 //! size: files round coordinates by as much, so the signs of exact predicates would mean nothing. What is left out stands in `events`.
@@ -27,6 +28,7 @@ mod envelope;
 mod events;
 mod faces;
 mod fan;
+mod lights;
 mod occluders;
 mod outlines;
 mod points;
@@ -41,17 +43,21 @@ pub use segments::{Degree, Discontinuities, Segment, Source};
 pub use svg::svg;
 
 use crate::progress::Stop;
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{Light, LightShape, Scene, SurfaceId};
 use curves::{Curve, Found};
 use effect::Lit;
 use emitters::Emitter;
 use events::Tracer;
 use faces::Faces;
+use lights::LightTracer;
 use occluders::{Occluder, Occluders};
 
 /// Of all sources together about so many pairs of a side of a source and an edge or corner are followed, of each source by its share of all light: a
 /// minute or two of one core in scenes of some hundred thousand surfaces.
 const MOST_PAIRS: f64 = 524_288.0;
+
+/// Of each light that is no surface as many edges are followed as make so many of all lights together: some seconds of one core.
+const MOST_OF_LIGHTS: usize = 65_536;
 
 /// The discontinuities of the light that emitters send, the sum of their channels: what changes irradiance by less than `tolerance` of the largest
 /// exitance is left out.
@@ -77,14 +83,58 @@ pub fn of_contacts(scene: &Scene) -> Discontinuities {
 /// The same for any number of threads. Once `stop` says so, what was found by then is returned.
 pub(crate) fn of_shape(scene: &Scene, stop: Stop<'_>) -> Discontinuities {
     let faces = Faces::of(scene);
-    let mut found = find_on_each(&faces, contacts::find, stop);
+    let found = shape(&faces, stop);
+    gather(&faces, found, &[], &|_| 0.0)
+}
+
+/// The same; and together with it where shadows of lights that are no surfaces end, as far as each receiver does not tolerate that, which is told in
+/// W/m^2.
+pub(crate) fn of_shape_and_lights(
+    scene: &Scene,
+    tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync),
+    stop: Stop<'_>,
+) -> [Discontinuities; 2] {
+    let faces = Faces::of(scene);
+    let found = shape(&faces, stop);
+    let mut with_lights = shadows(&faces, tolerance, stop);
+    with_lights.append(found.clone());
+    [gather(&faces, found, &[], &|_| 0.0), gather(&faces, with_lights, &[], tolerance)]
+}
+
+/// Where shadows of lights that are no surfaces end: what changes irradiance by less than `tolerance`, in W/m^2, is left out.
+pub fn of_lights(scene: &Scene, tolerance: f64) -> Discontinuities {
+    let (faces, tolerance) = (Faces::of(scene), |_: SurfaceId| tolerance);
+    let found = shadows(&faces, &tolerance, &|| false);
+    gather(&faces, found, &[], &tolerance)
+}
+
+/// Contacts, and the feet of what stands close.
+fn shape(faces: &Faces<'_>, stop: Stop<'_>) -> Found {
+    let mut found = find_on_each(faces, contacts::find, stop);
     let find_outlines = |faces: &Faces<'_>, id: SurfaceId, found: &mut Found| {
         if !faces.is_second_side(id) {
             outlines::find(faces, id, found);
         }
     };
-    found.append(find_on_each(&faces, find_outlines, stop));
-    gather(&faces, found, &[], &|_| 0.0)
+    found.append(find_on_each(faces, find_outlines, stop));
+    found
+}
+
+/// The borders of shadows of lights.
+fn shadows(faces: &Faces<'_>, tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync), stop: Stop<'_>) -> Found {
+    let mut found = Found::default();
+    let casts = |light: &&Light| light.is_on() && !matches!(light.shape, LightShape::Sky(_));
+    let lights: Vec<&Light> = faces.scene.lights().iter().filter(casts).collect();
+    if lights.is_empty() || stop() {
+        return found;
+    }
+    let edges = edges::welded(faces);
+    found.counters.edges = edges.len() as u64;
+    let tracer = LightTracer { faces, bounds: faces.scene.bounds(), tolerance, stop };
+    for (light, number) in lights.iter().zip(0..) {
+        found.append(tracer.follow(&edges, light, number, MOST_OF_LIGHTS.div_ceil(lights.len())));
+    }
+    found
 }
 
 fn ids(scene: &Scene) -> impl Iterator<Item = SurfaceId> {
@@ -168,7 +218,7 @@ fn gather(faces: &Faces<'_>, found: Found, emitters: &[Emitter], tolerance: &(dy
     for curve in curves {
         per_receiver[curve.receiver.index()].push(curve);
     }
-    let name = |emitter: u32| emitters[emitter as usize].pieces[0];
+    let name = |emitter: u32| emitters.get(emitter as usize).map(|emitter| emitter.pieces[0]);
     let of = |(id, curves): (usize, Vec<Curve>)| weld::weld(faces, curves, tolerance(SurfaceId(id as u32)), name);
     let welded: Vec<_> = per_receiver.into_par_iter().enumerate().map(of).collect();
 

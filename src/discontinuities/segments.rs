@@ -33,10 +33,11 @@ pub struct Segment {
     pub(crate) ends: [DVec3; 2],
     /// How sharp the curve is; where several coincide, the sharpest.
     pub degree: Degree,
-    /// Whose light it belongs to; of several the one that changes most, and the first surface of a source in pieces. `None` for contacts.
+    /// Whose light it belongs to; of several the one that changes most, and the first surface of a source in pieces. `None` for contacts, and for lights
+    /// that are no surfaces.
     pub source: Option<SurfaceId>,
     /// At most what can come and go around the curve of the irradiance by its sources, in W/m^2: of points of the curve, what the edges that cast
-    /// it can hide. Infinite for contacts.
+    /// it can hide. Of lights that are no surfaces the most that they bring to some points along it. Infinite for contacts.
     pub change: f64,
 }
 

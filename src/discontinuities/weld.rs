@@ -38,12 +38,13 @@ struct Lines {
     by_angle: BTreeMap<(u64, usize), ()>,
 }
 
-/// The segments of a receiver, and what became of its curves. `name` tells which surface an emitter is.
+/// The segments of a receiver, and what became of its curves. `name` tells which surface an emitter is,
+/// if it is one.
 pub(super) fn weld(
     faces: &Faces<'_>,
     mut curves: Vec<Curve>,
     tolerance: f64,
-    name: impl Fn(u32) -> SurfaceId,
+    name: impl Fn(u32) -> Option<SurfaceId>,
 ) -> (Vec<Segment>, Counters) {
     let Some(first) = curves.first() else { return Default::default() };
     let facet = faces.facet(first.receiver);
@@ -65,8 +66,7 @@ pub(super) fn weld(
         for stretch in line.overlaid(faces.on_plane()) {
             let ends = [stretch.from, stretch.to].map(|t| welder.weld(lift(line.origin + t * line.along)).0);
             if ends[0] != ends[1] {
-                let source = (stretch.emitter != NO_EMITTER).then(|| name(stretch.emitter));
-                segments.push(Segment { ends, degree: stretch.degree, source, change: stretch.change });
+                segments.push(Segment { ends, degree: stretch.degree, source: name(stretch.emitter), change: stretch.change });
             }
         }
     }

@@ -45,8 +45,8 @@ pub(crate) struct MeshBuilder<'a> {
     pub indirect: &'a IndirectGather<'a>,
     pub direct: &'a DirectLight<'a>,
     pub budget: RayBudget,
-    /// What elements follow.
-    pub lines: &'a Discontinuities,
+    /// What elements of indirect light follow, and those of all light.
+    pub lines: [&'a Discontinuities; 2],
     /// What a view sees, if the mesh is made for a picture: its error is then one over the pixels, else over all area.
     pub seen: Option<&'a SeenSurfaces>,
     /// The largest error that may be claimed, and in which norm.
@@ -65,7 +65,8 @@ impl MeshBuilder<'_> {
         let direct = Direct { scene: self.scene, light: self.direct };
 
         // Indirect light.
-        let mut growing = self.begin(surfaces, whole)?;
+        let [of_indirect, of_all] = self.lines;
+        let mut growing = self.begin(surfaces, whole, of_indirect)?;
         let roots: f64 = growing.iter().flat_map(|of| of.node_sizes()).map(f64::sqrt).sum();
         let (budget, size) = (self.budget, (whole / roots).powi(2));
         let mut light = Indirect { direct: &direct, gather: self.indirect, budget, rays: PILOT_RAYS, size, noise_scale: 1.0 };
@@ -77,7 +78,7 @@ impl MeshBuilder<'_> {
         let indirect = self.finish(growing, true);
 
         // All light.
-        let mut growing = self.begin(surfaces, whole)?;
+        let mut growing = self.begin(surfaces, whole, of_all)?;
         let light = All { direct: &direct, indirect: MeshReader::of(self.scene, &indirect) };
         let part = 1.0 - INDIRECT_PART;
         let tests = (TESTS / (part * self.error.powi(2))).ceil().min(MOST_TESTS);
@@ -85,6 +86,7 @@ impl MeshBuilder<'_> {
             judged_at: JUDGED.max(tests as usize),
             most_gathers: 1,
             takes_all: false,
+            fits: false,
             followed: 1.0,
             ..self.grower(&light, part, whole / tests)
         };
@@ -118,14 +120,15 @@ impl MeshBuilder<'_> {
             judged_at: JUDGED,
             most_gathers: MOST_GATHERS,
             takes_all: true,
+            fits: true,
             limits,
             tell,
             stop,
         }
     }
 
-    /// The first elements; `None` if the limits do not allow so many.
-    fn begin(&self, surfaces: &[SurfaceId], whole: f64) -> Option<Vec<Growing>> {
+    /// The first elements, along some lines; `None` if the limits do not allow so many.
+    fn begin(&self, surfaces: &[SurfaceId], whole: f64, lines: &Discontinuities) -> Option<Vec<Growing>> {
         let largest = FIRST_PART * whole;
         let begin = |&surface: &SurfaceId| {
             let plane = Plane::of(self.scene, surface);
@@ -135,7 +138,7 @@ impl MeshBuilder<'_> {
                 ends: segment.ends.map(|end| plane.to_plane(end)),
                 is_step: segment.degree == Degree::D0,
             };
-            let lines: Vec<Line> = self.lines.of(surface).iter().map(line).collect();
+            let lines: Vec<Line> = lines.of(surface).iter().map(line).collect();
             let deciding = self.scene.deciding();
             let Some(seen) = self.seen else {
                 return Growing::new(surface, plane, triangulate(&corners, &lines, largest), None, deciding);

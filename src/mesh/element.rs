@@ -16,6 +16,17 @@ pub(super) fn weights([a, b, c]: [f64; 3]) -> [f64; 6] {
     [corner(a), corner(b), corner(c), 4.0 * a * b, 4.0 * b * c, 4.0 * c * a]
 }
 
+/// Light that varies by so much within an element, as the least over the most of its nodes, does so since something stands before it.
+const STEEP: f64 = 0.5;
+
+/// The value of the function as it counts, from that of its polynomial: across a jump of light that runs through an element, a quadratic function
+/// swings beyond what is found on either side by up to an eighth of the jump, so there it is kept within the range of the nodes. Where light is smooth,
+/// it may be largest between them.
+pub(super) fn limited(nodes: [f64; 6], value: f64) -> f64 {
+    let (least, most) = nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &b| (b.min(least), b.max(most)));
+    if least < STEEP * most { value.clamp(least, most) } else { value }
+}
+
 /// The mean over an element of the sum of the squared weights: the squared noise of the function, where that of its nodes is 1.
 pub(super) const NOISE: f64 = 3.0 * (OF_CORNER + OF_MIDDLE);
 
@@ -64,6 +75,25 @@ mod tests {
             let interpolated: f64 = weights(barycentric(CORNERS, at)).iter().zip(nodes).map(|(w, node)| w * function(node)).sum();
             assert!((interpolated - function(at)).abs() < 1e-12, "{at}");
         }
+    }
+
+    #[test]
+    fn jumps_are_not_overshot_and_smooth_peaks_stay() {
+        // Dark at one corner and the middles beside it, else bright; and a peak between nodes.
+        let jump = [0.1, 1.0, 1.0, 0.1, 1.0, 0.1];
+        let peak = [0.9, 0.95, 0.95, 0.98, 0.95, 0.98];
+        let (mut under, mut over) = (0.0_f64, 0.0_f64);
+        for number in 0..400_u32 {
+            let [u, v] = [number % 20, number / 20].map(|k| f64::from(k) / 20.0);
+            let weights = weights(sampled_barycentric(u, v));
+            let of = |nodes: [f64; 6]| weights.iter().zip(nodes).map(|(w, b)| w * b).sum::<f64>();
+            under = under.min(of(jump) - 0.1);
+            let kept = limited(jump, of(jump));
+            assert!((0.1..=1.0).contains(&kept), "{kept}");
+            assert_eq!(limited(peak, of(peak)), of(peak));
+            over = over.max(of(peak) - 0.98);
+        }
+        assert!(under < -0.05 && over > 0.0, "{under} {over}");
     }
 
     #[test]

@@ -55,6 +55,8 @@ pub(super) struct Grower<'a> {
     pub test_weight: f64,
     /// Whether nodes are taken where nothing is seen as well: others read the function there.
     pub takes_all: bool,
+    /// Whether light is smooth and its nodes are noisy, so that each is fitted to those around it.
+    pub fits: bool,
     /// Points at which the function is judged.
     pub judged_at: usize,
     /// Gathers at a node at most: a power of two, 1 where light has no noise.
@@ -158,6 +160,9 @@ impl Grower<'_> {
         // Means of all gathers, and their variances.
         for ((index, node, _), light) in wanted.iter().zip(taken.chunks(self.channels)) {
             all[*index].add_gather(*node, light);
+        }
+        if self.fits {
+            all.par_iter_mut().for_each(Growing::fit);
         }
     }
 

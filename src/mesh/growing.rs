@@ -2,6 +2,7 @@
 
 use super::bisection::Triangles;
 use super::element;
+use super::fit::fitted;
 use super::plane::Plane;
 use super::seen::SeenTriangles;
 use super::surface_mesh::SurfaceMesh;
@@ -22,6 +23,9 @@ pub(super) struct Growing {
     pub deciding: usize,
     /// By node and channel: reflected radiosity in W/m^2, and its variance.
     pub found: Vec<[f32; 2]>,
+    /// The same as fitted to nodes around each; empty where they are taken as they were found.
+    fitted: Vec<[f32; 2]>,
+    has_new_gathers: bool,
     /// By node: how many gathers that is the mean of; 0 where none is wanted.
     pub gathers: Vec<u32>,
     pub tests: Vec<Test>,
@@ -47,16 +51,30 @@ pub(super) struct Test {
 
 impl Growing {
     pub fn new(surface: SurfaceId, plane: Plane, triangles: Triangles, seen: Option<SeenTriangles>, deciding: usize) -> Self {
-        let (found, gathers, tests, is_tested) = Default::default();
-        Self { surface, plane, triangles, seen, deciding, found, gathers, tests, is_tested }
+        let (found, fitted, has_new_gathers, gathers, tests, is_tested) = Default::default();
+        Self { surface, plane, triangles, seen, deciding, found, fitted, has_new_gathers, gathers, tests, is_tested }
     }
 
     /// The function as it stands; with what is not seen as well, or without.
     pub fn into_mesh(self, takes_all: bool) -> SurfaceMesh {
-        let values = self.found.iter().map(|&[value, _]| value).collect();
+        let values = self.values().iter().map(|&[value, _]| value).collect();
         let mesh = SurfaceMesh::new(&self.triangles, values);
         let is_seen = |triangle: usize| self.weight(triangle as u32) > 0.0;
         if takes_all { mesh } else { mesh.with_triangles(is_seen) }
+    }
+
+    /// What nodes have in the function: by node and channel, with its variance.
+    fn values(&self) -> &[[f32; 2]] {
+        if self.fitted.is_empty() { &self.found } else { &self.fitted }
+    }
+
+    /// Fits each node to those around it, if any got a gather since. Tests of elements that are as they were stay: the function changes there by less
+    /// than the noise that they hold.
+    pub fn fit(&mut self) {
+        if std::mem::take(&mut self.has_new_gathers) {
+            let channels = self.found.len() / self.triangles.nodes.len();
+            self.fitted = fitted(&self.triangles, &self.found, [self.deciding, channels]);
+        }
     }
 
     /// What a triangle counts in the error: its area in m^2, or how many pixels it covers.
@@ -110,6 +128,7 @@ impl Growing {
     pub fn add_gather(&mut self, node: usize, light: &[[f64; 2]]) {
         let before = f64::from(self.gathers[node]);
         self.gathers[node] += 1;
+        self.has_new_gathers = true;
         for (found, [value, variance]) in self.found[node * light.len()..].iter_mut().zip(light) {
             let [mean, noise] = found.map(f64::from);
             let mean = (before * mean + value) / (before + 1.0);
@@ -158,13 +177,13 @@ impl Growing {
     /// The function at a point of a triangle and its variance, in one of so many channels.
     fn at(&self, triangle: u32, weights: [f64; 6], channel: usize, channels: usize) -> [f64; 2] {
         let nodes = self.triangles.triangles[triangle as usize].nodes();
+        let values = nodes.map(|node| self.values()[node as usize * channels + channel].map(f64::from));
         let (mut function, mut variance) = (0.0, 0.0);
-        for (node, weight) in nodes.into_iter().zip(weights) {
-            let [value, noise] = self.found[node as usize * channels + channel].map(f64::from);
+        for ([value, noise], weight) in values.into_iter().zip(weights) {
             function += weight * value;
             variance += weight * weight * noise;
         }
-        [function.max(0.0), variance]
+        [element::limited(values.map(|[value, _]| value), function).max(0.0), variance]
     }
 
     /// Holds the function against the light, by channel with its variance, at a point of a triangle;

@@ -55,10 +55,11 @@ impl LitMesh {
         self.surfaces.iter().flatten().map(|mesh| mesh.nodes().len()).sum()
     }
 
-    /// Bytes that it takes to make one of so many elements: those of indirect light, as they stay, and those of all light, as they are refined.
+    /// Bytes that it takes to make one of so many elements: those of indirect light, as they stay, and those of all light, as they are refined:
+    /// with what was found at nodes, and what is fitted to that.
     pub(crate) fn bytes_to_make(elements: usize, channels: usize) -> u64 {
         let kept = size_of::<[u32; 6]>() + NODES * (size_of::<DVec2>() + channels * size_of::<f32>());
-        (elements * (2 * kept + REFINED + NODES * channels * size_of::<[f32; 2]>())) as u64
+        (elements * (2 * kept + REFINED + 2 * NODES * channels * size_of::<[f32; 2]>())) as u64
     }
 
     /// Bytes that this takes.

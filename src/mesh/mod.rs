@@ -2,9 +2,11 @@
 
 mod bisection;
 mod build;
+mod crossings;
 mod effort;
 mod element;
 mod expected;
+mod fit;
 mod grow;
 mod growing;
 mod judged;

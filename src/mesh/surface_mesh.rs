@@ -82,12 +82,13 @@ impl SurfaceMesh {
         [a, b, c].map(|node| self.nodes[node as usize])
     }
 
-    /// The reflected radiosity in a triangle at barycentric coordinates, by channel; below 0 where noise or the function's shape take it there.
+    /// The reflected radiosity in a triangle at barycentric coordinates, by channel; below 0 where noise takes it there.
     pub fn reflected_at(&self, triangle: usize, at: [f64; 3], reflected: &mut [f64]) {
         let (weights, channels) = (element::weights(at), reflected.len());
         for (channel, sum) in reflected.iter_mut().enumerate() {
-            let of_node = |(&node, weight): (&u32, f64)| weight * f64::from(self.reflected[node as usize * channels + channel]);
-            *sum = self.triangles[triangle].iter().zip(weights).map(of_node).sum();
+            let nodes = self.triangles[triangle].map(|node| f64::from(self.reflected[node as usize * channels + channel]));
+            let polynomial = nodes.iter().zip(weights).map(|(b, weight)| weight * b).sum();
+            *sum = element::limited(nodes, polynomial);
         }
     }
 }

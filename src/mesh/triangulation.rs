@@ -8,6 +8,7 @@ use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 
 use super::bisection::{NONE, Triangles};
+use super::crossings::split;
 
 /// Points closer than this part of the polygon's size are one.
 const WELDED: f64 = 1e-9;
@@ -20,10 +21,11 @@ pub(crate) struct Line {
     pub is_step: bool,
 }
 
-/// Triangulates a convex polygon, counter-clockwise, along some lines within it; no triangle is larger than `largest` m^2, or much longer than that. Lines that cross others
-/// before them are left out. A polygon too small for spade, below 1e-33 m, has no triangles.
+/// Triangulates a convex polygon, counter-clockwise, along some lines within it; no triangle is larger than `largest` m^2, or much longer than that. Lines that cross are
+/// split there; what still crosses others before it, by rounding, is left out. A polygon too small for spade, below 1e-33 m, has no triangles.
 pub(super) fn triangulate(polygon: &[DVec2], lines: &[Line], largest: f64) -> Triangles {
     let size = polygon.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
+    let lines = &split(lines, WELDED * size);
     let mut vertices = Vertices { cell: WELDED * size, numbers: HashMap::new(), places: Vec::new() };
     for &corner in polygon {
         vertices.number(corner);

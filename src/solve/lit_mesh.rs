@@ -5,12 +5,12 @@ use std::time::Instant;
 use super::job::Job;
 use super::judge::add_time;
 use super::memory::Holdings;
+use super::mesh_lines;
 use super::report::{ErrorFigure, LitMeshReport, SolveReport, StoppedBy};
 use super::shares::error_of_mesh;
 use super::solution::Solution;
 use crate::cells::CellRadiosities;
 use crate::direct::{Blockers, DirectLight};
-use crate::discontinuities;
 use crate::mesh::{LitMesh, MeshBuilder, MeshLimit, MeshLimits, SeenSurfaces};
 use crate::paths::LightPaths;
 use crate::progress::{Observer, Progress, Stage, Stop};
@@ -71,7 +71,8 @@ impl Solution {
     /// Radiosity as a function on all surfaces that reflect, off the values at points by `error` in the norm of the options; `None` if the observer
     /// cancels.
     ///
-    /// Elements follow the lines where surfaces touch, and the outlines of what stands close over them. Other discontinuities are met by refinement.
+    /// Elements follow the lines where surfaces touch, the outlines of what stands close over them, and borders of the shadows of lights that are no
+    /// surfaces. Other discontinuities are met by refinement.
     pub(crate) fn lit_mesh(&self, rays: &Rays<'_>, error: f64, observer: &dyn Observer) -> Option<LitMesh> {
         self.lit_mesh_within((rays, None), error, &MeshLimits::none(), &|| observer.cancelled(), observer)
     }
@@ -119,7 +120,8 @@ impl Solution {
         let blockers = Blockers::of(scene);
         let direct = &DirectLight { scene, rays, blockers: &blockers, emitters: &emitters };
 
-        let lines = &discontinuities::of_shape(scene, stop);
+        let (shape, with_lights) = mesh_lines::find(self, error, stop);
+        let lines = [&shape, with_lights.as_ref().unwrap_or(&shape)];
         let is_wanted = |surface: &SurfaceId| seen.is_none_or(|seen| seen.weight(*surface) > 0.0);
         let reflects = |surface: &SurfaceId| scene.material_of(*surface).reflects();
         let surfaces: Vec<SurfaceId> = all.filter(reflects).filter(is_wanted).collect();

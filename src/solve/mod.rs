@@ -19,6 +19,7 @@ mod linked;
 mod links_way;
 mod lit_mesh;
 mod memory;
+mod mesh_lines;
 mod multiresolution96;
 mod next_step;
 mod options;
