@@ -160,7 +160,7 @@ fn irradiance(faces: &Faces<'_>, emitter: &Emitter, receiver: &Plane, middle: DV
     emitter.radiosity * if factor.is_nan() { 1.0 } else { factor.min(1.0) }
 }
 
-fn distance_to_segment(point: DVec3, [a, b]: [DVec3; 2]) -> f64 {
+pub(super) fn distance_to_segment(point: DVec3, [a, b]: [DVec3; 2]) -> f64 {
     let along = b - a;
     let length_sq = along.length_squared();
     let part = if length_sq > 0.0 { ((point - a).dot(along) / length_sq).clamp(0.0, 1.0) } else { 0.0 };

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::curves::{Curve, Found};
 use super::edges::Edge;
+use super::effect::distance_to_segment;
 use super::envelope::first_hits;
 use super::faces::{Faces, Plane};
 use super::fan::{Cut, Fan};
@@ -44,9 +45,13 @@ pub(super) struct LightTracer<'a> {
     pub stop: Stop<'a>,
 }
 
+/// Light is looked at along a border in pieces of this part of its distance from the light, or less; but no more than so many.
+const PIECE: f64 = 0.1;
+const MOST_PIECES: f64 = 64.0;
+
 /// A light with a number among all that send something.
 #[derive(Clone, Copy)]
-struct Source<'a> {
+struct Lamp<'a> {
     number: u32,
     light: &'a Light,
 }
@@ -59,7 +64,7 @@ struct Borders {
     off: f64,
 }
 
-/// A part of the light of a source.
+/// A part of a light.
 #[derive(Clone, Copy)]
 enum Part {
     /// From a place.
@@ -71,7 +76,7 @@ enum Part {
 impl LightTracer<'_> {
     /// The borders behind some edges that a light casts, which has this number; of at most so many edges.
     pub fn follow(&self, edges: &[Edge], light: &Light, number: u32, most: usize) -> Found {
-        let source = Source { number, light };
+        let lamp = Lamp { number, light };
         let mut found = Found::default();
         let edges = self.that_matter(edges, light, most, &mut found);
         let follow = |trace: &(dyn Fn(&Edge) -> Borders + Sync), edges: &[&Edge]| -> Vec<Borders> {
@@ -83,7 +88,7 @@ impl LightTracer<'_> {
             LightShape::Sun(sun) => (Part::Afar(sun.towards), 0.5 * sun.diameter),
             LightShape::Sky(_) => return found,
         };
-        let mut borders = follow(&|edge| self.middle(source, (part, radius), edge), &edges);
+        let mut borders = follow(&|edge| self.middle(lamp, (part, radius), edge), &edges);
         let (Part::Afar(towards), true) = (part, radius > 0.0) else {
             borders.into_iter().for_each(|borders| found.append(borders.found));
             return found;
@@ -101,7 +106,7 @@ impl LightTracer<'_> {
         steps.for_each(|&k| is_step[k] = true);
         let wide: Vec<&Edge> = edges.iter().zip(&is_step).filter(|(_, is_step)| !**is_step).map(|(edge, _)| *edge).collect();
         borders.iter_mut().zip(is_step).filter(|(_, is_step)| !is_step).for_each(|(of, _)| of.found.curves.clear());
-        let both = follow(&|edge| self.penumbra(source, (towards, radius), edge), &wide);
+        let both = follow(&|edge| self.penumbra(lamp, (towards, radius), edge), &wide);
         borders.into_iter().chain(both).for_each(|borders| found.append(borders.found));
         found
     }
@@ -109,15 +114,12 @@ impl LightTracer<'_> {
     /// The edges whose shadows may matter, in order; of more than `most` those that make most. The others are counted.
     fn that_matter<'e>(&self, edges: &'e [Edge], light: &Light, most: usize, found: &mut Found) -> Vec<&'e Edge> {
         let least = self.faces.ids().map(self.tolerance).fold(f64::INFINITY, f64::min);
-        let brings = |edge: &Edge| {
-            let places = [edge.ends[0], edge.ends[0].midpoint(edge.ends[1]), edge.ends[1]];
-            places
-                .iter()
-                .filter_map(|&place| light.shape.seen_from(place, [0.0; 2]))
-                .map(|seen| seen.irradiance)
-                .fold(0.0, f64::max)
-                * light.brightest()
+        // At most, for the nearest place of an edge.
+        let (peak, place) = match &light.shape {
+            LightShape::Point(point) => (point.peak() * light.brightest(), Some(point.position)),
+            _ => (light.brightest(), None),
         };
+        let brings = |edge: &Edge| place.map_or(peak, |place| peak / distance_to_segment(place, edge.ends).powi(2));
         let weigh = |edge: &'e Edge| {
             let brings = brings(edge);
             (brings > least).then(|| (brings * edge.ends[0].distance(edge.ends[1]), edge))
@@ -135,16 +137,16 @@ impl LightTracer<'_> {
     }
 
     /// What light at a point or from the middle of a sun of some radius leaves behind an edge.
-    fn middle(&self, source: Source<'_>, (part, radius): (Part, f64), edge: &Edge) -> Borders {
+    fn middle(&self, lamp: Lamp<'_>, (part, radius): (Part, f64), edge: &Edge) -> Borders {
         let mut borders = Borders::default();
         if !(self.stop)() {
-            self.behind(source, part, edge, (Degree::D0, radius), &mut borders);
+            self.behind(lamp, part, edge, (Degree::D0, radius), &mut borders);
         }
         borders
     }
 
     /// What the two planes through an edge that touch a sun leave behind it.
-    fn penumbra(&self, source: Source<'_>, (towards, radius): (DVec3, f64), edge: &Edge) -> Borders {
+    fn penumbra(&self, lamp: Lamp<'_>, (towards, radius): (DVec3, f64), edge: &Edge) -> Borders {
         let mut borders = Borders::default();
         let along = (edge.ends[1] - edge.ends[0]).normalize_or_zero();
         let across = towards - towards.dot(along) * along;
@@ -158,13 +160,13 @@ impl LightTracer<'_> {
             // The unit normal of a plane along the edge, and the place where that touches the disc.
             let normal = (1.0 - sin * sin).sqrt() * beside + sin * across;
             let touched = (towards - normal.dot(towards) * normal).normalize_or_zero();
-            self.behind(source, Part::Afar(touched), edge, (Degree::D1, 0.0), &mut borders);
+            self.behind(lamp, Part::Afar(touched), edge, (Degree::D1, 0.0), &mut borders);
         }
         borders
     }
 
     /// Follows a part of the light behind an edge: it begins where that sees the edge.
-    fn behind(&self, source: Source<'_>, part: Part, edge: &Edge, (degree, radius): (Degree, f64), borders: &mut Borders) {
+    fn behind(&self, lamp: Lamp<'_>, part: Part, edge: &Edge, (degree, radius): (Degree, f64), borders: &mut Borders) {
         let [a, b] = edge.ends;
         let (way, apex) = match part {
             Part::Place(apex) => (a - apex, Some(apex)),
@@ -196,10 +198,10 @@ impl LightTracer<'_> {
                 let Some(receiver) = self.faces.scene.side_towards(cut.surface, -direction) else { return };
                 let ends = rays.map(|u| cut.point(u));
                 if borders.found.admit(self.faces, receiver, ends) {
-                    let change = self.brings(source.light, receiver, ends);
+                    let change = self.brings(lamp.light, receiver, ends);
                     let width = ends.map(|end| 2.0 * radius.sin() * (end - a).cross(along).length());
                     borders.off += self.off((receiver, ends), change, width[0].midpoint(width[1]), &plane);
-                    borders.found.curves.push(Curve { receiver, ends, degree, emitter: source.number, change });
+                    borders.found.curves.push(Curve { receiver, ends, degree, emitter: lamp.number, change });
                 }
             });
         }
@@ -211,16 +213,20 @@ impl LightTracer<'_> {
         near.into_iter().filter(|&id| self.faces.facet(id).distance_to(place) <= self.faces.on_plane()).collect()
     }
 
-    /// The most that a light brings to places along a segment on a receiver, in its brightest channel in W/m^2.
+    /// The most that a light brings to some places along a segment on a receiver, in its brightest channel in W/m^2.
     fn brings(&self, light: &Light, receiver: SurfaceId, ends: [DVec3; 2]) -> f64 {
-        const PIECES: u32 = 8;
         let normal = self.faces.facet(receiver).normal;
-        let radius = if let LightShape::Sun(sun) = &light.shape { (0.5 * sun.diameter).sin() } else { 0.0 };
+        let (radius, distance) = match &light.shape {
+            LightShape::Sun(sun) => ((0.5 * sun.diameter).sin(), f64::INFINITY),
+            LightShape::Point(point) => (0.0, distance_to_segment(point.position, ends)),
+            LightShape::Sky(_) => return 0.0,
+        };
+        let pieces = (ends[0].distance(ends[1]) / (PIECE * distance)).ceil().clamp(2.0, MOST_PIECES) as u32;
         let at = |piece: u32| {
-            let seen = light.shape.seen_from(ends[0].lerp(ends[1], f64::from(piece) / f64::from(PIECES)), [0.0; 2])?;
+            let seen = light.shape.seen_from(ends[0].lerp(ends[1], f64::from(piece) / f64::from(pieces)), [0.0; 2])?;
             Some((normal.dot(seen.towards) + radius).max(0.0) * seen.irradiance)
         };
-        (0..=PIECES).filter_map(at).fold(0.0, f64::max) * light.brightest()
+        (0..=pieces).filter_map(at).fold(0.0, f64::max) * light.brightest()
     }
 
     /// How much a step is off in the middle of a penumbra, which is so wide across the plane of the step and changes so much, as a part of the

@@ -47,6 +47,11 @@ impl Luminaire {
         self.table.flux()
     }
 
+    /// The largest intensity.
+    pub(super) fn peak(&self) -> f64 {
+        self.table.peak()
+    }
+
     /// The intensity in the direction of a unit vector.
     pub(super) fn intensity(&self, direction: DVec3) -> f64 {
         let [along, front, side] = [self.axis, self.front, self.side()].map(|axis| axis.dot(direction));

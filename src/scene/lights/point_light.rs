@@ -81,6 +81,14 @@ impl PointLight {
         }
     }
 
+    /// The largest intensity, for each unit of strength.
+    pub(crate) fn peak(&self) -> f64 {
+        match &self.distribution {
+            Distribution::Uniform | Distribution::Spot(_) => 1.0,
+            Distribution::Luminaire(luminaire) => luminaire.peak(),
+        }
+    }
+
     /// How it is seen from a point; `None` from where it is, and where it sends nothing.
     pub(super) fn seen_from(&self, point: DVec3) -> Option<Seen> {
         let to = self.position - point;
