@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::triangulation::Line;
+use super::line::Line;
 
 /// The pieces of lines between their crossings with others, in the order of the lines. What crosses within `tolerance` of an end meets there.
 pub(super) fn split(lines: &[Line], tolerance: f64) -> Vec<Line> {

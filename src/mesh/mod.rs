@@ -12,6 +12,7 @@ mod growing;
 mod judged;
 mod light;
 mod limits;
+mod line;
 mod lit_mesh;
 mod locate;
 mod plane;

@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::triangulation::{Line, triangulate};
+use super::line::Line;
+use super::triangulation::triangulate;
 
 /// The corners of the first triangles of a convex polygon, counter-clockwise, along some lines within it; no triangle is larger than `largest` m^2.
 /// A line is its two ends, and whether light may have a step there.

@@ -9,17 +9,10 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 
 use super::bisection::{NONE, Triangles};
 use super::crossings::split;
+use super::line::Line;
 
 /// Points closer than this part of the polygon's size are one.
 const WELDED: f64 = 1e-9;
-
-/// A line within a polygon.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Line {
-    pub ends: [DVec2; 2],
-    /// Whether light may have a step there: values are not shared across it.
-    pub is_step: bool,
-}
 
 /// Triangulates a convex polygon, counter-clockwise, along some lines within it; no triangle is larger than `largest` m^2, or much longer than that. Lines that cross are
 /// split there; what still crosses others before it, by rounding, is left out. A polygon too small for spade, below 1e-33 m, has no triangles.
