@@ -1,6 +1,7 @@
 //! Which emitters make up which light group.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::light_groups::LightGroups;
 use super::{LightGroupError, Lights, MOST_CHANNELS, Scene, Surface};
@@ -36,6 +37,7 @@ impl Scene {
             LightGrouping::Materials | LightGrouping::Objects => Vec::new(),
         };
         let mut scene = Self { light_groups: None, ..self.clone() };
+        let surfaces = Arc::make_mut(&mut scene.surfaces);
         let mut of_material = vec![None; self.materials.len()];
         let mut copies: BTreeMap<(u32, u32), u32> = BTreeMap::new();
         for (index, surface) in self.surfaces.iter().enumerate().filter(|(_, surface)| emits(surface)) {
@@ -57,7 +59,7 @@ impl Scene {
                 of_material[surface.material as usize] = Some(group);
                 surface.material
             });
-            scene.surfaces[index].material = material;
+            surfaces[index].material = material;
         }
         if names.len() >= MOST_CHANNELS / self.channels {
             return Err(LightGroupError::TooMany { groups: names.len(), bands: self.channels, most: MOST_CHANNELS });

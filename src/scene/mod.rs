@@ -13,6 +13,7 @@ mod lights;
 mod material;
 mod planes;
 mod point;
+mod shared;
 mod summary;
 mod twins;
 
@@ -27,6 +28,8 @@ pub use lights::Lights;
 pub use material::Material;
 pub use point::{PointError, SurfacePoint};
 pub use summary::SceneSummary;
+
+use std::sync::Arc;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -90,7 +93,9 @@ const MOST_CHANNELS: usize = 1024;
 pub struct Scene {
     channels: usize,
     materials: Vec<Material>,
-    surfaces: Vec<Surface>,
+    /// Copies of a scene share them.
+    #[serde(with = "shared")]
+    surfaces: Arc<Vec<Surface>>,
     sides: Sides,
     /// What their faces belong to.
     objects: FaceNames,
@@ -126,8 +131,8 @@ impl Scene {
             return Err(SceneError::NoSuchMaterial { surface, material, count });
         }
 
-        let surfaces =
-            faces.into_iter().map(|(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None }).collect();
+        let surface = |(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None };
+        let surfaces = Arc::new(faces.into_iter().map(surface).collect());
         let (objects, groups) = (FaceNames::default(), FaceNames::default());
         let mut scene = Self { channels, materials, surfaces, sides, objects, groups, light_groups: None, carried: 0 };
         scene.check_materials()?;
@@ -247,7 +252,10 @@ impl Scene {
 
     /// The box around all surfaces.
     pub fn bounds(&self) -> Aabb {
-        self.surfaces.iter().map(|surface| surface.polygon.bounds()).fold(Aabb::EMPTY, Aabb::union)
+        // Both sides of a sheet have the same.
+        let surfaces = self.surfaces.iter().enumerate();
+        let counted = surfaces.filter(|(index, surface)| surface.twin.is_none_or(|twin| twin.index() > *index));
+        counted.map(|(_, surface)| surface.polygon.bounds()).fold(Aabb::EMPTY, Aabb::union)
     }
 }
 

@@ -33,8 +33,7 @@ impl<'a> Job<'a> {
         observer: &'a dyn Observer,
     ) -> Self {
         let deadline = run.time_s.and_then(|seconds| Instant::now().checked_add(Duration::from_secs_f64(seconds)));
-        let is_copied = kept_channels != scene.channels() || scene.deciding() != scene.channels();
-        let memory = MemoryLedger::new(scene, is_copied, run.backend, run.memory_bytes);
+        let memory = MemoryLedger::new(scene, run.backend, run.memory_bytes);
         Self { scene, kept_channels, options, run, deadline, memory, rays, observer }
     }
 

@@ -56,12 +56,9 @@ pub(super) struct Linked<'a> {
 }
 
 impl<'a> Linked<'a> {
-    pub fn new(job: Job<'a>, illumination: &Illumination, clusters: bool) -> Self {
+    pub fn new(job: Job<'a>, illumination: &Illumination, mut hierarchy: Hierarchy, clusters: bool) -> Self {
         let start = Instant::now();
         let Job { scene, rays, options, .. } = job;
-        let (links, elements) = (0, scene.surfaces().len() as u64);
-        job.observer.progress(&Progress { stage: Stage::Build, round: 0, fraction: None, links, elements, error: None });
-        let mut hierarchy = Hierarchy::new_unless(scene, &job.stop());
         if options.links.subdivision == Subdivision::Discontinuities {
             cut_along_discontinuities(&job, illumination, &mut hierarchy);
         }

@@ -83,11 +83,10 @@ pub(super) struct MemoryLedger {
 }
 
 impl MemoryLedger {
-    /// Of a scene that is solved as `solved`, which may have fewer channels.
-    pub fn new(scene: &Scene, is_copied: bool, backend: Backend, budget: Option<u64>) -> Self {
-        let copies = if is_copied { 2 } else { 1 };
+    /// Of a scene; where it is solved in other channels, both have the same surfaces in memory.
+    pub fn new(scene: &Scene, backend: Backend, budget: Option<u64>) -> Self {
         let blockers = (scene.surfaces().len() * Blockers::BYTES_OF_SURFACE) as u64;
-        let fixed = PROGRAM + copies * scene_bytes(scene) + sheets(scene) * (READ as u64 + bytes_of_triangle(backend)) + blockers;
+        let fixed = PROGRAM + scene_bytes(scene) + sheets(scene) * (READ as u64 + bytes_of_triangle(backend)) + blockers;
         Self { budget: budget.unwrap_or(u64::MAX), fixed }
     }
 

@@ -56,6 +56,7 @@ use memory::MemoryLedger;
 use step::NextStep;
 
 use crate::error::ErrorEstimate;
+use crate::hierarchy::Hierarchy;
 use crate::links::RefineEnd;
 use crate::progress::Observer;
 use crate::scene::{DistinctChannels, Scene};
@@ -64,17 +65,25 @@ use crate::visibility::Backend;
 
 /// The least memory that a solve of a scene takes, in bytes, by the ledger.
 pub(crate) fn least_bytes(scene: &Scene, backend: Backend) -> u64 {
-    MemoryLedger::new(scene, false, backend, None).least(scene)
+    MemoryLedger::new(scene, backend, None).least(scene)
 }
 
-/// Solves `scene` in the current rayon pool; `importance` is looked at by error-driven refinement alone.
+/// What a solve begins with, beside the scene.
+pub(crate) struct Beginning {
+    /// Clusters over the surfaces of the scene, nothing subdivided yet.
+    pub hierarchy: Hierarchy,
+    /// What error-driven refinement looks at, and no other.
+    pub importance: InitialImportance,
+}
+
+/// Solves `scene` in the current rayon pool.
 ///
 /// Channels that repeat others, or in which no light is on, are read off the others. Light groups are carried along, and taken apart at the end.
 pub(crate) fn solve(
     scene: Scene,
     options: &SolveOptions,
     run: &RunOptions,
-    importance: InitialImportance,
+    beginning: Beginning,
     rays: &Rays<'_>,
     observer: &dyn Observer,
 ) -> (Solution, SolveReport) {
@@ -83,7 +92,7 @@ pub(crate) fn solve(
     let distinct = DistinctChannels::of(&scene).filter(|_| merges);
     let solved = distinct.as_ref().map_or(&scene, |channels| &channels.scene).carrying_light_groups();
     let job = Job::new(&solved, scene.channels_with_groups(), options, run, rays, observer);
-    let (mut solution, mut report) = solve_to_the_end(&job, importance);
+    let (mut solution, mut report) = solve_to_the_end(&job, beginning);
     if let Some(channels) = &distinct {
         solution = solution.expanded(channels);
         report.energy = report.energy.times(channels.copies as f64);
@@ -101,19 +110,19 @@ pub(crate) fn solve(
 }
 
 /// Solves the scene of a job as it is: values at points, and the lit mesh if it is wanted.
-fn solve_to_the_end(job: &Job<'_>, importance: InitialImportance) -> (Solution, SolveReport) {
+fn solve_to_the_end(job: &Job<'_>, beginning: Beginning) -> (Solution, SolveReport) {
     if !job.options.lit_mesh {
-        return solve_all_channels(job, importance);
+        return solve_all_channels(job, beginning);
     }
     let options = SolveOptions { error: shares::error_of_values(job.options.error), ..job.options.clone() };
-    let (mut solution, mut report) = solve_all_channels(&job.of_values(&options), importance);
+    let (mut solution, mut report) = solve_all_channels(&job.of_values(&options), beginning);
     lit_mesh::add(job, &mut solution, &mut report);
     (solution, report)
 }
 
 /// Solves the scene of a job as it is, step by step: radiosities as finely as planned, the error that is left, and what to do about it.
-fn solve_all_channels(job: &Job<'_>, importance: InitialImportance) -> (Solution, SolveReport) {
-    let mut way = choose(job, importance);
+fn solve_all_channels(job: &Job<'_>, beginning: Beginning) -> (Solution, SolveReport) {
+    let mut way = choose(job, beginning);
     let stopped_by = 'solve: loop {
         let round = Instant::now();
         let ended = way.advance();
