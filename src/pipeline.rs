@@ -8,6 +8,7 @@ mod sensors;
 mod workers;
 
 pub use error::PipelineError;
+pub use of_mesh::ViewMesh;
 pub use workers::Workers;
 
 use std::sync::OnceLock;
@@ -19,7 +20,9 @@ use crate::mesh::MeshIndex;
 use crate::picture::{self, Camera, Image, Shown};
 use crate::progress::{Observer, Progress, Stage};
 use crate::scene::{LightGroupError, Scene, SurfacePoint};
-use crate::solve::{self, Beginning, Bounds, InitialImportance, Interest, RunOptions, Solution, SolveOptions, SolveReport, Strategy};
+use crate::solve::{
+    self, Beginning, Bounds, InitialImportance, Interest, RunOptions, Solution, SolveOptions, SolveReport, Strategy,
+};
 use crate::sweep::Importance;
 use crate::transmittance::Rays;
 use crate::values::{self, ShadingMethod, Values};
@@ -289,7 +292,7 @@ impl Evaluator {
     /// # Errors
     /// [`PipelineError::Camera`] if the camera sees nothing, see [`Camera::validate`].
     pub fn render(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
-        self.render_shown(Shown::Radiance, camera, observer)
+        Ok(self.render_shown(Shown::Radiance, camera, None, observer)?.map(|(image, _)| image))
     }
 
     /// A picture of the width of the bounds, `(upper - lower) / pi`, black where a back or nothing is met. `None` if there are no

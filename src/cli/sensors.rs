@@ -7,7 +7,7 @@ use patchlight::output::{
 };
 use patchlight::picture::{MeasuringPlane, PlaneRequest};
 use patchlight::pipeline::Evaluator;
-use patchlight::progress::{Observer, Progress};
+use patchlight::progress::Observer;
 use patchlight::scene::SurfacePoint;
 use patchlight::values::{Irradiances, Summary};
 
@@ -15,7 +15,7 @@ use super::arguments::SampleArguments;
 use super::exit::{Exit, Failure};
 use super::files::{self, Outputs, Sink};
 use super::interrupt;
-use super::progress::{Voice, Watcher};
+use super::progress::{Timed, Voice, Watcher};
 
 /// Where sensors are.
 #[derive(Debug)]
@@ -69,28 +69,6 @@ fn picture(typed: &SampleArguments, outputs: &mut Outputs) -> Result<Option<Plan
     }
     let scale = typed.scale.as_deref().map(str::parse).transpose().map_err(Failure::usage)?;
     Ok(Some(PlanePicture { destination: outputs.file(path)?, scale }))
-}
-
-/// Ends the work when its time is over.
-struct Timed {
-    watcher: Watcher,
-    end: Option<Instant>,
-}
-
-impl Timed {
-    fn is_over(&self) -> bool {
-        self.end.is_some_and(|end| Instant::now() >= end)
-    }
-}
-
-impl Observer for Timed {
-    fn progress(&self, progress: &Progress) {
-        self.watcher.progress(progress);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.watcher.cancelled() || self.is_over()
-    }
 }
 
 /// Measures, and writes what there is, whether all of it could be measured or not.

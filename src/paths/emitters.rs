@@ -55,7 +55,8 @@ impl<'a> Emitters<'a> {
 
         // Light groups may be off.
         surfaces.retain(|&id| scene.material_of(id).emits());
-        let tree = (!surfaces.is_empty()).then(|| LightTree::new(surfaces.iter().map(|&emitter| source(scene, emitter)).collect()));
+        let sources: Vec<Source> = surfaces.iter().map(|&emitter| source(scene, emitter)).collect();
+        let tree = if sources.is_empty() { None } else { LightTree::new(sources, &|| false) };
         Self { scene, rays, surfaces, dimmest, tree }
     }
 

@@ -26,6 +26,7 @@ use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
 use super::reflectors::Brightness;
 use crate::direct::{Blockers, DirectLight, Receiver};
 use crate::geometry::{Frame, sampling, streams};
+use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::{Hit, NO_PLANE, Ray, Segment};
@@ -85,10 +86,17 @@ pub(crate) struct LightPaths<'a> {
 }
 
 impl<'a> LightPaths<'a> {
-    /// Paths that end in cells of this size; particles' `landings` tell where there are bright spots.
-    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, brightness: &Brightness, landings: &[Landing], size: CellSize) -> Self {
+    /// Paths that end in cells of this size; particles' `landings` tell where there are bright spots. Once stopped, no rays are aimed at these.
+    pub fn new(
+        scene: &'a Scene,
+        rays: &'a Rays<'a>,
+        brightness: &Brightness,
+        landings: &[Landing],
+        size: CellSize,
+        stop: Stop<'_>,
+    ) -> Self {
         let grids = Grids::new(scene, brightness, size);
-        let reflectors = Reflectors::new(scene, rays, &brightness.reflectors, landings, &grids, SMALL_FROM);
+        let reflectors = Reflectors::new(scene, rays, (&brightness.reflectors, landings), &grids, SMALL_FROM, stop);
         let emitters = Emitters::new(scene, rays);
         let is_black = |surface: SurfaceId| {
             let material = scene.material_of(surface);

@@ -32,7 +32,7 @@ impl<'a> Job<'a> {
         rays: &'a Rays<'a>,
         observer: &'a dyn Observer,
     ) -> Self {
-        let deadline = run.time_s.and_then(|seconds| Instant::now().checked_add(Duration::from_secs_f64(seconds)));
+        let deadline = run.deadline();
         let memory = MemoryLedger::new(scene, run.backend, run.memory_bytes);
         Self { scene, kept_channels, options, run, deadline, memory, rays, observer }
     }

@@ -1,5 +1,7 @@
 //! How a run goes.
 
+use std::time::{Duration, Instant};
+
 use super::error::OptionsError;
 use crate::visibility::Backend;
 
@@ -18,6 +20,11 @@ pub struct RunOptions {
 }
 
 impl RunOptions {
+    /// When the time is over that begins now, if there is a limit.
+    pub(crate) fn deadline(&self) -> Option<Instant> {
+        self.time_s.and_then(|seconds| Instant::now().checked_add(Duration::from_secs_f64(seconds)))
+    }
+
     /// Rejects values outside their range; never clamps.
     ///
     /// # Errors
