@@ -19,7 +19,7 @@ use crate::hierarchy::Hierarchy;
 use crate::mesh::MeshIndex;
 use crate::picture::{self, Camera, Image, Shown};
 use crate::progress::{Observer, Progress, Stage};
-use crate::scene::{LightGroupError, Scene, SurfacePoint};
+use crate::scene::{Light, LightGroupError, Scene, SurfacePoint};
 use crate::solve::{
     self, Beginning, Bounds, InitialImportance, Interest, RunOptions, Solution, SolveOptions, SolveReport, Strategy,
 };
@@ -161,6 +161,9 @@ fn check(scene: &Scene, options: &SolveOptions, run: &RunOptions) -> Result<(), 
     let knows_groups = options.strategy == Strategy::Default && options.bounds != Bounds::Guaranteed;
     if scene.light_groups().is_some() && !knows_groups {
         return Err(LightGroupError::Options.into());
+    }
+    if options.bounds == Bounds::Guaranteed && scene.lights().iter().any(Light::is_on) {
+        return Err(PipelineError::Lights);
     }
     let Some(given) = run.memory_bytes else { return Ok(()) };
     let needed = solve::least_bytes(scene, run.backend);

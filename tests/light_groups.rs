@@ -13,7 +13,7 @@ use std::path::Path;
 use patchlight::output::{Provenance, read_solution_from, write_solution};
 use patchlight::pipeline::{Evaluator, PipelineError, solve};
 use patchlight::progress::Silent;
-use patchlight::scene::{LightGroupError, LightGrouping, LightWeight, Lights, Scene, SurfacePoint};
+use patchlight::scene::{EmitterName, LightGroupError, LightGrouping, LightWeight, Scene, SurfacePoint};
 use patchlight::solve::{Bounds, Norm, RunOptions, Solution, SolveOptions, SolveReport, Solver, Strategy};
 use rooms::{Room, points_of, straight};
 use triangles::Random;
@@ -229,7 +229,7 @@ fn groups_by_name_hold_objects_and_materials() {
     assert_eq!(names(&LightGrouping::Materials).unwrap(), ["lamp", "tube"]);
     assert_eq!(names(&LightGrouping::Objects).unwrap(), ["left", "right"]);
     let named = |groups: &[(&str, &[&str])]| {
-        let lights = |lights: &&[&str]| lights.iter().map(|lights| lights.parse::<Lights>().unwrap()).collect();
+        let lights = |lights: &&[&str]| lights.iter().map(|lights| lights.parse::<EmitterName>().unwrap()).collect();
         LightGrouping::Named(groups.iter().map(|(name, members)| ((*name).to_owned(), lights(members))).collect())
     };
     // A material in two groups becomes two of one name.
@@ -244,7 +244,7 @@ fn groups_by_name_hold_objects_and_materials() {
     assert!(matches!(&twice, LightGroupError::InTwoGroups { face: 1, groups, .. } if *groups == ["a", "b"]), "{twice}");
     assert!(matches!(error(&[("a", &["material floor"])]), LightGroupError::NothingEmits { .. }));
     assert!(matches!(error(&[("a", &["material lamp"]), ("a", &["material tube"])]), LightGroupError::BadName(_)));
-    assert!("lamp".parse::<Lights>().is_err() && "material ".parse::<Lights>().is_err());
+    assert!("lamp".parse::<EmitterName>().is_err() && "material ".parse::<EmitterName>().is_err());
 }
 
 #[test]

@@ -8,7 +8,8 @@
 //! `target/error_vs_time`; remove it to have them made anew.
 //!
 //! With `PATCHLIGHT_PEERS=<virtual environment>` Mitsuba 3 and Radiance run beside, on the same points (`peers/README.md` says how to install
-//! them). The section in BENCHMARKS.md between the marks of this benchmark, docs/error_vs_time.md and the plots beside it are written anew.
+//! them); else their runs are those that docs/error_vs_time.md tells of the last time. The section in BENCHMARKS.md between the marks of this
+//! benchmark, docs/error_vs_time.md and the plots beside it are written anew.
 //!
 //! All runs go to `target/error_vs_time/runs.csv` as well, whichever scenes are run: keep that of one build to compare it with another's.
 #![allow(clippy::print_stderr, clippy::print_stdout, reason = "a benchmark tells how far it is, and prints its tables")]
@@ -29,6 +30,7 @@ mod scored;
 #[path = "../support/section.rs"]
 mod section;
 mod tables;
+mod told;
 #[path = "../../tests/support/triangles.rs"]
 mod triangles;
 #[path = "../../tests/support/two_squares.rs"]
@@ -76,11 +78,10 @@ fn main() {
             eprintln!("  {}", run.line());
             runs.push(run);
         }
-        if let Some(peers) = &peers {
-            for run in peers.run(&problem, &folder) {
-                eprintln!("  {}", run.line());
-                runs.push(run);
-            }
+        let of_peers = peers.as_ref().map_or_else(|| told::runs(root, &problem.name), |peers| peers.run(&problem, &folder));
+        for run in of_peers {
+            eprintln!("  {}", run.line());
+            runs.push(run);
         }
         scored.push(Scored { problem, jobs, runs });
         by_run::write_csv(&folder.join("runs.csv"), &scored).expect("runs are written");

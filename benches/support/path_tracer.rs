@@ -6,7 +6,8 @@
 //!
 //! From each vertex of a path one ray goes to an emitter, drawn by power, and one on its way, drawn by the cosine, and where there
 //! is a portal one through it. All these are weighted by the balance heuristic (Veach, Guibas 1995, "Optimally Combining Sampling Techniques
-//! for Monte Carlo Rendering", section 3). A face that is met at its back is black. Paths end by roulette, and not before a tenth of what they bring
+//! for Monte Carlo Rendering", section 3). Each light that is no surface gets a ray as well, of which points send evenly into all directions and skies are
+//! even above the horizon. A face that is met at its back is black. Paths end by roulette, and not before a tenth of what they bring
 //! is left: in a white room that spares more noise than it costs rays.
 //!
 //! Random numbers are an Owen-scrambled Sobol sequence in each batch of paths, with another seed in the next, so that the means of batches are
@@ -15,8 +16,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use patchlight::scene::{Scene, SurfaceId};
-use patchlight::visibility::{Backend, OccluderMesh, Ray, Segment, Visibility, build};
+use patchlight::scene::{LightShape, Scene, SurfaceId};
+use patchlight::visibility::{Backend, NO_PLANE, OccluderMesh, Ray, Segment, Visibility, build};
 
 use crate::triangles::{Random, add, cross, dot, sub, times, unit};
 
@@ -28,6 +29,9 @@ const KEPT: f64 = 0.1;
 
 /// What goes through the portal ends by roulette as if it brought this part of what goes on by the cosine: it is one ray more at every vertex.
 const THROUGH_PORTAL: f64 = 0.1;
+
+/// Farther than anything in a scene, in metres.
+const FAR: f64 = 1e4;
 
 /// The most paths of a batch: the length of a Sobol sequence.
 pub const MOST_OF_A_BATCH: u32 = 1 << 16;
@@ -142,6 +146,7 @@ impl<'a> PathTracer<'a> {
         while !paths.is_empty() {
             rays += paths.len() as u64;
             self.next_event(&paths, &mut irradiance, (depth, seed));
+            self.see_lights(&paths, &mut irradiance);
             rays += self.go_on(&mut paths, &mut irradiance, (depth, seed));
             depth += 1;
         }
@@ -190,6 +195,51 @@ impl<'a> PathTracer<'a> {
         }
     }
 
+    /// Adds what a ray from each vertex to each point light and sun brings.
+    fn see_lights(&self, paths: &[Path], irradiance: &mut [f64; 3]) {
+        let (mut segments, mut brought) = (Vec::new(), Vec::new());
+        for (path, (number, light)) in
+            paths.iter().flat_map(|path| self.scene.lights().iter().enumerate().map(move |light| (path, light)))
+        {
+            let (to, facing) = match &light.shape {
+                LightShape::Point(point) => {
+                    let way = sub(point.position.to_array(), path.at.position);
+                    (point.position.to_array(), 1.0 / dot(way, way))
+                }
+                LightShape::Sun(sun) => {
+                    // A random point of the disc as seen in its middle's direction: by its cosine each brings as much.
+                    let mut random = Random(path.seed.rotate_left(9) ^ number as u64);
+                    let (radius, turn) = ((0.5 * sun.diameter).sin() * random.unit().sqrt(), TAU * random.unit());
+                    let middle = sun.towards.to_array();
+                    let tangent = unit(cross(middle, if middle[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }));
+                    let aside = add(times(tangent, radius * turn.cos()), times(cross(middle, tangent), radius * turn.sin()));
+                    let cosine = (1.0 - radius * radius).sqrt();
+                    (add(path.at.position, times(add(aside, times(middle, cosine)), FAR)), 1.0 / cosine)
+                }
+                LightShape::Sky(_) => continue,
+            };
+            let cos = dot(path.at.normal, unit(sub(to, path.at.position)));
+            if cos > 0.0 {
+                brought.push([0, 1, 2].map(|k| path.weight[k] * light.strength[k] * facing * cos));
+                segments.push(Segment { from: path.at.position, to, from_plane: path.at.plane, to_plane: NO_PLANE });
+            }
+        }
+        let mut occluded = vec![false; segments.len()];
+        self.visibility.occluded(&segments, &mut occluded);
+        for (brought, _) in brought.iter().zip(&occluded).filter(|(_, occluded)| !**occluded) {
+            *irradiance = add(*irradiance, *brought);
+        }
+    }
+
+    /// The radiance of the sky in a direction times pi, by channel.
+    fn sky(&self, direction: [f64; 3]) -> [f64; 3] {
+        let above = self.scene.lights().iter().filter(|light| match &light.shape {
+            LightShape::Sky(sky) => dot(sky.up.to_array(), direction) > 0.0,
+            LightShape::Point(_) | LightShape::Sun(_) => false,
+        });
+        above.fold([0.0; 3], |sum, light| [0, 1, 2].map(|k| sum[k] + light.strength[k]))
+    }
+
     /// Takes all paths to their next vertices, by the cosine and through the portal, and adds what these emit.
     fn go_on(&self, paths: &mut Vec<Path>, irradiance: &mut [f64; 3], at: (u32, u64)) -> u64 {
         let (mut rays, mut from) = (Vec::with_capacity(paths.len()), Vec::with_capacity(paths.len()));
@@ -204,10 +254,14 @@ impl<'a> PathTracer<'a> {
 
         for ((mut path, ray), hit) in from.into_iter().zip(&rays).zip(hits) {
             let (cos_here, density) = (dot(path.at.normal, ray.direction), self.density(&path.at, ray.direction));
-            let Some((hit, front)) = hit.and_then(|hit| Some((hit, self.front(hit.surface, ray.direction)?))) else { continue };
             if cos_here <= 0.0 || density <= 0.0 {
                 continue;
             }
+            if hit.is_none() {
+                let (sky, share) = (self.sky(ray.direction), cos_here / (PI * density));
+                *irradiance = [0, 1, 2].map(|k| irradiance[k] + share * path.weight[k] * sky[k]);
+            }
+            let Some((hit, front)) = hit.and_then(|hit| Some((hit, self.front(hit.surface, ray.direction)?))) else { continue };
             let next = self.vertex(front, add(ray.origin, times(ray.direction, hit.distance)));
             let (exitance, reflectance) = self.material(front);
             let by_direction = density * -dot(next.normal, ray.direction) / (hit.distance * hit.distance);

@@ -94,7 +94,9 @@ impl From<PipelineError> for Ending {
             PipelineError::Options(error) => return error.into(),
             PipelineError::Visibility(error) => return error.into(),
             PipelineError::Camera(_) => PATCHLIGHT_INVALID_ARGUMENT,
-            PipelineError::Interest(_) | PipelineError::LightGroups(_) | PipelineError::Memory { .. } => PATCHLIGHT_OUT_OF_RANGE,
+            PipelineError::Interest(_) | PipelineError::LightGroups(_) | PipelineError::Lights | PipelineError::Memory { .. } => {
+                PATCHLIGHT_OUT_OF_RANGE
+            }
             PipelineError::Threads { .. } => PATCHLIGHT_OUT_OF_RESOURCES,
         };
         Self::new(status, error)

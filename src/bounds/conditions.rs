@@ -10,7 +10,7 @@ use super::enclosure::closed_gap;
 use super::form_factors::CONTACT_OF_SIZE;
 use super::stacks::for_each_overlap;
 use crate::geometry::{Polygon, plane_noise};
-use crate::scene::{Scene, Surface, SurfaceId};
+use crate::scene::{Light, Scene, Surface, SurfaceId};
 
 /// What is taken for granted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -31,6 +31,8 @@ pub enum ConditionKind {
     ClosedGaps,
     /// What is nearer than this to what it would hide does not hide it.
     Contacts,
+    /// Lights that are no surfaces send nothing.
+    Lights,
 }
 
 impl fmt::Display for ConditionKind {
@@ -43,6 +45,7 @@ impl fmt::Display for ConditionKind {
             Self::CutFaces => "faces without a plane",
             Self::ClosedGaps => "edges that nearly join",
             Self::Contacts => "surfaces that touch",
+            Self::Lights => "lights that are no surfaces",
         })
     }
 }
@@ -100,6 +103,9 @@ pub(super) fn conditions(scene: &Scene, over_links: bool) -> Vec<Condition> {
     };
     conditions.extend(closed_gap(scene).filter(|&gap| gap > 0.0).map(|gap| everywhere(ConditionKind::ClosedGaps, gap)));
     conditions.push(everywhere(ConditionKind::Contacts, CONTACT_OF_SIZE * size));
+    if scene.lights().iter().any(Light::is_on) {
+        conditions.push(Condition { could_matter: true, ..everywhere(ConditionKind::Lights, 0.0) });
+    }
     conditions
 }
 

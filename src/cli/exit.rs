@@ -77,9 +77,11 @@ impl Failure {
 impl From<PipelineError> for Failure {
     fn from(error: PipelineError) -> Self {
         match error {
-            PipelineError::Options(_) | PipelineError::Camera(_) | PipelineError::Interest(_) | PipelineError::LightGroups(_) => {
-                Self::usage(error)
-            }
+            PipelineError::Options(_)
+            | PipelineError::Camera(_)
+            | PipelineError::Interest(_)
+            | PipelineError::LightGroups(_)
+            | PipelineError::Lights => Self::usage(error),
             PipelineError::Visibility(VisibilityError::UnknownBackend(_) | VisibilityError::NotBuilt { .. }) => Self::usage(error),
             PipelineError::Memory { .. } => Self { exit: Exit::Memory, message: format!("--memory: {error}") },
             PipelineError::Visibility(VisibilityError::OutOfMemory { .. }) => {

@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use patchlight::scene::{LightGrouping, LightWeight, Lights, Scene};
+use patchlight::scene::{EmitterName, LightGrouping, LightWeight, Scene};
 use patchlight::solve::{ErrorFigure, LightGroupsReport};
 
 use super::exit::Failure;
@@ -40,7 +40,7 @@ impl Grouping {
         let text = fs::read_to_string(typed).map_err(bad)?;
         let groups = reader::read(typed, &text, |table| {
             let group = |entry: reader::Entry<'_>| {
-                let lights = |said: reader::Said| said.text.parse::<Lights>().map_err(|why| said.wrong(why));
+                let lights = |said: reader::Said| said.text.parse::<EmitterName>().map_err(|why| said.wrong(why));
                 Ok((entry.key.to_owned(), entry.several()?.into_iter().map(lights).collect::<Result<_, _>>()?))
             };
             table.entries().into_iter().map(group).collect::<Result<Vec<_>, Failure>>()

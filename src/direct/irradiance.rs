@@ -17,15 +17,15 @@
 //! What a part will cost is not known beforehand. To give up at its worth costs at most twice what the better choice does (ski rental; Karlin,
 //! Manasse, Rudolph, Sleator 1988). Emitters whose share is less than a ray share rays.
 
-use glam::DVec3;
-
 use super::blockers::Blockers;
+use super::lights::{LightRays, Lights};
+use super::receiver::Receiver;
 use super::undecided::UndecidedRays;
 use super::view::View;
 use super::visible_part::VisiblePart;
 use crate::form_factor::point_to_polygon;
 use crate::geometry::{Facet, sampling, streams};
-use crate::scene::{Scene, Surface, SurfaceId};
+use crate::scene::{Emitter, Scene};
 use crate::transmittance::Rays;
 
 /// Work on the visible part, in corners held against planes, that takes as long as a ray: some 2 ns each, and 0.12 us. What both cost is told by
@@ -56,37 +56,19 @@ pub struct DirectEffort {
     pub method: Method,
 }
 
-/// Where light arrives: a point on a surface, or a sensor in space.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Receiver {
-    pub point: DVec3,
-    /// Unit normal of the side that light arrives at.
-    pub normal: DVec3,
-    /// The number of the plane that it lies in, [`NO_PLANE`](crate::visibility::NO_PLANE) in space.
-    pub plane: u32,
-    /// Of the random numbers of its rays.
-    pub seed: u64,
-}
-
-impl Receiver {
-    /// A point on a surface.
-    pub fn on(surface: &Surface, point: DVec3, seed: u64) -> Self {
-        Self { point, normal: surface.polygon.facet().normal, plane: surface.plane(), seed }
-    }
-}
-
-/// The direct light of some emitters.
+/// The direct light of some emitters, and of all lights.
 pub(crate) struct DirectLight<'a> {
     pub scene: &'a Scene,
     pub rays: &'a Rays<'a>,
     /// All of the scene's.
     pub blockers: &'a Blockers,
-    pub emitters: &'a [SurfaceId],
+    pub emitters: &'a [Emitter],
 }
 
 /// An emitter as a point sees it with nothing in between.
 struct Seen {
-    emitter: SurfaceId,
+    /// Its index among the emitters.
+    emitter: usize,
     form_factor: f64,
     /// The irradiance that it brings in its brightest channel, in W/m^2.
     unoccluded: f64,
@@ -98,6 +80,7 @@ pub(crate) struct DirectScratch {
     seen: Vec<Seen>,
     part: VisiblePart,
     undecided: UndecidedRays,
+    lights: LightRays,
 }
 
 /// Sums by channel.
@@ -107,7 +90,7 @@ struct Sums<'a> {
 }
 
 impl DirectLight<'_> {
-    /// Adds the direct irradiance at a point, in W/m^2 by channel, and its variance.
+    /// Adds the irradiance from emitters at a point, in W/m^2 by channel, and its variance.
     pub fn add_irradiance(
         &self,
         receiver: &Receiver,
@@ -127,7 +110,7 @@ impl DirectLight<'_> {
             let is_alone = own(seen) >= 1.0 || effort.method == Method::Exact || self.is_clear(receiver, seen.emitter);
             if is_alone {
                 let form_factor = self.decide(receiver, seen, (effort.method, own(seen)), scratch);
-                let exitance = &self.scene.material_of(seen.emitter).exitance;
+                let exitance = &self.scene.material_of(self.emitters[seen.emitter].surface).exitance;
                 sums.irradiance.iter_mut().zip(exitance).for_each(|(h, e)| *h += form_factor * e);
             }
             !is_alone
@@ -138,6 +121,34 @@ impl DirectLight<'_> {
         self.draw_shared(receiver, &seen, shared, &mut scratch.undecided);
         self.add_undecided(&mut scratch.undecided, &mut sums);
         scratch.seen = seen;
+    }
+
+    /// Adds the irradiance from all lights but skies at a point, and its variance, by about so many rays or one for each light, whichever is less.
+    pub fn add_lights(
+        &self,
+        receiver: &Receiver,
+        rays: u32,
+        scratch: &mut DirectScratch,
+        irradiance: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        let add = |_: usize, h: &[f64], of_h: &[f64]| {
+            irradiance.iter_mut().zip(h).for_each(|(sum, h)| *sum += h);
+            variance.iter_mut().zip(of_h).for_each(|(sum, variance)| *sum += variance);
+        };
+        Lights::new(self.scene, self.rays).add_irradiance(std::iter::once(*receiver), rays, &mut scratch.lights, add);
+    }
+
+    /// Adds the irradiance from skies at a point by so many rays, and its variance, likewise.
+    pub fn add_sky(
+        &self,
+        receiver: &Receiver,
+        rays: u32,
+        scratch: &mut DirectScratch,
+        irradiance: &mut [f64],
+        variance: &mut [f64],
+    ) {
+        Lights::new(self.scene, self.rays).add_sky(receiver, rays, &mut scratch.lights, irradiance, variance);
     }
 
     /// The form factor of the visible part of a source, any convex polygon in the plane with number `source_plane`: exact, whatever it
@@ -160,26 +171,25 @@ impl DirectLight<'_> {
         View { point, normal, plane, source, source_plane }
     }
 
-    fn view_of(&self, receiver: &Receiver, emitter: SurfaceId) -> View<'_> {
-        let emitter = self.scene.surface(emitter);
-        self.view(receiver, emitter.polygon.facet(), emitter.plane())
+    fn view_of(&self, receiver: &Receiver, emitter: usize) -> View<'_> {
+        let emitter = &self.emitters[emitter];
+        self.view(receiver, emitter.facet(self.scene), self.scene.surface(emitter.surface).plane())
     }
 
-    fn is_clear(&self, receiver: &Receiver, emitter: SurfaceId) -> bool {
-        self.rays.is_clear_between([receiver.plane, self.scene.surface(emitter).plane()])
+    fn is_clear(&self, receiver: &Receiver, emitter: usize) -> bool {
+        self.rays.is_clear_between([receiver.plane, self.scene.surface(self.emitters[emitter].surface).plane()])
     }
 
     /// Lists the emitters that the point would see with nothing in between; gives what they would bring together.
     fn see_unoccluded(&self, receiver: &Receiver, seen: &mut Vec<Seen>) -> f64 {
         seen.clear();
         let mut total = 0.0;
-        for &emitter in self.emitters {
-            let of = self.scene.surface(emitter);
-            if of.plane() == receiver.plane {
+        for (emitter, of) in self.emitters.iter().enumerate() {
+            if self.scene.surface(of.surface).plane() == receiver.plane {
                 continue;
             }
-            let form_factor = point_to_polygon(receiver.point, receiver.normal, &of.polygon.facet());
-            let brightest = self.scene.material_of(emitter).exitance.iter().copied().fold(0.0, f64::max);
+            let form_factor = point_to_polygon(receiver.point, receiver.normal, &of.facet(self.scene));
+            let brightest = self.scene.material_of(of.surface).exitance.iter().copied().fold(0.0, f64::max);
             if form_factor > 0.0 {
                 seen.push(Seen { emitter, form_factor, unoccluded: form_factor * brightest });
                 total += form_factor * brightest;
@@ -203,8 +213,9 @@ impl DirectLight<'_> {
         if visible.is_decided {
             return visible.form_factor;
         }
-        let seed = sampling::hash(receiver.seed, streams::EMITTER_PIECES + u64::from(seen.emitter.0));
-        scratch.undecided.draw_to_pieces(&view, seen.emitter, scratch.part.pieces(), own.round() as u32, seed);
+        let surface = self.emitters[seen.emitter].surface;
+        let seed = sampling::hash(receiver.seed, streams::EMITTER_PIECES + u64::from(surface.0));
+        scratch.undecided.draw_to_pieces(&view, surface, scratch.part.pieces(), own.round() as u32, seed);
         0.0
     }
 
@@ -236,7 +247,8 @@ impl DirectLight<'_> {
                 let Seen { emitter, form_factor, unoccluded } = seen[index];
                 let view = self.view_of(receiver, emitter);
                 let share = total / (2.0 * pairs * unoccluded);
-                undecided.draw(&view, emitter, &view.source, (form_factor, share, group), sampling::hash(random, streams::THIRD));
+                let surface = self.emitters[emitter].surface;
+                undecided.draw(&view, surface, &view.source, (form_factor, share, group), sampling::hash(random, streams::THIRD));
             }
         }
     }

@@ -11,8 +11,10 @@
 mod blockers;
 mod candidates;
 mod irradiance;
+mod lights;
 mod outline;
 mod pieces;
+mod receiver;
 mod undecided;
 mod view;
 mod visible_part;
@@ -21,13 +23,15 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::geometry::sampling;
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{Emitter, Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::Visibility;
 
 pub(crate) use blockers::{Blockers, SharedBlockers};
 pub use irradiance::{DirectEffort, Method};
-pub(crate) use irradiance::{DirectLight, DirectScratch, Receiver};
+pub(crate) use irradiance::{DirectLight, DirectScratch};
+pub(crate) use lights::{LightRays, Lights};
+pub(crate) use receiver::Receiver;
 
 /// Direct irradiance at points.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,9 +44,9 @@ pub struct DirectIrradiance {
     pub rays: u64,
 }
 
-/// The irradiance that comes straight from all emitters of a scene at points that lie on the surfaces named with them; `seed` picks random numbers.
+/// The irradiance that comes straight from all emitters and lights of a scene at points that lie on the surfaces named with them; `seed` picks random numbers.
 ///
-/// Exact parts are good to about 1e-12 for each edge of what stands between, as a part of the exitance. Each point looks at all emitters: where there
+/// Skies are always seen by rays. Exact parts are good to about 1e-12 for each edge of what stands between, as a part of the exitance. Each point looks at all emitters: where there
 /// are thousands, that alone takes longer than rays to some would.
 pub fn direct_irradiance(
     scene: &Scene,
@@ -54,8 +58,7 @@ pub fn direct_irradiance(
     let channels = scene.channels();
     let rays = Rays::new(visibility, scene);
     let blockers = Blockers::of(scene);
-    let emitters: Vec<SurfaceId> =
-        (0..scene.surfaces().len() as u32).map(SurfaceId).filter(|&id| scene.material_of(id).emits()).collect();
+    let emitters = Emitter::all(scene);
     let light = DirectLight { scene, rays: &rays, blockers: &blockers, emitters: &emitters };
     let (mut irradiance, mut variance) = (vec![0.0; points.len() * channels], vec![0.0; points.len() * channels]);
     let sums = irradiance.par_chunks_mut(channels).zip(variance.par_chunks_mut(channels));
@@ -63,6 +66,8 @@ pub fn direct_irradiance(
         let point = DVec3::from(point);
         let receiver = Receiver::on(scene.surface(surface), point, sampling::seed_at(point, seed));
         light.add_irradiance(&receiver, effort, scratch, irradiance, variance);
+        light.add_lights(&receiver, effort.rays, scratch, irradiance, variance);
+        light.add_sky(&receiver, effort.rays, scratch, irradiance, variance);
     });
     DirectIrradiance { irradiance, variance, rays: rays.segments().count() }
 }

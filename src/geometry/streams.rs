@@ -43,6 +43,9 @@ pub(crate) const BAKE_CONTROLS: u64 = kind(15);
 /// Transmittance maps of clusters. Of what that gives, the cluster and then the direction cell pick the stream.
 pub(crate) const MAPS: u64 = kind(16);
 
+/// Irradiance of leaves by lights; of what that gives, the node picks the stream.
+pub(crate) const LIGHT_IRRADIANCE: u64 = kind(17);
+
 // Of the seed of a node's exposure.
 /// Rays from points that seem hidden; add the round.
 pub(crate) const EXPOSURE_AGAIN: u64 = kind(1);
@@ -90,6 +93,11 @@ pub(crate) const CONTROL_GATHERS: u64 = kind(9);
 pub(crate) const REPLICATE_PILOT: u64 = kind(10);
 /// Whether a path of little weight goes on.
 pub(crate) const ROULETTE: u64 = kind(11);
+
+/// Rays to lights that are no surfaces. Of what that gives, the light or the ray picks the stream.
+pub(crate) const LIGHTS: u64 = kind(100);
+/// Rays to the sky.
+pub(crate) const SKY: u64 = kind(101);
 
 /// A replicate, by its number; add the rays taken before.
 pub(crate) const fn replicate(number: u8) -> u64 {

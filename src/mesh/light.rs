@@ -71,6 +71,7 @@ impl Direct<'_> {
         let (irradiance, variance) = numbers.split_at_mut(found.len());
         let receiver = place.receiver(self.scene);
         self.light.add_irradiance(&receiver, effort, scratch, irradiance, variance);
+        self.light.add_lights(&receiver, effort.rays, scratch, irradiance, variance);
         let reflectance = &self.scene.material_of(place.surface).reflectance;
         for (channel, [value, noise]) in found.iter_mut().enumerate() {
             let rho = reflectance[channel];

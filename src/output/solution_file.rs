@@ -30,7 +30,7 @@ use super::{Provenance, Quantity};
 use crate::solve::Solution;
 
 /// The version that this software writes and reads.
-pub const SOLUTION_FORMAT_VERSION: u32 = 15;
+pub const SOLUTION_FORMAT_VERSION: u32 = 16;
 
 const MAGIC: [u8; 8] = *b"\x89PLSOL\r\n";
 const HEADER_LENGTH: usize = 24;

@@ -29,6 +29,7 @@ impl DirectSums {
             }
             let receiver = place.receiver(direct.scene);
             direct.add_irradiance(&receiver, effort, &mut self.scratch, &mut self.irradiance, &mut self.variance);
+            direct.add_lights(&receiver, count, &mut self.scratch, &mut self.irradiance, &mut self.variance);
             for (channel, (&h, &variance)) in self.irradiance.iter().zip(&self.variance).enumerate() {
                 irradiance.add(number, channel, h, variance);
             }

@@ -1,8 +1,8 @@
 //! The emitters whose light next-event estimation brings; that of others is left to paths.
 
 use super::light_tree::{LightTree, Source};
-use crate::geometry::{Frame, sampling};
-use crate::scene::{Scene, SurfaceId};
+use crate::geometry::{Aabb, Frame, sampling};
+use crate::scene::{Emitter, Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::Ray;
 
@@ -19,10 +19,10 @@ const PROBES: u32 = 256;
 pub(super) struct Emitters<'a> {
     pub scene: &'a Scene,
     pub rays: &'a Rays<'a>,
-    pub surfaces: Vec<SurfaceId>,
+    pub emitters: Vec<Emitter>,
     /// The exitance of the dimmest of them, in its brightest channel.
     dimmest: f64,
-    /// Over these emitters; `None` if there are none.
+    /// Over these emitters, by their indices; `None` if there are none.
     pub tree: Option<LightTree>,
 }
 
@@ -55,9 +55,10 @@ impl<'a> Emitters<'a> {
 
         // Light groups may be off.
         surfaces.retain(|&id| scene.material_of(id).emits());
-        let sources: Vec<Source> = surfaces.iter().map(|&emitter| source(scene, emitter)).collect();
+        let emitters = Emitter::of_surfaces(scene, surfaces.into_iter());
+        let sources: Vec<Source> = (0..).zip(&emitters).map(|(number, emitter)| source(scene, number, emitter)).collect();
         let tree = if sources.is_empty() { None } else { LightTree::new(sources, &|| false) };
-        Self { scene, rays, surfaces, dimmest, tree }
+        Self { scene, rays, emitters, dimmest, tree }
     }
 
     /// Whether next-event estimation brings the emission of a surface, so that paths must leave it out.
@@ -68,10 +69,10 @@ impl<'a> Emitters<'a> {
 }
 
 /// An emitter as a leaf of the light tree.
-fn source(scene: &Scene, emitter: SurfaceId) -> Source {
-    let polygon = &scene.surface(emitter).polygon;
-    let power = polygon.area() * brightest(scene, emitter);
-    Source { number: emitter.0, bounds: polygon.bounds(), normal: polygon.facet().normal, power }
+fn source(scene: &Scene, number: u32, emitter: &Emitter) -> Source {
+    let facet = emitter.facet(scene);
+    let power = facet.area * brightest(scene, emitter.surface);
+    Source { number, bounds: Aabb::around(facet.vertices.iter().copied()), normal: facet.normal, power }
 }
 
 /// The exitance of a surface in its brightest channel, in W/m^2.

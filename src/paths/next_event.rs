@@ -22,7 +22,7 @@ use super::place::Receives;
 use crate::direct::Receiver;
 use crate::form_factor::{kernel, point_to_polygon};
 use crate::geometry::{Facet, Part, for_each_piece, sampling, streams};
-use crate::scene::SurfaceId;
+use crate::scene::{Emitter, SurfaceId};
 use crate::visibility::Segment;
 
 /// A piece is small if its radius is at most this part of its distance.
@@ -33,7 +33,8 @@ const MAX_SPLITS: u8 = 17;
 
 /// A piece of an emitter as seen from a place.
 struct EmitterPiece {
-    emitter: SurfaceId,
+    /// The index of the emitter.
+    emitter: usize,
     part: Option<Part>,
     form_factor: f64,
     /// The irradiance that it brings if nothing is in between, in W/m^2 in its brightest channel.
@@ -45,7 +46,8 @@ struct Drawn {
     place: usize,
     /// The number of the ray among those of the place.
     ray: u32,
-    emitter: SurfaceId,
+    /// The first surface of the emitter.
+    surface: SurfaceId,
     /// The piece's exact form factor, and this ray's sample of it.
     form_factor: f64,
     sampled: f64,
@@ -86,7 +88,7 @@ impl Emitters<'_> {
             // the first place, in steps.
             let random = sampling::hash(places[0].receiver(self.scene).seed, streams::EMITTERS);
             let start = (sampling::hash(random, streams::SECOND) % places.len() as u64) as f64 + sampling::unit(random);
-            if count as usize >= self.surfaces.len() {
+            if count as usize >= self.emitters.len() {
                 for (number, place) in places.iter().enumerate() {
                     let start = (number as f64 + start) / places.len() as f64 % 1.0;
                     let numbers = (0..count).map(|ray| (ray, (f64::from(ray) + start) / f64::from(count)));
@@ -111,7 +113,7 @@ impl Emitters<'_> {
             let [rays, seeing] = memory.seeing[drawn.place];
             let beta = if rays > 1 { f64::from(seeing - sees) / f64::from(rays - 1) } else { 0.0 };
             let visible = f64::from(sees) * drawn.sampled + beta * (drawn.form_factor - drawn.sampled);
-            let exitance = &self.scene.material_of(drawn.emitter).exitance;
+            let exitance = &self.scene.material_of(drawn.surface).exitance;
             for (h, e) in irradiance.in_turn(drawn.place, drawn.ray as usize).iter_mut().zip(exitance) {
                 *h += visible * drawn.share * e;
             }
@@ -128,7 +130,7 @@ impl Emitters<'_> {
         memory: &mut EmitterRays,
     ) {
         memory.pieces.clear();
-        for &emitter in &self.surfaces {
+        for emitter in 0..self.emitters.len() {
             self.cut(receiver, emitter, None, &mut memory.pieces);
         }
         self.cast_to_pieces(receiver, index, 1.0 / numbers.len() as f64, numbers, memory);
@@ -144,10 +146,10 @@ impl Emitters<'_> {
         let numbers = (0..rays).map(|ray| (f64::from(ray) + start.fract()) / f64::from(rays));
         let points = receivers.clone().map(|receiver| receiver.point);
         let unoccluded = |number: u32| {
-            let emitter = SurfaceId(number);
-            let facet = self.scene.surface(emitter).polygon.facet();
+            let emitter = &self.emitters[number as usize];
+            let facet = emitter.facet(self.scene);
             let form_factors = receivers.clone().map(|receiver| self.form_factor(&receiver, emitter, &facet)).sum::<f64>();
-            form_factors / places.len() as f64 * brightest(self.scene, emitter)
+            form_factors / places.len() as f64 * brightest(self.scene, emitter.surface)
         };
         let mut draws = std::mem::take(&mut memory.draws);
         tree.draw(points.clone(), normal, unoccluded, numbers, &mut draws);
@@ -161,7 +163,7 @@ impl Emitters<'_> {
                     continue;
                 }
                 memory.pieces.clear();
-                self.cut(&receiver, SurfaceId(same[0].number), None, &mut memory.pieces);
+                self.cut(&receiver, same[0].number as usize, None, &mut memory.pieces);
                 let numbers = own.map(|drawn| (drawn.ray / places.len() as u32, drawn.rest));
                 self.cast_to_pieces(&receiver, first + number, weight, numbers, memory);
             }
@@ -196,21 +198,22 @@ impl Emitters<'_> {
             }
 
             // The rays to this piece.
-            let emitter = self.scene.surface(piece.emitter);
-            let whole = emitter.polygon.facet();
+            let emitter = &self.emitters[piece.emitter];
+            let to_plane = self.scene.surface(emitter.surface).plane;
+            let whole = emitter.facet(self.scene);
             let facet = piece.part.as_ref().map_or(whole, |part| part.facet(whole.normal));
-            let of_emitter = sampling::hash(seed, streams::EMITTER_PIECES + u64::from(piece.emitter.0));
+            let of_emitter = sampling::hash(seed, streams::EMITTER_PIECES + u64::from(emitter.surface.0));
             let sobol = sampling::shifted_sobol_2d(sampling::hash(of_emitter, number as u64));
             let own = std::iter::from_fn(|| wanted.next_if(is_in_share));
             for (sample, (ray, _)) in (0..).zip(own) {
                 let [u, v] = sobol(sample);
                 let y = facet.point_at(u, v);
                 let (from, to) = (point.to_array(), y.to_array());
-                segments.push(Segment { from, to, from_plane, to_plane: emitter.plane });
+                segments.push(Segment { from, to, from_plane, to_plane });
                 drawn.push(Drawn {
                     place: index,
                     ray,
-                    emitter: piece.emitter,
+                    surface: emitter.surface,
                     form_factor: piece.form_factor,
                     sampled: facet.area * kernel(point, normal, y, facet.normal),
                     share: weight * total / piece.unoccluded,
@@ -221,16 +224,17 @@ impl Emitters<'_> {
 
     /// The form factor of an emitter, or a piece of one, at a receiver. None comes from the receiver's own plane, such as from the back of
     /// the same sheet: by rounding the point may lie in front of that, and would see nothing else.
-    fn form_factor(&self, receiver: &Receiver, emitter: SurfaceId, facet: &Facet<'_>) -> f64 {
-        let is_coplanar = self.scene.surface(emitter).plane == receiver.plane;
+    fn form_factor(&self, receiver: &Receiver, emitter: &Emitter, facet: &Facet<'_>) -> f64 {
+        let is_coplanar = self.scene.surface(emitter.surface).plane == receiver.plane;
         if is_coplanar { 0.0 } else { point_to_polygon(receiver.point, receiver.normal, facet) }
     }
 
     /// Cuts an emitter, or a part of one, into pieces that are small as seen from a receiver; appends those in front of it.
-    fn cut(&self, receiver: &Receiver, emitter: SurfaceId, part: Option<Part>, pieces: &mut Vec<EmitterPiece>) {
-        let whole = self.scene.surface(emitter).polygon.facet();
+    fn cut(&self, receiver: &Receiver, emitter: usize, part: Option<Part>, pieces: &mut Vec<EmitterPiece>) {
+        let of = &self.emitters[emitter];
+        let whole = of.facet(self.scene);
         let facet: Facet<'_> = part.as_ref().map_or(whole, |part| part.facet(whole.normal));
-        let form_factor = self.form_factor(receiver, emitter, &facet);
+        let form_factor = self.form_factor(receiver, of, &facet);
         if form_factor <= 0.0 {
             return;
         }
@@ -239,7 +243,7 @@ impl Emitters<'_> {
             for_each_piece(&facet, |corners| self.cut(receiver, emitter, Some(Part::new(corners, splits + 1)), pieces));
             return;
         }
-        pieces.push(EmitterPiece { emitter, part, form_factor, unoccluded: form_factor * brightest(self.scene, emitter) });
+        pieces.push(EmitterPiece { emitter, part, form_factor, unoccluded: form_factor * brightest(self.scene, of.surface) });
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::emission::Emission;
+use super::emission::{Emission, Sent, Source};
 use crate::geometry::{Frame, sampling, streams};
 use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
@@ -23,8 +23,10 @@ const MAX_BOUNCES: u64 = 512;
 /// What light meets, all channels added.
 #[derive(Clone, Debug)]
 pub(crate) struct Illumination {
-    /// In W.
+    /// In W: by emitters, and by lights as far as that meets anything.
     pub emitted: f64,
+    /// The power of each particle, in W.
+    pub of_particle: f64,
     /// In W.
     pub reflected: f64,
     /// In the channel in which it is most, in W.
@@ -52,8 +54,8 @@ const MOST_LANDINGS: usize = 1 << 15;
 struct Particle {
     /// Its number.
     number: u32,
-    place: DVec3,
-    surface: SurfaceId,
+    /// Where it goes next.
+    ray: Ray,
 }
 
 impl Illumination {
@@ -63,40 +65,35 @@ impl Illumination {
         if self.reflected > 0.0 { self.reflected / (self.emitted + self.reflected) } else { 0.0 }
     }
 
-    /// The power that one particle brings, in W, all channels added. Light of which there is less may have been met by none.
-    pub fn of_particle(&self) -> f64 {
-        self.emitted / f64::from(PARTICLES)
-    }
-
     /// Follows particles through the scene; once stopped, those on their way are given up.
     pub fn sampled(scene: &Scene, rays: &Rays<'_>, seed: u64, stop: Stop<'_>) -> Self {
         let area: f64 = scene.surfaces().iter().map(|surface| surface.polygon.area()).sum();
-        let emission = Emission::new(scene);
-        let emitted = emission.power();
-        if emitted <= 0.0 {
-            return Self { emitted: 0.0, reflected: 0.0, reflected_brightest: 0.0, lit_area: area, landings: Arc::default() };
+        let emission = Emission::new(scene, rays);
+        if emission.power() <= 0.0 {
+            return Self::of_power(scene, area, &[Vec::new(), Vec::new()]);
         }
 
         // Half of the particles and the other half, so that their product has no noise in its mean.
         let mut halves = [0, 1].map(|_| vec![0.0; scene.surfaces().len()]);
-        let mut on_way: Vec<Particle> = (0..PARTICLES)
-            .map(|number| {
-                let (surface, place) = emission.sampled_point(number, PARTICLES, seed);
-                Particle { number, place, surface }
-            })
-            .collect();
+        let sent: Vec<Sent> = (0..PARTICLES).map(|number| emission.sampled_particle(number, PARTICLES, seed)).collect();
+        let mut on_way: Vec<Particle> = sent.iter().zip(0..).map(|(sent, number)| Particle { number, ray: sent.ray }).collect();
         let channels = scene.deciding();
-        let mut by_channel = vec![0.0; channels];
-        let mut power: Vec<f64> = on_way.iter().flat_map(|particle| emission.spectrum(particle.surface, PARTICLES)).collect();
+        let (mut by_channel, mut emitted) = (vec![0.0; channels], emission.power_of_emitters());
+        let mut power: Vec<f64> = sent.iter().flat_map(|sent| emission.spectrum(sent)).collect();
         let (mut directions, mut hits, mut landings) = (Vec::new(), Vec::new(), Vec::new());
         for bounce in 0..MAX_BOUNCES {
             if on_way.is_empty() || stop() {
                 break;
             }
-            let seed = sampling::hash(seed, streams::PARTICLE_BOUNCES + bounce);
+            let [seed, next] = [bounce, bounce + 1].map(|bounce| sampling::hash(seed, streams::PARTICLE_BOUNCES + bounce));
             directions.clear();
-            directions.extend(on_way.iter().map(|particle| ray_of(scene, particle, seed)));
+            directions.extend(on_way.iter().map(|particle| particle.ray));
             rays.first_hits(&directions, &mut hits);
+            if bounce == 0 {
+                let from_lights =
+                    sent.iter().zip(&hits).filter(|(sent, hit)| hit.is_some() && matches!(sent.source, Source::Light(_)));
+                emitted += from_lights.flat_map(|(sent, _)| emission.spectrum(sent)).sum::<f64>();
+            }
             let mut arrived = hits.iter().zip(&directions);
             on_way.retain_mut(|particle| {
                 // What arrives on a front is reflected in part; with that probability the particle goes on.
@@ -112,15 +109,17 @@ impl Illumination {
                 halves[particle.number as usize % 2][surface.index()] += reflected;
                 let chance = reflected / before;
                 own.iter_mut().for_each(|power| *power /= chance);
-                (particle.place, particle.surface) = (DVec3::from(ray.origin) + hit.distance * direction, surface);
+                let point = DVec3::from(ray.origin) + hit.distance * direction;
+                particle.ray = ray_from(scene, (surface, point), sampling::hash(next, u64::from(particle.number)));
                 if landings.len() < MOST_LANDINGS {
-                    landings.push(Landing { surface, point: particle.place, power: reflected });
+                    landings.push(Landing { surface, point, power: reflected });
                 }
                 sampling::unit(sampling::hash(seed, streams::PARTICLE_SURVIVAL + u64::from(particle.number))) < chance
             });
         }
         let reflected_brightest = by_channel.into_iter().fold(0.0, f64::max);
-        Self { emitted, reflected_brightest, landings: landings.into(), ..Self::of_power(scene, area, &halves) }
+        let of_particle = emission.power() / f64::from(PARTICLES);
+        Self { emitted, of_particle, reflected_brightest, landings: landings.into(), ..Self::of_power(scene, area, &halves) }
     }
 
     /// By the power in W that each surface reflects, as each half of the particles tells.
@@ -130,17 +129,16 @@ impl Illumination {
         let products = first.iter().zip(second).zip(scene.surfaces());
         let square: f64 = products.map(|((first, second), surface)| 4.0 * first * second / surface.polygon.area()).sum();
         let lit_area = if square > 0.0 { (reflected * reflected / square).min(area) } else { area };
-        Self { emitted: 0.0, reflected, reflected_brightest: 0.0, lit_area, landings: Arc::default() }
+        Self { emitted: 0.0, of_particle: 0.0, reflected, reflected_brightest: 0.0, lit_area, landings: Arc::default() }
     }
 }
 
-/// The next ray of a particle, by the cosine.
-fn ray_of(scene: &Scene, particle: &Particle, seed: u64) -> Ray {
-    let surface = scene.surface(particle.surface);
-    let random = sampling::hash(seed, u64::from(particle.number));
+/// A ray from a point of a surface by the cosine.
+fn ray_from(scene: &Scene, (surface, point): (SurfaceId, DVec3), random: u64) -> Ray {
+    let surface = scene.surface(surface);
     let [u, v] = [streams::SECOND, streams::THIRD].map(|number| sampling::unit(sampling::hash(random, number)));
     let direction = Frame::around(surface.polygon.facet().normal).sampled_by_cosine(u, v);
-    Ray { origin: particle.place.to_array(), direction: direction.to_array(), origin_plane: surface.plane }
+    Ray { origin: point.to_array(), direction: direction.to_array(), origin_plane: surface.plane }
 }
 
 #[cfg(test)]

@@ -38,14 +38,15 @@ struct Landed {
     sum_sq: f64,
 }
 
-/// The cells of bright spots; none if sampling them is not worth it. Surfaces of which `is_reflector` says so have none.
+/// The cells of bright spots; none if sampling them is not worth it. Surfaces of which `is_reflector` says so have none; what reflects nothing is no
+/// part of the area over which means are taken.
 pub(super) fn spot_cells(
     scene: &Scene,
     grids: &Grids,
     landings: &[Landing],
     is_reflector: impl Fn(SurfaceId) -> bool,
 ) -> Vec<SpotCell> {
-    let landings = || landings.iter().filter(|landing| !is_reflector(landing.surface));
+    let landings = || landings.iter().filter(|landing| landing.power > 0.0 && !is_reflector(landing.surface));
     let area = area_of(scene, landings().map(|landing| landing.surface));
     let power: f64 = landings().map(|landing| landing.power).sum();
     if power <= 0.0 {
@@ -112,17 +113,25 @@ mod tests {
     /// The centres of the spots' cells on a floor of 4 m on which a part of the particles lands in a square of so many metres at the
     /// origin, and the rest anywhere.
     fn found(side: f64, part: f64) -> Vec<DVec3> {
-        let floor = [DVec3::ZERO, 4.0 * DVec3::X, DVec3::new(4.0, 4.0, 0.0), 4.0 * DVec3::Y];
-        let material = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![0.0] };
-        let faces = vec![(Polygon::from_vertices(floor.to_vec()).unwrap(), 0, 0)];
-        let scene = Scene::new(1, vec![material], faces, Sides::Front).unwrap();
+        found_beside(side, part, &[])
+    }
+
+    /// The same where others land on a black ground of 20 km as well.
+    fn found_beside(side: f64, part: f64, others: &[Landing]) -> Vec<DVec3> {
+        let square = |side: f64, z: f64| {
+            let corners = [[0.0, 0.0, z], [side, 0.0, z], [side, side, z], [0.0, side, z]];
+            Polygon::new(&corners).unwrap()
+        };
+        let material = |reflectance| Material { name: String::new(), reflectance: vec![reflectance], exitance: vec![0.0] };
+        let faces = vec![(square(4.0, 0.0), 0, 0), (square(2e4, -1.0), 1, 1)];
+        let scene = Scene::new(1, vec![material(0.5), material(0.0)], faces, Sides::Front).unwrap();
         let grids = Grids::new(&scene, &Brightness::even(&scene), CellSize { side: 0.1, most_surfaces: usize::MAX });
         let landing = |number: u64| {
             let random = |draw| sampling::unit(sampling::hash(number, draw));
             let side = if random(3) < part { side } else { 4.0 };
             Landing { surface: SurfaceId(0), point: DVec3::new(side * random(1), side * random(2), 0.0), power: 1.0 }
         };
-        let landings: Vec<Landing> = (0..4000).map(landing).collect();
+        let landings: Vec<Landing> = (0..4000).map(landing).chain(others.iter().copied()).collect();
         let spots = spot_cells(&scene, &grids, &landings, |_| false);
         let grid = grids.of(SurfaceId(0)).unwrap();
         spots.iter().map(|spot| grid.point_in(spot.index as usize, 0.5, 0.5)).collect()
@@ -136,6 +145,11 @@ mod tests {
         assert_eq!(within(0.4), 16, "cells of 10 cm: {spots:?}");
         // Blocks reach over its edge by less than their size, of two cells.
         assert_eq!(within(0.6), spots.len(), "{spots:?}");
+
+        // What lands on black things changes nothing.
+        let on_black = Landing { surface: SurfaceId(1), point: -DVec3::Z, power: 0.0 };
+        assert_eq!(found_beside(0.4, 0.5, &[on_black; 100]), spots);
+        assert!(found_beside(0.4, 0.0, &[on_black; 100]).is_empty());
 
         assert!(found(0.4, 0.0).is_empty(), "no light is anywhere more than elsewhere");
         assert!(found(2.0, 0.5).is_empty(), "a quarter of the floor is no spot");

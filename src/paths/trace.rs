@@ -5,7 +5,9 @@
 //! from the point itself, with one next-event ray and one cosine-distributed ray. Paths of little weight go on at random, so that what
 //! they bring is right on average however often they go on ([`Ends::goes_on`]).
 //!
-//! Next-event rays bring the light of emitters, and of bright reflectors by cells that are small; so a path that arrives in such a
+//! A path that leaves the scene brings the light of the sky there.
+//!
+//! Next-event rays bring the light of emitters and lights, and of bright reflectors by cells that are small; so a path that arrives in such a
 //! cell brings nothing.
 
 use std::f64::consts::PI;
@@ -24,7 +26,7 @@ use super::particles::Landing;
 use super::place::{Directions, Place, Receives};
 use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
 use super::reflectors::Brightness;
-use crate::direct::{Blockers, DirectLight, Receiver};
+use crate::direct::{Blockers, DirectLight, LightRays, Lights, Receiver};
 use crate::geometry::{Frame, sampling, streams};
 use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
@@ -57,14 +59,19 @@ pub(crate) struct PathScratch {
     continuation_of: Vec<usize>,
     irradiance: Vec<f64>,
     emitter_rays: EmitterRays,
+    light_rays: LightRays,
     direct: DirectSums,
     reflector_rays: ReflectorRays,
+    /// Paths that have left the scene at their first rays: their continuations, and directions.
+    into_sky: Vec<(usize, DVec3)>,
 }
 
 /// What a ray finds.
 enum Arrival {
-    /// Nothing, what sends nothing, or what next-event rays bring.
+    /// What sends nothing, or what next-event rays bring.
     Nothing,
+    /// The sky, or nothing.
+    Sky(DVec3),
     /// A cell that is small, and the point in it.
     Cell(u32, DVec3),
     /// A point from which the path goes on; with its cell, if only the least number of bounces forbids to end there.
@@ -78,6 +85,8 @@ pub(crate) struct LightPaths<'a> {
     open_parts: OpenParts<'a>,
     rays: &'a Rays<'a>,
     emitters: Emitters<'a>,
+    lights: Lights<'a>,
+    has_sky: bool,
     reflectors: Reflectors<'a>,
     /// Found once somebody asks for direct light.
     blockers: OnceLock<Blockers>,
@@ -104,7 +113,8 @@ impl<'a> LightPaths<'a> {
         };
         let is_black = (0..scene.surfaces().len() as u32).map(|surface| is_black(SurfaceId(surface))).collect();
         let (open_parts, blockers) = (OpenParts::new(scene), OnceLock::new());
-        Self { scene, rays, grids, open_parts, emitters, reflectors, blockers, is_black }
+        let (lights, has_sky) = (Lights::new(scene, rays), scene.has_sky());
+        Self { scene, rays, grids, open_parts, emitters, lights, has_sky, reflectors, blockers, is_black }
     }
 
     /// Bytes that paths take in a scene with so many cells: grids, open parts with the boxes that tell them, and cells that rays are aimed at.
@@ -116,7 +126,7 @@ impl<'a> LightPaths<'a> {
         (scene.surfaces().len() * of_surface + cells * (OpenParts::BYTES_OF_CELL + size_of::<bool>())) as u64
     }
 
-    /// Next-event estimation: adds the irradiance from emitters at each place, by `count` rays, and fills `scratch.seen` with what
+    /// Next-event estimation: adds the irradiance from emitters and lights at each place, by `count` rays to each kind, and fills `scratch.seen` with what
     /// is seen of reflectors. Each `together` places in a row draw emitters as one place with all of their rays would.
     pub fn add_next_event(
         &self,
@@ -127,20 +137,31 @@ impl<'a> LightPaths<'a> {
         irradiance: &mut BatchSums<'_>,
     ) {
         self.emitters.add_sampled_irradiance(places, together, count, &mut scratch.emitter_rays, irradiance);
+        self.add_lights(places, count, &mut scratch.light_rays, irradiance);
         self.see_reflectors(places, count, scratch);
     }
 
-    /// Adds the direct irradiance from emitters at each place, and fills `scratch.seen` with what is seen of reflectors, by as many rays as
+    /// Adds the direct irradiance from emitters and lights at each place, and fills `scratch.seen` with what is seen of reflectors, by as many rays as
     /// [`Self::add_next_event`] takes: emitters are seen exactly where that is worth it.
     pub fn add_direct(&self, places: &[impl Receives], count: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
         // To look at all emitters costs less than the rays where there are as many of these.
-        if self.emitters.surfaces.len() > count as usize {
+        if self.emitters.emitters.len() > count as usize {
             return self.add_next_event(places, 1, count, scratch, irradiance);
         }
         let blockers = self.blockers.get_or_init(|| Blockers::of(self.scene));
-        let direct = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters.surfaces };
+        let direct = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters.emitters };
         scratch.direct.add_irradiance(&direct, places, count, irradiance);
         self.see_reflectors(places, count, scratch);
+    }
+
+    /// Adds the irradiance from lights at each place, by `count` rays or one for each light, whichever is less; that of the sky comes by paths.
+    fn add_lights(&self, places: &[impl Receives], count: u32, memory: &mut LightRays, irradiance: &mut BatchSums<'_>) {
+        let receivers = places.iter().map(|place| place.receiver(self.scene));
+        self.lights.add_irradiance(receivers, count, memory, |place, h, variance| {
+            for (channel, (&h, &variance)) in h.iter().zip(variance).enumerate() {
+                irradiance.add(place, channel, h, variance);
+            }
+        });
     }
 
     /// Fills `scratch.seen` by the rays to reflectors that go with `count` rays to emitters.
@@ -219,6 +240,9 @@ impl<'a> LightPaths<'a> {
         ends.constant.resize(ends.continued.len() * channels, 0.0);
         ends.weight.clear();
         ends.weight.resize(ends.continued.len() * channels, 1.0);
+        for (continuation, direction) in scratch.into_sky.drain(..) {
+            self.scene.add_sky_radiosity(direction, 1.0, &mut ends.constant[continuation * channels..][..channels]);
+        }
         for bounce in 1..=MAX_BOUNCES {
             if scratch.heads.is_empty() {
                 break;
@@ -230,7 +254,7 @@ impl<'a> LightPaths<'a> {
 
     /// Casts the first rays of all paths. With `beyond` no path may end yet.
     fn leave(&self, places: &[impl Receives], directions: &[Directions], count: u32, beyond: bool, scratch: &mut PathScratch) {
-        let PathScratch { ends, order, rays, heads, continuation_of, .. } = scratch;
+        let PathScratch { ends, order, rays, heads, continuation_of, into_sky, .. } = scratch;
         ends.clear(places.len() * count as usize);
         heads.clear();
         continuation_of.clear();
@@ -253,6 +277,10 @@ impl<'a> LightPaths<'a> {
         for (path, (ray, hit)) in rays.iter().zip(&scratch.hits).enumerate() {
             match self.arrival(&places[path / count as usize], ray, *hit, beyond) {
                 Arrival::Nothing => {}
+                Arrival::Sky(direction) => {
+                    into_sky.push((ends.continued.len(), direction));
+                    ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: NO_CELL });
+                }
                 Arrival::Cell(cell, point) => {
                     let from = &places[path / count as usize];
                     (ends.cell[path], ends.point[path]) = (cell, point);
@@ -281,13 +309,15 @@ impl<'a> LightPaths<'a> {
 
     /// Adds the direct light at the points where paths go on, and multiplies their weights by the reflectances there.
     fn reflect(&self, scratch: &mut PathScratch) {
-        let PathScratch { ends, heads, continuation_of, irradiance, emitter_rays, reflector_rays, seen, .. } = scratch;
+        let PathScratch { ends, heads, continuation_of, irradiance, emitter_rays, light_rays, reflector_rays, seen, .. } = scratch;
         let channels = self.scene.channels();
 
-        // Emitters.
+        // Emitters and lights.
         irradiance.clear();
         irradiance.resize(heads.len() * channels, 0.0);
-        self.emitters.add_sampled_irradiance(heads, 1, 1, emitter_rays, &mut BatchSums::whole(channels, irradiance));
+        let mut sums = BatchSums::whole(channels, irradiance);
+        self.emitters.add_sampled_irradiance(heads, 1, 1, emitter_rays, &mut sums);
+        self.add_lights(heads, 1, light_rays, &mut sums);
         for ((head, &continuation), irradiance) in heads.iter().zip(&*continuation_of).zip(irradiance.chunks(channels)) {
             let material = self.scene.material_of(head.surface);
             let exitance = self.unsampled_exitance(head.surface);
@@ -319,11 +349,19 @@ impl<'a> LightPaths<'a> {
 
         // Those that do not end stay in the lists, moved to the front.
         let channels = self.scene.channels();
-        let mut left = 0;
+        let (mut left, mut brought) = (0, vec![0.0; channels]);
         for (index, (ray, hit)) in rays.iter().zip(&*hits).enumerate() {
             let continuation = continuation_of[index];
             match self.arrival(&heads[index], ray, *hit, beyond) {
                 Arrival::Nothing => {}
+                Arrival::Sky(direction) => {
+                    brought.fill(0.0);
+                    self.scene.add_sky_radiosity(direction, 1.0, &mut brought);
+                    for (channel, brought) in brought.iter().enumerate() {
+                        let index = continuation * channels + channel;
+                        ends.constant[index] += ends.weight[index] * brought;
+                    }
+                }
                 Arrival::Cell(cell, _) => ends.continued[continuation].cell = cell,
                 Arrival::Onward(point, surface, _) => {
                     let draw = sampling::unit(sampling::hash(heads[index].seed, streams::ROULETTE));
@@ -342,8 +380,8 @@ impl<'a> LightPaths<'a> {
 
     /// What a ray from a place finds. With `beyond` no path may end yet.
     fn arrival(&self, from: &impl Receives, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
-        let Some(hit) = hit else { return Arrival::Nothing };
         let direction = DVec3::from(ray.direction);
+        let Some(hit) = hit else { return if self.has_sky { Arrival::Sky(direction) } else { Arrival::Nothing } };
         let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { return Arrival::Nothing };
         if self.is_black[surface.index()] {
             return Arrival::Nothing;

@@ -32,12 +32,19 @@ pub(super) struct Sight {
     pub column: u32,
     /// The part of the pixel.
     pub share: f64,
-    pub surface: SurfaceId,
-    pub point: DVec3,
+    pub met: Met,
+}
+
+/// What it meets.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Met {
+    Surface(SurfaceId, DVec3),
+    /// The sky, in a direction.
+    Sky(DVec3),
 }
 
 impl Antialiased<'_> {
-    /// Visits what the rays through the pixels of a row show; nothing where they meet a back or nothing.
+    /// Visits what the rays through the pixels of a row show; nothing where they meet a back.
     pub fn for_each_in_row(&self, row: u32, hits: &mut Vec<Option<Hit>>, mut visit: impl FnMut(Sight)) {
         // All pixels, then those again that have edges.
         let columns: Vec<u32> = (0..self.size[0]).collect();
@@ -64,10 +71,15 @@ impl Antialiased<'_> {
                 continue;
             }
             for (ray, hit) in rays.iter().zip(hits) {
-                let (direction, Some(hit)) = (DVec3::from(ray.direction), hit) else { continue };
-                let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { continue };
-                let point = DVec3::from(ray.origin) + hit.distance * direction;
-                visit(Sight { column, share: 1.0 / f64::from(count), surface, point });
+                let direction = DVec3::from(ray.direction);
+                let met = match hit {
+                    None => Met::Sky(direction),
+                    Some(hit) => {
+                        let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { continue };
+                        Met::Surface(surface, DVec3::from(ray.origin) + hit.distance * direction)
+                    }
+                };
+                visit(Sight { column, share: 1.0 / f64::from(count), met });
             }
         }
         at_edges
@@ -79,8 +91,10 @@ impl Antialiased<'_> {
         let of_row = |hits: &mut Vec<Option<Hit>>, row: u32| {
             let mut points: Vec<SeenPoint> = Vec::new();
             if !observer.cancelled() {
-                self.for_each_in_row(row, hits, |Sight { share, surface, point, .. }| {
-                    points.push(seen.point(surface, point, share))
+                self.for_each_in_row(row, hits, |Sight { share, met, .. }| {
+                    if let Met::Surface(surface, point) = met {
+                        points.push(seen.point(surface, point, share));
+                    }
                 });
             }
             points

@@ -1,6 +1,6 @@
 //! A picture of a lit mesh: first hits from the backend, and the function at each of them.
 
-use super::antialiased::{Antialiased, Sight};
+use super::antialiased::{Antialiased, Met, Sight};
 use super::camera::CameraRays;
 use super::image::Image;
 use super::shown::Shown;
@@ -9,7 +9,8 @@ use crate::progress::Observer;
 use crate::scene::Scene;
 use crate::transmittance::Rays;
 
-/// What is shown through the pixels of a camera, black where a back or nothing is met. `None` if the observer cancels.
+/// What is shown through the pixels of a camera, black where a back is met, and where nothing is, but for the sky. `None` if the
+/// observer cancels.
 pub(crate) fn render_mesh(
     scene: &Scene,
     mesh: &MeshReader<'_>,
@@ -19,7 +20,11 @@ pub(crate) fn render_mesh(
     observer: &dyn Observer,
 ) -> Option<Image> {
     let ([width, height], channels) = (size, scene.channels());
-    let shade = |Sight { share, surface, point, .. }: Sight, radiosity: &mut [f64], pixel: &mut [f32]| {
+    let shade = |Sight { share, met, .. }: Sight, radiosity: &mut [f64], pixel: &mut [f32]| {
+        let (surface, point) = match met {
+            Met::Surface(surface, point) => (surface, point),
+            Met::Sky(direction) => return shown.add_sky(scene, direction, share, pixel),
+        };
         mesh.radiosity_at(point, surface, radiosity);
         let material = scene.material_of(surface);
         for (channel, (sum, &radiosity)) in pixel.iter_mut().zip(&*radiosity).enumerate() {

@@ -33,9 +33,9 @@ struct Shader<'a> {
     shown: Shown,
 }
 
-/// What is shown through the pixels of a camera, with standard errors where `error_bars` are known; black where a back or nothing
-/// is met; and the part of the pixels that were taken, which is 1 but where the time ended before: others show one beside them, and their errors are not
-/// known. `None` if the observer cancels.
+/// What is shown through the pixels of a camera, with standard errors where `error_bars` are known; black where a back is met, and
+/// where nothing is, but for the sky; and the part of the pixels that were taken, which is 1 but where the time ended before: others show one beside them,
+/// and their errors are not known. `None` if the observer cancels.
 pub(crate) fn render(
     (gather, error_bars): (&Gather<'_>, Option<ErrorBars>),
     visibility: &Rays<'_>,
@@ -73,6 +73,7 @@ pub(crate) fn render(
 
             // What is seen there.
             shader.shade_row((&columns, &places), scratch, pixels);
+            shader.add_sky((&columns, &rays), hits, pixels);
             columns.iter().for_each(|&column| is_done[column as usize] = true);
 
             let done = done.fetch_add(columns.len(), Ordering::Relaxed) + columns.len();
@@ -94,6 +95,18 @@ pub(crate) fn render(
 }
 
 impl Shader<'_> {
+    /// Adds what the pixels of a row in some columns show of the sky, by the [`SUBSAMPLES`] rays through each.
+    fn add_sky(&self, (columns, rays): (&[u32], &[Ray]), hits: &[Option<Hit>], pixels: &mut [[f32; 2]]) {
+        let (scene, share) = (self.gather.scene, 1.0 / f64::from(SUBSAMPLES));
+        let mut radiance = vec![0.0; scene.channels()];
+        for (index, ray) in rays.iter().enumerate().filter(|(index, _)| hits[*index].is_none()) {
+            radiance.fill(0.0);
+            self.shown.add_sky(scene, DVec3::from(ray.direction), share, &mut radiance);
+            let pixel = &mut pixels[columns[index / SUBSAMPLES as usize] as usize * radiance.len()..];
+            pixel.iter_mut().zip(&radiance).for_each(|([number, _], radiance)| *number += radiance);
+        }
+    }
+
     /// Adds the radiances of the pixels of a row in some columns, each seen at [`SUBSAMPLES`] places, and their standard errors.
     fn shade_row(&self, (columns, places): (&[u32], &[Option<Place>]), scratch: &mut Scratch, pixels: &mut [[f32; 2]]) {
         // If all rays of a pixel meet one surface, one of the points with all visibility rays is as good as all points with a share

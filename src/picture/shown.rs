@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use crate::scene::Material;
+use glam::DVec3;
+
+use crate::scene::{Material, Scene};
 
 /// What a pixel shows of the light at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +21,15 @@ impl Shown {
         match self {
             Self::Radiance => radiosity / PI,
             Self::Irradiance => self.of_difference(material, channel, radiosity - material.exitance[channel]).max(0.0),
+        }
+    }
+
+    /// Adds `share` of what a pixel shows of the sky in a direction.
+    pub fn add_sky(self, scene: &Scene, direction: DVec3, share: f64, pixel: &mut [f32]) {
+        if self == Self::Radiance && scene.has_sky() {
+            let mut radiosity = vec![0.0; pixel.len()];
+            scene.add_sky_radiosity(direction, share / PI, &mut radiosity);
+            pixel.iter_mut().zip(radiosity).for_each(|(pixel, radiance)| *pixel += radiance as f32);
         }
     }
 

@@ -25,6 +25,9 @@ pub enum PipelineError {
     /// Light groups with options that know none.
     #[error(transparent)]
     LightGroups(#[from] LightGroupError),
+    /// Guaranteed bounds of a scene with lights.
+    #[error("guaranteed bounds know light from surfaces alone: leave out the lights, or model them as surfaces that emit")]
+    Lights,
     /// The memory budget is less than the solve takes at least; nothing was done.
     #[error(
         "the scene takes {:.3} GB at least before it is solved, and the budget is {:.3} GB: give more memory or fewer surfaces",

@@ -1,6 +1,6 @@
 //! Channels that need no solve of their own: those that repeat another, and those in which nothing emits.
 
-use super::{Material, Scene};
+use super::{Light, Material, Scene};
 
 /// What of a scene must be solved, and which of that each of its channels is read off.
 pub(crate) struct DistinctChannels {
@@ -16,7 +16,9 @@ impl DistinctChannels {
     /// `None` if all channels must be solved.
     pub fn of(scene: &Scene) -> Option<Self> {
         let column = |channel: usize| {
-            scene.materials.iter().map(move |material| (material.reflectance[channel], material.exitance[channel]))
+            let of_materials =
+                scene.materials.iter().map(move |material| (material.reflectance[channel], material.exitance[channel]));
+            of_materials.chain(scene.lights.iter().map(move |light| (0.0, light.strength[channel])))
         };
         let is_lit = |channel: usize| column(channel).any(|(_, exitance)| exitance > 0.0);
 
@@ -49,8 +51,9 @@ impl DistinctChannels {
             Material { name: name.clone(), reflectance: pick(reflectance), exitance: pick(exitance) }
         };
         let materials = scene.materials.iter().map(pick_of).collect();
+        let lights = scene.lights.iter().map(|light| Light { strength: pick(&light.strength), ..light.clone() }).collect();
         let light_groups = scene.light_groups.as_ref().map(|groups| groups.of_bands(&pick));
-        let scene = Scene { channels: solved.len(), materials, light_groups, ..scene.clone() };
+        let scene = Scene { channels: solved.len(), materials, lights, light_groups, ..scene.clone() };
         Some(Self { scene, copies, of })
     }
 

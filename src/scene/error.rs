@@ -30,6 +30,14 @@ pub enum SceneError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A light has a wrong number of channels, or a number that is out of range.
+    #[error("light '{name}': {reason}")]
+    BadLight {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Other materials than the scene has surfaces of.
     #[error("there are {given} materials for a scene that has {needed}")]
     Materials {

@@ -13,7 +13,7 @@
 use std::borrow::Cow;
 
 use super::light_groups::{LightGroups, weighted_exitance};
-use super::{Material, Scene, SceneError, SurfaceId};
+use super::{Light, Material, Scene, SceneError, SurfaceId};
 
 impl Scene {
     /// The light groups, if the scene has any.
@@ -44,13 +44,27 @@ impl Scene {
             Material { name: material.name.clone(), reflectance: material.reflectance.repeat(1 + count), exitance }
         };
         let materials = self.materials.iter().zip(&groups.of_material).map(carrying).collect();
-        Cow::Owned(Self { channels: bands * (1 + count), carried: bands * count, materials, ..self.clone() })
+        let light = |(light, &own): (&Light, &u32)| {
+            let of_group = |group: u32| light.strength.iter().map(move |&strength| if group == own { strength } else { 0.0 });
+            let apart = (0..count as u32).flat_map(of_group);
+            Light { strength: light.strength.iter().copied().chain(apart).collect(), ..light.clone() }
+        };
+        let lights = self.lights.iter().zip(&groups.of_light).map(light).collect();
+        Cow::Owned(Self { channels: bands * (1 + count), carried: bands * count, materials, lights, ..self.clone() })
     }
 
     /// The same where all weights are 1, the exitance being as it is.
     pub(crate) fn with_weights_of_one(self) -> Self {
         let groups = self.light_groups.as_ref();
-        let groups = groups.map(|groups| LightGroups::new(groups.names.clone(), groups.of_material.clone(), &self.materials));
+        let of_scene = |groups: &LightGroups| {
+            LightGroups::new(
+                groups.names.clone(),
+                groups.of_material.clone(),
+                groups.of_light.clone(),
+                (&self.materials, &self.lights),
+            )
+        };
+        let groups = groups.map(of_scene);
         Self { light_groups: groups, ..self }
     }
 
@@ -65,9 +79,15 @@ impl Scene {
             ..material.clone()
         };
         let materials = self.materials.iter().zip(groups.of_material.iter().zip(&groups.exitance)).map(relit).collect();
+        let light = |(light, (&group, strength)): (&Light, (&u32, &Vec<f64>))| Light {
+            strength: weighted_exitance(strength, Some(&weights[group as usize])),
+            ..light.clone()
+        };
+        let lights = self.lights.iter().zip(groups.of_light.iter().zip(&groups.strength)).map(light).collect();
         let light_groups = Some(LightGroups { weights, ..groups.clone() });
-        let scene = Self { materials, light_groups, ..self.clone() };
+        let scene = Self { materials, lights, light_groups, ..self.clone() };
         scene.check_materials()?;
+        scene.check_lights()?;
         Ok(scene)
     }
 
@@ -87,6 +107,6 @@ impl Scene {
     }
 
     pub(super) fn check_light_groups(&self) -> Result<(), String> {
-        self.light_groups.as_ref().map_or(Ok(()), |groups| groups.validate(&self.materials, self.channels))
+        self.light_groups.as_ref().map_or(Ok(()), |groups| groups.validate(&self.materials, &self.lights, self.channels))
     }
 }

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::{Lights, SceneError};
+use super::{EmitterName, SceneError};
 
 /// Why lights cannot be grouped or weighted.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -22,7 +22,7 @@ pub enum LightGroupError {
         /// The group.
         group: String,
         /// What stands in it.
-        lights: Lights,
+        lights: EmitterName,
     },
     /// A face that emits is in no group.
     #[error("light groups: face {face} of material '{material}'{} emits light and is in no group; add it to one", of_object(.object))]
@@ -43,6 +43,14 @@ pub enum LightGroupError {
         material: String,
         /// Two groups that it is in.
         groups: [String; 2],
+    },
+    /// A light that is no surface is in no group, or in several.
+    #[error("light groups: light '{name}' is in {}; it must be in one", in_groups(.groups))]
+    Light {
+        /// Its name.
+        name: String,
+        /// The groups that it is in.
+        groups: Vec<String>,
     },
     /// Two groups have one name, or one has none.
     #[error("light groups: '{0}' must be the name of one group, and not empty")]
@@ -99,4 +107,8 @@ pub enum LightGroupError {
 
 fn of_object(object: &Option<String>) -> String {
     object.as_ref().map_or(String::new(), |name| format!(" in object '{name}'"))
+}
+
+fn in_groups(groups: &[String]) -> String {
+    if groups.is_empty() { "no group".to_owned() } else { format!("the groups {}", groups.join(", ")) }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{LightGroupError, Material};
+use super::{Light, LightGroupError, Material};
 
 /// The light groups of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -12,6 +12,9 @@ pub struct LightGroups {
     pub(super) of_material: Vec<Option<u32>>,
     /// By material and band: the exitance in W/m^2 where all weights are 1.
     pub(super) exitance: Vec<Vec<f64>>,
+    /// By light, the number of its group, and its strength by band where all weights are 1.
+    pub(super) of_light: Vec<u32>,
+    pub(super) strength: Vec<Vec<f64>>,
     /// By group and band.
     pub(super) weights: Vec<Vec<f64>>,
 }
@@ -26,11 +29,17 @@ pub struct LightWeight {
 }
 
 impl LightGroups {
-    /// Groups with these names, by material, all with the weight 1.
-    pub(super) fn new(names: Vec<String>, of_material: Vec<Option<u32>>, materials: &[Material]) -> Self {
+    /// Groups with these names, by material and by light of a scene, all with the weight 1.
+    pub(super) fn new(
+        names: Vec<String>,
+        of_material: Vec<Option<u32>>,
+        of_light: Vec<u32>,
+        (materials, lights): (&[Material], &[Light]),
+    ) -> Self {
         let exitance = materials.iter().map(|material| material.exitance.clone()).collect();
+        let strength = lights.iter().map(|light| light.strength.clone()).collect();
         let weights = vec![vec![1.0; materials[0].exitance.len()]; names.len()];
-        Self { names, of_material, exitance, weights }
+        Self { names, of_material, exitance, of_light, strength, weights }
     }
 
     /// The names of the groups.
@@ -64,17 +73,17 @@ impl LightGroups {
 
     /// The same in some of the bands.
     pub(super) fn of_bands(&self, pick: &impl Fn(&[f64]) -> Vec<f64>) -> Self {
-        let [exitance, weights] = [&self.exitance, &self.weights].map(|of| of.iter().map(|values| pick(values)).collect());
-        Self { exitance, weights, ..self.clone() }
+        let pick_all = |of: &Vec<Vec<f64>>| of.iter().map(|values| pick(values)).collect();
+        let [exitance, strength, weights] = [&self.exitance, &self.strength, &self.weights].map(pick_all);
+        Self { exitance, strength, weights, ..self.clone() }
     }
 
     /// Checks what a stored scene says of its groups.
-    pub(super) fn validate(&self, all: &[Material], bands: usize) -> Result<(), String> {
-        let Self { names, of_material, exitance, weights } = self;
-        let materials = all.len();
+    pub(super) fn validate(&self, all: &[Material], lights: &[Light], bands: usize) -> Result<(), String> {
+        let Self { names, of_material, exitance, of_light, strength, weights } = self;
         let is_light = |values: &Vec<f64>| values.len() == bands && values.iter().all(|value| value.is_finite() && *value >= 0.0);
-        let fit = of_material.len() == materials && exitance.len() == materials && weights.len() == names.len();
-        if !fit || !exitance.iter().chain(weights).all(is_light) {
+        let fit = [of_material.len(), exitance.len()] == [all.len(); 2] && [of_light.len(), strength.len()] == [lights.len(); 2];
+        if !fit || weights.len() != names.len() || !exitance.iter().chain(strength).chain(weights).all(is_light) {
             return Err("the light groups do not fit the scene".to_owned());
         }
         let is_named = |number: usize| !names[number].is_empty() && !names[..number].contains(&names[number]);
@@ -87,11 +96,17 @@ impl LightGroups {
                 return Err(format!("material '{}': its exitance is not what its light group says", material.name));
             }
         }
+        for (light, (&group, strength)) in lights.iter().zip(of_light.iter().zip(strength)) {
+            let weights = weights.get(group as usize).ok_or("a light group does not exist")?;
+            if light.strength != weighted_exitance(strength, Some(weights)) {
+                return Err(format!("light '{}': its strength is not what its light group says", light.name));
+            }
+        }
         Ok(())
     }
 }
 
-/// The exitance by band of a material with these weights; what is in no group has none.
+/// The exitance by band of a material, or the strength of a light, with these weights; what is in no group has none.
 pub(super) fn weighted_exitance(exitance: &[f64], weights: Option<&Vec<f64>>) -> Vec<f64> {
     let Some(weights) = weights else { return vec![0.0; exitance.len()] };
     exitance.iter().zip(weights).map(|(e, weight)| weight * e).collect()

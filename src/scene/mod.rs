@@ -1,6 +1,8 @@
 //! What is lit: surfaces with materials, validated and immutable from here on.
 
 mod distinct_channels;
+mod emitter_name;
+mod emitters;
 mod error;
 mod face_names;
 pub mod import;
@@ -10,6 +12,7 @@ mod light_group_error;
 mod light_grouping;
 mod light_groups;
 mod lights;
+mod lit_by;
 mod material;
 mod planes;
 mod point;
@@ -18,13 +21,15 @@ mod summary;
 mod twins;
 
 pub(crate) use distinct_channels::DistinctChannels;
+pub use emitter_name::EmitterName;
+pub(crate) use emitters::Emitter;
 pub use error::SceneError;
 pub use face_names::FaceNames;
 pub(crate) use largest::largest;
 pub use light_group_error::LightGroupError;
 pub use light_grouping::LightGrouping;
 pub use light_groups::{LightGroups, LightWeight};
-pub use lights::Lights;
+pub use lights::{Light, LightShape, PointLight, Sky, Sun};
 pub use material::Material;
 pub use point::{PointError, SurfacePoint};
 pub use summary::SceneSummary;
@@ -96,6 +101,8 @@ pub struct Scene {
     /// Copies of a scene share them.
     #[serde(with = "shared")]
     surfaces: Arc<Vec<Surface>>,
+    /// What sends light beside them.
+    lights: Vec<Light>,
     sides: Sides,
     /// What their faces belong to.
     objects: FaceNames,
@@ -134,7 +141,8 @@ impl Scene {
         let surface = |(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None };
         let surfaces = Arc::new(faces.into_iter().map(surface).collect());
         let (objects, groups) = (FaceNames::default(), FaceNames::default());
-        let mut scene = Self { channels, materials, surfaces, sides, objects, groups, light_groups: None, carried: 0 };
+        let mut scene =
+            Self { channels, materials, surfaces, lights: Vec::new(), sides, objects, groups, light_groups: None, carried: 0 };
         scene.check_materials()?;
         scene.add_twins();
         scene.group_planes();
@@ -177,6 +185,7 @@ impl Scene {
     /// Says what is wrong.
     pub(crate) fn validate(&self) -> Result<(), String> {
         self.check_materials().map_err(|error| error.to_string())?;
+        self.check_lights().map_err(|error| error.to_string())?;
         self.check_light_groups()?;
         let (count, mut planes) = (self.surfaces.len(), 0);
         for (index, surface) in self.surfaces.iter().enumerate() {

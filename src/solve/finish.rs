@@ -30,7 +30,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     let Outcome { error, stopped_by, point_rays, resolution, radiosities, known } = outcome;
     let mut report = SolveReport { energy, stopped_by, converged: stopped_by == StoppedBy::Error, ..linked.report };
 
-    let reflected = energy.sent - energy.emitted;
+    let reflected = energy.sent - (energy.emitted - energy.of_lights);
     report.error = ErrorReport {
         requested: linked.job.options.error,
         estimate: error.map_or(f64::INFINITY, |error| error.claimed),
@@ -66,6 +66,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
         hierarchy: linked.hierarchy.without_cuts(),
         links: linked.links,
         exposure: linked.exposure,
+        lights: linked.lights,
         radiosity: linked.radiosity,
         point_rays,
         resolution,
@@ -85,9 +86,9 @@ fn figure(error: error::ErrorFigure) -> ErrorFigure {
 
 /// Where the power goes, and what pairs without a link hold back of it.
 fn energy(linked: &Linked<'_>) -> Energy {
-    let Linked { job, hierarchy, links, exposure, closure, radiosity, report, .. } = linked;
+    let Linked { job, hierarchy, links, exposure, lights, closure, radiosity, report, .. } = linked;
     let scene = job.scene;
-    let powers = Powers { scene, hierarchy, links, exposure, closure: closure.as_ref(), radiosity };
+    let powers = Powers { scene, hierarchy, links, exposure, closure: closure.as_ref(), lights, radiosity };
     let light = Light { scene, hierarchy, radiosity: radiosity.values() };
     let held_back = |pairs: &[Pair]| bound_held_back(light, pairs, &job.stop());
     Energy {

@@ -72,17 +72,19 @@ impl Solution {
     }
 
     fn fluxes_over_links(&self) -> Vec<Flux> {
-        let Self { scene, hierarchy, links, exposure, radiosity, .. } = self;
+        let Self { scene, hierarchy, links, exposure, lights, radiosity, .. } = self;
         let clusters = links.iter().any(|(receiver, link)| hierarchy.is_cluster(receiver) || hierarchy.is_cluster(link.source));
         let closure = Closure::needed(scene, hierarchy, links, exposure, clusters);
         let none = Flux::none(scene.channels());
         let mut fluxes = vec![none; scene.surfaces().len()];
         fluxes.iter_mut().zip(scene.surfaces()).for_each(|(flux, surface)| flux.area = surface.polygon.area());
-        let powers = Powers { scene, hierarchy, links, exposure, closure: closure.as_ref(), radiosity };
+        let powers = Powers { scene, hierarchy, links, exposure, closure: closure.as_ref(), lights, radiosity };
         powers.for_each_leaf(|leaf, exposed, arriving| {
             let surface = SurfaceId(hierarchy.node(leaf).surface);
             let (material, flux) = (scene.material_of(surface), &mut fluxes[surface.index()]);
+            let of_lights = lights.of(leaf, scene.channels());
             for (channel, arriving) in arriving.iter().enumerate() {
+                let arriving = arriving + of_lights.map_or(0.0, |lights| lights[channel]);
                 flux.emitted[channel] += exposed * material.exitance[channel];
                 flux.incident[channel] += exposed * arriving;
                 flux.absorbed[channel] += (1.0 - material.reflectance[channel]) * exposed * arriving;

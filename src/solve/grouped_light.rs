@@ -12,6 +12,8 @@ use crate::scene::{DistinctChannels, Scene, SurfaceId};
 pub(crate) struct GroupedLight {
     /// Radiosity in W/m^2 by leaf in the order of their ids, group and band.
     pub(super) leaves: Vec<f64>,
+    /// What lights bring to leaves, in W/m^2 by node, group and band.
+    pub(super) lights: Vec<f64>,
     /// Where values end in cells: a channel for each group and band.
     pub(super) cells: Option<CellRadiosities>,
     /// Where there is a lit mesh: what is reflected, surface by surface, by node, group and band.
@@ -50,6 +52,7 @@ impl GroupedLight {
     pub fn memory_bytes(&self) -> u64 {
         let of_mesh = self.mesh.iter().flatten().map(|reflected| size_of_val(&**reflected) as u64);
         size_of_val(&*self.leaves) as u64
+            + size_of_val(&*self.lights) as u64
             + size_of_val(&*self.reflected) as u64
             + self.cells.as_ref().map_or(0, CellRadiosities::memory_bytes)
             + of_mesh.sum::<u64>()

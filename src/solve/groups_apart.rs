@@ -4,6 +4,7 @@ use super::grouped_light::GroupedLight;
 use super::solution::Solution;
 use crate::mesh::{LitMesh, MeshError};
 use crate::scene::{Scene, SurfaceId};
+use crate::sweep::LightIrradiance;
 
 /// The numbers of some bands in each item of so many channels: of a run of channels from `first` on.
 fn of_run<T: Copy>(values: &[T], channels: usize, first: usize, count: usize) -> Vec<T> {
@@ -19,6 +20,7 @@ impl Solution {
 
         // All light together is what a solve without groups finds.
         let radiosity = self.radiosity.of_channels(0..bands);
+        let lights = LightIrradiance::of_values(of_run(self.lights.values(), all, 0, bands));
         let mut mesh = self.mesh.as_ref().map(|mesh| mesh.with_reflected(|_, reflected| of_run(reflected, all, 0, bands)));
         let cell_radiosities = self.cell_radiosities.as_ref().map(|cells| cells.of_channels(0..bands));
 
@@ -27,6 +29,7 @@ impl Solution {
         let surfaces = (0..scene.surfaces().len() as u32).map(SurfaceId);
         let of_mesh = |mesh: &LitMesh| mesh.reflected().map(|reflected| of_run(reflected, all, bands, carried)).collect();
         let groups = GroupedLight {
+            lights: of_run(self.lights.values(), all, bands, carried),
             leaves: leaves.flat_map(|leaf| &self.radiosity.of(leaf)[bands..]).copied().collect(),
             cells: self.cell_radiosities.as_ref().map(|cells| cells.of_channels(bands..all)),
             mesh: self.mesh.as_ref().map(of_mesh),
@@ -34,7 +37,7 @@ impl Solution {
             errors: self.groups.and_then(|groups| groups.errors),
             mesh_errors: mesh.as_mut().map_or_else(Vec::new, |mesh| std::mem::take(&mut mesh.by_group)),
         };
-        Self { scene, radiosity, cell_radiosities, mesh, groups: Some(groups), ..self }
+        Self { scene, radiosity, lights, cell_radiosities, mesh, groups: Some(groups), ..self }
     }
 
     /// Checks what was read of groups.
@@ -48,6 +51,8 @@ impl Solution {
         let is_number = |value: &f64| value.abs() <= f64::from(f32::MAX);
         let fits = light.leaves.len() == leaves * count * bands
             && light.leaves.iter().all(is_number)
+            && light.lights.len() == self.lights.values().len() * count
+            && light.lights.iter().all(is_number)
             && light.errors.as_ref().is_none_or(|errors| errors.is_valid(count, bands));
         let of_cells = match (&self.cell_radiosities, &light.cells) {
             (Some(all), Some(apart)) => apart.is_valid(all.cells(), count * bands),

@@ -9,18 +9,20 @@ use rayon::prelude::*;
 
 use super::cuts::cut_along_discontinuities;
 use super::job::Job;
-use super::memory::{CellDemand, Holdings, LINK_AT_WORK, MemoryLedger};
+use super::memory::{CellDemand, Holdings, LINK_AT_WORK};
 use super::options::{Subdivision, Sweep};
 use super::plan::{COARSE_TOLERANCE, Plan};
-use super::report::{SkippedWork, SolveReport};
-use crate::direct::SharedBlockers;
+use super::report::SolveReport;
+use crate::direct::{Lights, SharedBlockers};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
 use crate::links::{Dropped, LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
 use crate::paths::{Brightness, Illumination, Landing, cell_count};
 use crate::progress::{Progress, Stage, Stop};
 use crate::scene::SurfaceId;
-use crate::sweep::{self, ByPlane, Closure, Exposure, Radiosity, Reflections, sampled_exposed_point, sweep_in_place};
+use crate::sweep::{
+    self, ByPlane, Closure, Exposure, LightIrradiance, Radiosity, Reflection, Reflections, sampled_exposed_point, sweep_in_place,
+};
 use crate::transmittance::maps::Maps;
 use crate::values::{Gather, Gathered, LinkGather, Over, RayBudget, Scratch};
 
@@ -33,17 +35,19 @@ pub(super) struct Linked<'a> {
     /// Where particles from the emitters landed.
     pub landings: Arc<[Landing]>,
     pub hierarchy: Hierarchy,
-    maps: Option<Maps<'a>>,
+    pub maps: Option<Maps<'a>>,
     pub links: LinkSet,
-    dropped: Dropped,
+    pub dropped: Dropped,
     pub exposure: Exposure,
+    /// What lights bring to leaves.
+    pub lights: LightIrradiance,
     pub radiosity: Radiosity,
     /// What stands between points and sources.
     blockers: SharedBlockers,
     /// Where clusters gather and emit.
     pub closure: Option<Closure>,
     /// Whether clusters gather and emit.
-    clusters: bool,
+    pub clusters: bool,
     /// Largest reflectance below each cluster, by channel.
     cluster_reflectance: Vec<f64>,
     /// Bytes that others take of the memory.
@@ -64,6 +68,8 @@ impl<'a> Linked<'a> {
         }
         let mut exposure = Exposure::default();
         exposure.grow(scene, &hierarchy, rays, options.seed, &job.stop());
+        let mut lights = LightIrradiance::default();
+        lights.grow(Lights::new(scene, rays), &hierarchy, &exposure, options.seed, &job.stop());
         let radiosity = Radiosity::emitted(scene, &hierarchy, &exposure);
         let mut report = SolveReport { backend: rays.description(), ..SolveReport::default() };
         report.time_s.build = start.elapsed().as_secs_f64();
@@ -76,6 +82,7 @@ impl<'a> Linked<'a> {
             hierarchy,
             dropped: Dropped::default(),
             exposure,
+            lights,
             radiosity,
             blockers: SharedBlockers::default(),
             closure: None,
@@ -144,7 +151,7 @@ impl<'a> Linked<'a> {
         RefineLimits {
             max_links: self.job.options.max_links.unwrap_or(u64::from(u32::MAX)),
             max_bytes: self.job.memory.left_for_refinement(self.holdings(), self.reserved_bytes),
-            node_bytes: MemoryLedger::bytes_of_new_node(self.job.kept_channels),
+            node_bytes: self.job.memory.bytes_of_new_node(self.job.kept_channels),
             link_bytes: LINK_AT_WORK as u64,
             stop,
             allows,
@@ -212,7 +219,9 @@ impl<'a> Linked<'a> {
 
     /// Makes room for nodes that are new.
     pub fn grow(&mut self) {
-        self.exposure.grow(self.job.scene, &self.hierarchy, self.job.rays, self.job.options.seed, &self.job.stop());
+        let Job { scene, rays, options, .. } = self.job;
+        self.exposure.grow(scene, &self.hierarchy, rays, options.seed, &self.job.stop());
+        self.lights.grow(Lights::new(scene, rays), &self.hierarchy, &self.exposure, options.seed, &self.job.stop());
         self.radiosity.grow(&self.hierarchy);
     }
 
@@ -243,19 +252,20 @@ impl<'a> Linked<'a> {
 
     /// Lets light travel once over the links.
     fn sweep_once(&mut self) -> sweep::Change {
-        let Self { job, hierarchy, links, exposure, closure, radiosity, report, .. } = self;
+        let Self { job, hierarchy, links, exposure, lights, closure, radiosity, report, .. } = self;
+        let reflection = Reflection { scene: job.scene, closure: closure.as_ref(), lights };
         let start = Instant::now();
         match job.options.links.sweep {
             Sweep::Jacobi => {
                 let irradiance = sweep::gather(hierarchy, links, exposure, radiosity);
                 let gathered = Instant::now();
-                let change = sweep::push_pull(job.scene, hierarchy, exposure, closure.as_ref(), irradiance, radiosity);
+                let change = sweep::push_pull(&reflection, hierarchy, exposure, irradiance, radiosity);
                 report.time_s.push_pull += gathered.elapsed().as_secs_f64();
                 report.time_s.gather += (gathered - start).as_secs_f64();
                 change
             }
             Sweep::InPlace => {
-                let change = sweep_in_place(job.scene, hierarchy, links, exposure, closure.as_ref(), radiosity);
+                let change = sweep_in_place(reflection, hierarchy, links, exposure, radiosity);
                 report.time_s.gather += start.elapsed().as_secs_f64();
                 change
             }
@@ -271,7 +281,8 @@ impl<'a> Linked<'a> {
         }
         let start = Instant::now();
         let Job { scene, options, .. } = self.job;
-        let gather = self.gather(RayBudget { rays, least_chance: 1.0, seed: options.seed });
+        // What lights bring is known as a mean over the leaf, which tells more than one point does.
+        let gather = self.gather_with(RayBudget { rays, least_chance: 1.0, seed: options.seed }, LinkGather::without_lights);
         let channels = scene.channels();
         let leaves: Vec<NodeId> = self.leaves().collect();
         let mut values = vec![0.0; leaves.len() * channels];
@@ -288,6 +299,9 @@ impl<'a> Linked<'a> {
                     Some(point) => {
                         gather.values_at(&[gather.place_at(point, surface)], gather.budget, scratch, gathered);
                         value.copy_from_slice(&gathered.radiosity);
+                        let of_lights = self.lights.of(leaf, channels).unwrap_or_default();
+                        let reflected = of_lights.iter().zip(&scene.material_of(surface).reflectance);
+                        value.iter_mut().zip(reflected).for_each(|(b, (h, rho))| *b += rho * h);
                     }
                     None => value.copy_from_slice(self.radiosity.of(leaf)),
                 }
@@ -306,9 +320,14 @@ impl<'a> Linked<'a> {
 
     /// Gathers values at points over the links.
     pub fn gather(&self, budget: RayBudget) -> Gather<'_> {
+        self.gather_with(budget, |gather| gather)
+    }
+
+    /// The same by another gather.
+    fn gather_with<'b>(&'b self, budget: RayBudget, other: impl Fn(LinkGather<'b>) -> LinkGather<'b>) -> Gather<'b> {
         let Self { hierarchy, links, radiosity, exposure, job: Job { scene, rays, .. }, .. } = self;
         let over = LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays).with_blockers(self.blockers.clone());
-        let over = Over::Links(LinkGather::with_direct_light(over));
+        let over = Over::Links(other(LinkGather::with_direct_light(over)));
         Gather { scene, hierarchy, over, budget }
     }
 
@@ -361,37 +380,5 @@ impl<'a> Linked<'a> {
     /// Notes that so much is taken by the ledger.
     pub fn account(&mut self, bytes: u64) {
         self.report.accounted_bytes = self.report.accounted_bytes.max(bytes);
-    }
-
-    /// What refinement left out.
-    pub fn skipped(&self) -> Vec<SkippedWork> {
-        let work = |what: &str, count, estimate_saved_rays| SkippedWork {
-            what: what.to_owned(),
-            count,
-            estimate_saved_rays,
-            ..SkippedWork::default()
-        };
-        let Job { scene, options, rays, .. } = self.job;
-        let Dropped { behind, black } = self.dropped;
-        let asleep =
-            |is_counted: &dyn Fn(&Pair) -> bool| self.links.dormant().iter().filter(|pair| is_counted(pair)).count() as u64;
-        let (dark, within) = (asleep(&|pair| pair.receiver != pair.source), asleep(&|pair| pair.receiver == pair.source));
-        let rays_of_pair = 2 * u64::from(options.links.rays_per_link);
-        let unused = if self.clusters { 0 } else { self.hierarchy.cluster_count() as u64 };
-        let is_dark = |surface: &u32| self.radiosity.of(self.hierarchy.node_of(SurfaceId(*surface))).iter().all(|&b| b == 0.0);
-        let sealed = (0..scene.surfaces().len() as u32).filter(is_dark).count() as u64;
-        let (spared, by_maps) = (rays.spared(), self.maps.as_ref().map_or(0, Maps::answered));
-        let (everywhere, between) = if rays.is_clear_everywhere() { (spared, 0) } else { (0, spared) };
-        vec![
-            work("pairs behind one another", behind.pairs, behind.rays),
-            work("pairs with a black receiver", black.pairs, black.rays),
-            work("dormant pairs with a dark source, or for which there was no room", dark, rays_of_pair * dark),
-            work("dormant pairs of a cluster with itself", within, rays_of_pair * within),
-            work("surfaces that no light reaches", sealed, 0),
-            work("clusters that are not linked", unused, 0),
-            work("segments that transmittance maps answered, for the time that these take", by_maps, 0),
-            work("segments in a scene where nothing occludes", everywhere, everywhere),
-            work("segments between planes with nothing in between", between, between),
-        ]
     }
 }

@@ -15,7 +15,7 @@ use crate::discontinuities;
 use crate::mesh::{LitMesh, MeshBuilder, MeshLimit, MeshLimits, SeenSurfaces};
 use crate::paths::LightPaths;
 use crate::progress::{Observer, Progress, Stage, Stop};
-use crate::scene::SurfaceId;
+use crate::scene::{Emitter, SurfaceId};
 use crate::transmittance::Rays;
 use crate::values::{FinalGather, IndirectGather, LinkGather, RayBudget};
 
@@ -137,7 +137,7 @@ impl Solution {
 
         // Direct light.
         let all = (0..scene.surfaces().len() as u32).map(SurfaceId);
-        let emitters: Vec<SurfaceId> = all.clone().filter(|&surface| scene.material_of(surface).emits()).collect();
+        let emitters = Emitter::all(scene);
         let blockers = Blockers::of(scene);
         let direct = &DirectLight { scene, rays, blockers: &blockers, emitters: &emitters };
 

@@ -32,7 +32,7 @@ pub(super) const LINK_AT_WORK: usize = 64;
 /// What is never less: room for a thousand links.
 const FIRST_LINKS: u64 = 1000 * LINK_AT_WORK as u64;
 
-/// Numbers of a node by channel that stay (radiosity; emitted light of the closure), and that a sweep or a correction takes beside them
+/// Numbers of a node by channel that stay (radiosity; emitted light of the closure; where there are lights, one more: what they bring), and that a sweep or a correction takes beside them
 /// (irradiance, emission, reflected radiosity, values gathered anew, their change and its irradiance).
 const KEPT_NUMBERS: usize = 2;
 const SWEEP_NUMBERS: usize = 6;
@@ -80,6 +80,17 @@ pub(super) struct MemoryLedger {
     budget: u64,
     /// The program, the scene, what answers visibility, and what may stand before emitters.
     fixed: u64,
+    has_lights: bool,
+}
+
+/// The least memory that a solve of a scene takes, in bytes, by the ledger: all that is there before the first link, and room for some.
+pub(crate) fn least_bytes(scene: &Scene, backend: Backend) -> u64 {
+    let surfaces = scene.surfaces().len();
+    let clusters = (CLUSTERS * surfaces as f64) as usize;
+    let corners = scene.surfaces().iter().map(|surface| surface.polygon.facet().vertices.len()).sum();
+    let ledger = MemoryLedger::new(scene, backend, None);
+    let nodes: u64 = ledger.node_bytes(surfaces + clusters, clusters, scene.channels_with_groups()).iter().sum();
+    ledger.fixed + Hierarchy::bytes_of(surfaces, clusters, corners) + nodes + FIRST_LINKS
 }
 
 impl MemoryLedger {
@@ -87,36 +98,27 @@ impl MemoryLedger {
     pub fn new(scene: &Scene, backend: Backend, budget: Option<u64>) -> Self {
         let blockers = (scene.surfaces().len() * Blockers::BYTES_OF_SURFACE) as u64;
         let fixed = PROGRAM + scene_bytes(scene) + sheets(scene) * (READ as u64 + bytes_of_triangle(backend)) + blockers;
-        Self { budget: budget.unwrap_or(u64::MAX), fixed }
+        Self { budget: budget.unwrap_or(u64::MAX), fixed, has_lights: !scene.lights().is_empty() }
     }
 
     /// What nodes take, and what sweeps take beside them, of which so many are clusters.
-    fn node_bytes(nodes: usize, clusters: usize, channels: usize) -> [u64; 2] {
+    fn node_bytes(&self, nodes: usize, clusters: usize, channels: usize) -> [u64; 2] {
         let numbers = |count: usize| count * channels * size_of::<f64>();
         let lobes = |count: usize| count * (1 + channels) * size_of::<Lobes>();
         // Exposure, the beginnings of links, factors of the closure.
         let once = 4 * size_of::<f32>() + size_of::<f64>();
-        let kept = nodes * (numbers(KEPT_NUMBERS) + once) + clusters * lobes(KEPT_LOBES);
+        let kept = nodes * (numbers(KEPT_NUMBERS + usize::from(self.has_lights)) + once) + clusters * lobes(KEPT_LOBES);
         [kept, nodes * numbers(SWEEP_NUMBERS) + clusters * lobes(SWEEP_LOBES)].map(|bytes| bytes as u64)
     }
 
     /// Bytes for each new node while links are refined.
-    pub fn bytes_of_new_node(channels: usize) -> u64 {
-        Self::node_bytes(1, 0, channels).iter().sum()
-    }
-
-    /// The least that a solve takes: all that is there before the first link, and room for some.
-    pub fn least(&self, scene: &Scene) -> u64 {
-        let surfaces = scene.surfaces().len();
-        let clusters = (CLUSTERS * surfaces as f64) as usize;
-        let corners = scene.surfaces().iter().map(|surface| surface.polygon.facet().vertices.len()).sum();
-        let nodes: u64 = Self::node_bytes(surfaces + clusters, clusters, scene.channels_with_groups()).iter().sum();
-        self.fixed + Hierarchy::bytes_of(surfaces, clusters, corners) + nodes + FIRST_LINKS
+    pub fn bytes_of_new_node(&self, channels: usize) -> u64 {
+        self.node_bytes(1, 0, channels).iter().sum()
     }
 
     /// What there is while links are refined beside nodes and links.
     pub fn beside_refinement(&self, of: Holdings<'_>) -> u64 {
-        let of_clusters: u64 = Self::node_bytes(0, of.hierarchy.cluster_count(), of.channels).iter().sum();
+        let of_clusters: u64 = self.node_bytes(0, of.hierarchy.cluster_count(), of.channels).iter().sum();
         self.fixed + of_clusters
     }
 
@@ -131,13 +133,13 @@ impl MemoryLedger {
 
     /// What stays between stages.
     pub fn kept(&self, of: Holdings<'_>) -> u64 {
-        let [kept, _] = Self::node_bytes(of.hierarchy.len(), of.hierarchy.cluster_count(), of.channels);
+        let [kept, _] = self.node_bytes(of.hierarchy.len(), of.hierarchy.cluster_count(), of.channels);
         self.fixed + of.hierarchy.memory_bytes() + kept + of.links.memory_bytes()
     }
 
     /// What stays, and what a sweep takes beside it.
     pub fn with_sweeps(&self, of: Holdings<'_>) -> u64 {
-        self.kept(of) + Self::node_bytes(of.hierarchy.len(), of.hierarchy.cluster_count(), of.channels)[1]
+        self.kept(of) + self.node_bytes(of.hierarchy.len(), of.hierarchy.cluster_count(), of.channels)[1]
     }
 
     /// Whether so much is within the budget.

@@ -4,6 +4,7 @@
 //! they work follows from the requested error by one law (`effort`, `plan`); what to do when it is not reached is decided in `next_step`.
 
 mod cells_way;
+mod channels;
 mod choice;
 mod cuts;
 mod effort;
@@ -26,6 +27,7 @@ mod relight;
 mod report;
 mod scale;
 mod shares;
+mod skipped;
 mod solution;
 mod step;
 mod strategies;
@@ -37,6 +39,7 @@ pub use crate::links::Skips;
 pub use flux::Flux;
 pub(crate) use interest::InitialImportance;
 pub use interest::InterestError;
+pub(crate) use memory::least_bytes;
 pub use options::{
     Bounds, CellOptions, ChangShih98Options, Holzschuch94Options, Interest, LinkOptions, Multiresolution96Options, Norm,
     OptionEntry, OptionGroup, OptionType, OptionsError, RunOptions, SolveOptions, Solver, Strategy, Subdivision, Sweep,
@@ -50,23 +53,17 @@ pub use solution::Solution;
 
 use std::time::Instant;
 
+use channels::SolvedChannels;
 use choice::choose;
 use job::Job;
-use memory::MemoryLedger;
 use step::NextStep;
 
 use crate::error::ErrorEstimate;
 use crate::hierarchy::Hierarchy;
 use crate::links::RefineEnd;
 use crate::progress::Observer;
-use crate::scene::{DistinctChannels, Scene};
+use crate::scene::Scene;
 use crate::transmittance::Rays;
-use crate::visibility::Backend;
-
-/// The least memory that a solve of a scene takes, in bytes, by the ledger.
-pub(crate) fn least_bytes(scene: &Scene, backend: Backend) -> u64 {
-    MemoryLedger::new(scene, backend, None).least(scene)
-}
 
 /// What a solve begins with, beside the scene.
 pub(crate) struct Beginning {
@@ -77,8 +74,6 @@ pub(crate) struct Beginning {
 }
 
 /// Solves `scene` in the current rayon pool.
-///
-/// Channels that repeat others, or in which no light is on, are read off the others. Light groups are carried along, and taken apart at the end.
 pub(crate) fn solve(
     scene: Scene,
     options: &SolveOptions,
@@ -87,26 +82,10 @@ pub(crate) fn solve(
     rays: &Rays<'_>,
     observer: &dyn Observer,
 ) -> (Solution, SolveReport) {
-    let scene = scene.with_weights_of_one();
-    let merges = options.links.skips.channels && options.strategy == Strategy::Default;
-    let distinct = DistinctChannels::of(&scene).filter(|_| merges);
-    let solved = distinct.as_ref().map_or(&scene, |channels| &channels.scene).carrying_light_groups();
-    let job = Job::new(&solved, scene.channels_with_groups(), options, run, rays, observer);
-    let (mut solution, mut report) = solve_to_the_end(&job, beginning);
-    if let Some(channels) = &distinct {
-        solution = solution.expanded(channels);
-        report.energy = report.energy.times(channels.copies as f64);
-        report.skipped.push(SkippedWork {
-            what: "channels that repeat others, or in which no light is on".to_owned(),
-            count: channels.spared() as u64,
-            ..SkippedWork::default()
-        });
-    }
-    drop(solved);
-    let solution = solution.with_groups_apart(scene);
-    report.memory_bytes = solution.memory_bytes();
-    report.light_groups = solution.light_groups_report();
-    (solution, report)
+    let channels = SolvedChannels::of(scene, options);
+    let job = |scene| Job::new(scene, channels.kept(), options, run, rays, observer);
+    let found = solve_to_the_end(&job(&channels.scene()), beginning);
+    channels.expand(found)
 }
 
 /// Solves the scene of a job as it is: values at points, and the lit mesh if it is wanted.

@@ -8,7 +8,7 @@ use super::worthwhile_cells::Areas;
 use crate::error::{ErrorEstimate, Pilot, doubt_for_claim};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
 use crate::paths::{CellSize, Illumination, Resolution};
-use crate::scene::Scene;
+use crate::scene::{Light, Scene};
 
 /// What the next step takes.
 #[derive(Clone)]
@@ -96,6 +96,8 @@ impl Plan {
         let law = Law { error: options.error, illumination, values };
         let scale = match options.strategy {
             Strategy::Default => Scale::of_illumination(&law.illumination),
+            // No material tells of lights.
+            _ if scene.lights().iter().any(Light::is_on) => Scale::of_illumination(&law.illumination),
             _ => Scale::of_materials(scene),
         };
         let tolerance = match options.strategy {

@@ -18,6 +18,7 @@ use crate::cells::CellRadiosities;
 use crate::error::{self, GroupErrors};
 use crate::mesh::{LitMesh, MeshError};
 use crate::scene::{LightGroupError, LightWeight};
+use crate::sweep::LightIrradiance;
 use crate::values::ErrorBars;
 
 impl Solution {
@@ -40,6 +41,7 @@ impl Solution {
         // In the dark noise may take the light below zero.
         let leaves: Vec<f64> = sum.of(&light.leaves, |b| b, |sum| sum.max(0.0));
         let radiosity = self.radiosity.with_leaves(&self.hierarchy, &self.exposure, &leaves);
+        let lights = LightIrradiance::of_values(sum.of(&light.lights, |h| h, |sum| sum.max(0.0)));
         let of_floats = |values: &[f32]| sum.of(values, f64::from, |sum| sum as f32);
         let cell_radiosities = light.cells.as_ref().map(|cells| cells.mapped(scene.channels(), of_floats));
         let mesh = self.mesh.as_ref().zip(light.mesh.as_ref());
@@ -55,7 +57,7 @@ impl Solution {
         // What is known of errors.
         let error_bars = light.errors.as_ref().filter(|_| self.error_bars.is_some()).map(|errors| sum.error_bars(errors));
         let groups = self.groups.clone();
-        let mut relit = Self { scene, radiosity, cell_radiosities, mesh, groups, error_bars, bounds: None, ..self.clone() };
+        let mut relit = Self { scene, radiosity, lights, cell_radiosities, mesh, groups, error_bars, bounds: None, ..self.clone() };
         relit.options.norm = Norm::Energy;
         let off_values = relit.mesh_off_values(&by_group);
         if let Some(mesh) = &mut relit.mesh {

@@ -6,7 +6,7 @@ use crate::bounds::{BoundsReport, Certainty};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::scene::{Scene, SurfaceId};
-use crate::sweep::{self, Closure, Exposure, Radiosity};
+use crate::sweep::{self, Closure, Exposure, LightIrradiance, Radiosity};
 use crate::transmittance::Rays;
 
 /// Why refinement ended.
@@ -94,8 +94,10 @@ pub struct ErrorReport {
 /// pass: `emitted = absorbed + escaped + unaccounted`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
-    /// Emitted by all surfaces.
+    /// Emitted by all surfaces, and brought by lights where it arrives.
     pub emitted: f64,
+    /// What of that lights bring.
+    pub of_lights: f64,
     /// Absorbed by all surfaces.
     pub absorbed: f64,
     /// Left through openings: what arrives nowhere; 0 if rays from all surfaces find that nothing leaves the scene.
@@ -119,9 +121,11 @@ pub struct Energy {
 impl Energy {
     /// Of so many channels like these.
     pub(super) fn times(self, copies: f64) -> Self {
-        let Self { emitted, absorbed, escaped, unaccounted, residual, sent, imbalance, held_back, held_back_unseen } = self;
+        let Self { emitted, of_lights, absorbed, escaped, unaccounted, residual, sent, imbalance, held_back, held_back_unseen } =
+            self;
         Self {
             emitted: copies * emitted,
+            of_lights: copies * of_lights,
             absorbed: copies * absorbed,
             escaped: copies * escaped,
             unaccounted: copies * unaccounted,
@@ -328,13 +332,14 @@ pub(super) struct Powers<'a> {
     pub links: &'a LinkSet,
     pub exposure: &'a Exposure,
     pub closure: Option<&'a Closure>,
+    pub lights: &'a LightIrradiance,
     pub radiosity: &'a Radiosity,
 }
 
 impl Powers<'_> {
-    /// Visits all leaves with their exposed areas and the irradiance there in one more gather, by channel.
+    /// Visits all leaves with their exposed areas and the irradiance there in one more gather over the links, by channel.
     pub fn for_each_leaf(&self, mut visit: impl FnMut(NodeId, f64, &[f64])) {
-        let Self { scene, hierarchy, links, exposure, closure, radiosity } = *self;
+        let Self { scene, hierarchy, links, exposure, closure, radiosity, .. } = *self;
         let channels = scene.channels();
         let mut irradiance = if links.is_empty() {
             vec![0.0; channels * hierarchy.len()]
@@ -357,9 +362,13 @@ impl Powers<'_> {
         self.for_each_leaf(|leaf, exposed, arriving| {
             let material = scene.material_of(SurfaceId(hierarchy.node(leaf).surface));
             let arriving = &arriving[..scene.deciding()];
+            let of_lights = self.lights.of(leaf, scene.channels());
             for (channel, arriving) in arriving.iter().enumerate() {
-                energy.emitted += exposed * material.exitance[channel];
-                energy.absorbed += (1.0 - material.reflectance[channel]) * exposed * arriving;
+                // Light that surfaces do not send is emitted where it arrives.
+                let of_lights = of_lights.map_or(0.0, |lights| lights[channel]);
+                energy.emitted += exposed * (material.exitance[channel] + of_lights);
+                energy.of_lights += exposed * of_lights;
+                energy.absorbed += (1.0 - material.reflectance[channel]) * exposed * (arriving + of_lights);
                 energy.sent += exposed * radiosity.of(leaf)[channel];
             }
             arrived += exposed * arriving.iter().sum::<f64>();

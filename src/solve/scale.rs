@@ -17,7 +17,7 @@ impl Scale {
     /// pair would ever carry little enough.
     pub fn of_illumination(illumination: &Illumination) -> Self {
         let area = illumination.lit_area;
-        Self { radiosity: illumination.reflected_brightest.max(illumination.of_particle()) / area, area }
+        Self { radiosity: illumination.reflected_brightest.max(illumination.of_particle) / area, area }
     }
 
     /// By areas and materials alone, for the strategies of the papers: what is reflected on average if all surfaces see each other.

@@ -17,7 +17,7 @@ use crate::mesh::LitMesh;
 use crate::paths::{Brightness, Illumination, LightPaths, Resolution, cell_count, place_at};
 use crate::progress::Stop;
 use crate::scene::{DistinctChannels, Scene, SurfacePoint};
-use crate::sweep::{Adjoint, Closure, Exposure, Importance, Radiosity};
+use crate::sweep::{Adjoint, Closure, Exposure, Importance, LightIrradiance, Radiosity};
 use crate::transmittance::Rays;
 use crate::values::{ErrorBars, FinalGather, Gather, LinkGather, Over, RayBudget, Shading, ShadingMethod, tolerance};
 
@@ -31,6 +31,8 @@ pub struct Solution {
     pub(crate) hierarchy: Hierarchy,
     pub(crate) links: LinkSet,
     pub(crate) exposure: Exposure,
+    /// What lights bring to leaves.
+    pub(crate) lights: LightIrradiance,
     pub(crate) radiosity: Radiosity,
     pub(crate) point_rays: u32,
     /// How finely cell radiosities are found, and these, where values end in cells.
@@ -153,7 +155,8 @@ impl Solution {
         let cell_radiosities = self.cell_radiosities.map(|radiosities| radiosities.expanded(channels));
         let mesh = self.mesh.map(|mesh| mesh.expanded(channels));
         let groups = self.groups.map(|groups| groups.expanded(channels));
-        Self { radiosity, cell_radiosities, mesh, groups, ..self }
+        let lights = self.lights.expanded(channels);
+        Self { radiosity, lights, cell_radiosities, mesh, groups, ..self }
     }
 
     /// Visits the leaves of the hierarchy: polygon (counter-clockwise), surface index, radiosity per channel in W/m^2.
@@ -179,6 +182,7 @@ impl Solution {
         self.hierarchy.memory_bytes()
             + self.links.memory_bytes()
             + size_of_val(self.radiosity.values()) as u64
+            + self.lights.memory_bytes()
             + self.cell_radiosities.as_ref().map_or(0, CellRadiosities::memory_bytes)
             + self.mesh.as_ref().map_or(0, LitMesh::memory_bytes)
             + self.groups.as_ref().map_or(0, GroupedLight::memory_bytes)
@@ -196,6 +200,9 @@ impl Solution {
         let channels = self.scene.channels();
         if self.exposure.len() != self.hierarchy.len() || !self.exposure.is_valid() {
             return Err("the exposures do not fit the hierarchy".to_owned());
+        }
+        if !self.lights.is_valid(self.hierarchy.len(), channels, !self.scene.lights().is_empty()) {
+            return Err("the irradiances by lights do not fit the scene".to_owned());
         }
         self.radiosity.validate(&self.hierarchy, &self.exposure, channels)?;
         if self.groups.as_ref().is_some_and(|groups| !groups.tells_brightness(&self.scene)) {

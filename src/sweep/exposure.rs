@@ -42,7 +42,7 @@ const SURFACE_SAMPLES: std::ops::RangeInclusive<u32> = 8..=64;
 const ALL_SAMPLES: u32 = 1 << 19;
 
 /// Points of a piece of a surface that something stands on.
-const PIECE_SAMPLES: u32 = 16;
+pub(super) const PIECE_SAMPLES: u32 = 16;
 
 /// A point is hidden if so many rays all meet backs. One from which light can come by a tenth of the directions is taken for hidden once in
 /// thirty times.
@@ -136,26 +136,6 @@ impl Exposure {
                     *exposure = ((exposed / area) as f32).min(1.0);
                 }
             });
-        }
-    }
-}
-
-/// An exposed point of `node`: the centroid if the node is wholly exposed, else the first exposed one of [`PIECE_SAMPLES`] sampled
-/// points; `None` if there is none.
-pub(crate) fn sampled_exposed_point(
-    hierarchy: &Hierarchy,
-    by_plane: &ByPlane<'_>,
-    exposure: &Exposure,
-    rays: &Rays<'_>,
-    node: NodeId,
-    seed: u64,
-) -> Option<DVec3> {
-    match exposure.of(node) {
-        1.0 => Some(hierarchy.facet(node).centroid),
-        0.0 => None,
-        _ => {
-            let mut points = sampled_points(hierarchy, by_plane, rays, node, PIECE_SAMPLES, seed);
-            points.find_map(|point| (!point.is_hidden).then_some(point.point))
         }
     }
 }
@@ -276,16 +256,16 @@ enum End {
 }
 
 /// A point of a node.
-struct SampledPoint {
-    point: DVec3,
+pub(super) struct SampledPoint {
+    pub point: DVec3,
     /// Where its first ray ends, and how high over the node's plane, in metres.
     end: End,
     height: f64,
-    is_hidden: bool,
+    pub is_hidden: bool,
 }
 
 /// Points of a node, uniform by area.
-fn sampled_points(
+pub(super) fn sampled_points(
     hierarchy: &Hierarchy,
     by_plane: &ByPlane<'_>,
     rays: &Rays<'_>,

@@ -211,7 +211,7 @@ mod tests {
     use crate::geometry::{Polygon, sampling};
     use crate::links::Link;
     use crate::scene::{Material, Sides};
-    use crate::sweep::{gather, push_pull};
+    use crate::sweep::{LightIrradiance, Reflection, gather, push_pull};
     use crate::transmittance::Rays;
     use crate::visibility::{Backend, OccluderMesh, build};
 
@@ -294,7 +294,8 @@ mod tests {
                 let mut radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
                 for _ in 0..400 {
                     let irradiance = gather(&hierarchy, &links, &exposure, &radiosity);
-                    push_pull(&scene, &hierarchy, &exposure, closure, irradiance, &mut radiosity);
+                    let reflection = Reflection { scene: &scene, closure, lights: &LightIrradiance::default() };
+                    push_pull(&reflection, &hierarchy, &exposure, irradiance, &mut radiosity);
                 }
                 let leaves = || hierarchy.ids().filter(|&node| hierarchy.is_leaf(node));
                 let of_leaf = |leaf: NodeId| &initial[2 * leaf.index()..][..2];

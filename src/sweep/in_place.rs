@@ -4,24 +4,22 @@
 
 use super::gather::{gather_cluster, gather_polygon};
 use super::reflection::Reflection;
-use super::{Change, Closure, Exposure, Radiosity};
+use super::{Change, Exposure, Radiosity};
 use crate::geometry::Lobes;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::SurfaceId;
 
 /// One sweep.
 pub(crate) fn sweep_in_place(
-    scene: &Scene,
+    reflection: Reflection<'_>,
     hierarchy: &Hierarchy,
     links: &LinkSet,
     exposure: &Exposure,
-    closure: Option<&Closure>,
     radiosity: &mut Radiosity,
 ) -> Change {
     let channels = radiosity.channels();
-    let mut sweep =
-        InPlace { hierarchy, links, exposure, reflection: Reflection { scene, closure }, radiosity, change: Change::default() };
+    let mut sweep = InPlace { hierarchy, links, exposure, reflection, radiosity, change: Change::default() };
     sweep.descend_cluster(NodeId::ROOT, &vec![Lobes::default(); channels]);
     sweep.change
 }

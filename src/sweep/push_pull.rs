@@ -3,16 +3,14 @@
 use rayon::prelude::*;
 
 use super::reflection::Reflection;
-use super::{Change, Closure, Exposure, Irradiance, PARALLEL, Radiosity, push};
+use super::{Change, Exposure, Irradiance, PARALLEL, Radiosity, push};
 use crate::hierarchy::{Hierarchy, NodeId};
-use crate::scene::Scene;
 
 /// Pushes the gathered `irradiance` of every node down to the leaves, reflects it there, and pulls radiosities up as means.
 pub(crate) fn push_pull(
-    scene: &Scene,
+    reflection: &Reflection<'_>,
     hierarchy: &Hierarchy,
     exposure: &Exposure,
-    closure: Option<&Closure>,
     irradiance: Irradiance,
     radiosity: &mut Radiosity,
 ) -> Change {
@@ -20,7 +18,6 @@ pub(crate) fn push_pull(
     let mut values = push(hierarchy, irradiance, channels);
 
     // Reflect at the leaves, and pull.
-    let reflection = Reflection { scene, closure };
     let nodes = values.par_chunks_mut(channels).zip(radiosity.values_mut().par_chunks_mut(channels)).with_min_len(PARALLEL);
     let reflect = |(index, (irradiance, radiosity)): (usize, (&mut [f64], &mut [f64]))| {
         let node = NodeId(index as u32);

@@ -1,14 +1,17 @@
 //! What becomes of light at the leaves: it is reflected.
 
-use super::{Change, Closure};
+use super::{Change, Closure, LightIrradiance};
 use crate::hierarchy::NodeId;
 use crate::scene::{Scene, SurfaceId};
 
 /// Reflection at the leaves.
-pub(super) struct Reflection<'a> {
+#[derive(Clone, Copy)]
+pub(crate) struct Reflection<'a> {
     pub scene: &'a Scene,
     /// Scales reflected light where the links need it.
     pub closure: Option<&'a Closure>,
+    /// What arrives there over no link.
+    pub lights: &'a LightIrradiance,
 }
 
 impl Reflection<'_> {
@@ -17,6 +20,7 @@ impl Reflection<'_> {
         if let Some(closure) = self.closure {
             closure.close(leaf, irradiance);
         }
+        self.lights.add(leaf, irradiance);
         let material = self.scene.material_of(surface);
         let (mut change, reflected) = (Change::default(), irradiance);
         reflected.iter_mut().zip(&material.reflectance).for_each(|(h, rho)| *h *= rho);

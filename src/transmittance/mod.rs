@@ -8,15 +8,19 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use clear_pairs::ClearPairs;
+use glam::DVec3;
 
 use crate::scene::{Scene, Surface};
-use crate::visibility::{Hit, Ray, Segment, Visibility};
+use crate::visibility::{Hit, NO_PLANE, Ray, Segment, Visibility};
 
 /// Casts rays through a visibility backend, and counts and times them. Segments of which it is proved that nothing occludes them
 /// are not cast.
 pub(crate) struct Rays<'a> {
     backend: &'a dyn Visibility,
     proof: Proof,
+    /// A ball around the scene, in metres.
+    centre: DVec3,
+    radius: f64,
     spared: AtomicU64,
     segments: Tally,
     first_hits: Tally,
@@ -38,7 +42,10 @@ impl<'a> Rays<'a> {
             true => Proof::Everywhere,
             false => ClearPairs::of(scene).map_or(Proof::Nowhere, Proof::Between),
         };
-        Self { backend, proof, spared: AtomicU64::new(0), segments: Tally::default(), first_hits: Tally::default() }
+        let bounds = scene.bounds();
+        let (centre, radius) = (bounds.centre(), 0.5 * bounds.diagonal());
+        let (segments, first_hits) = (Tally::default(), Tally::default());
+        Self { backend, proof, centre, radius, spared: AtomicU64::new(0), segments, first_hits }
     }
 
     /// The same, but casts rays even in a scene where nothing can occlude anything.
@@ -62,19 +69,35 @@ impl<'a> Rays<'a> {
         occluded.clear();
         occluded.resize(segments.len(), false);
         match &self.proof {
+            // Of points in space nothing is proved.
             Proof::Everywhere => {
-                self.spared.fetch_add(segments.len() as u64, Ordering::Relaxed);
+                let is_between_surfaces = |segment: &Segment| segment.from_plane != NO_PLANE && segment.to_plane != NO_PLANE;
+                self.ask_but_clear(segments, is_between_surfaces, occluded);
             }
-            Proof::Between(pairs) => {
-                let (places, open): (Vec<usize>, Vec<Segment>) =
-                    segments.iter().copied().enumerate().filter(|(_, segment)| !pairs.is_clear(segment)).unzip();
-                self.spared.fetch_add((segments.len() - open.len()) as u64, Ordering::Relaxed);
-                let mut answers = vec![false; open.len()];
-                self.ask(&open, &mut answers);
-                places.into_iter().zip(answers).for_each(|(place, answer)| occluded[place] = answer);
-            }
+            Proof::Between(pairs) => self.ask_but_clear(segments, |segment| pairs.is_clear(segment), occluded),
             Proof::Nowhere => self.ask(segments, occluded),
         }
+    }
+
+    /// Asks about the segments that are not clear by proof.
+    fn ask_but_clear(&self, segments: &[Segment], is_clear: impl Fn(&Segment) -> bool, occluded: &mut [bool]) {
+        let (places, open): (Vec<usize>, Vec<Segment>) =
+            segments.iter().copied().enumerate().filter(|(_, segment)| !is_clear(segment)).unzip();
+        self.spared.fetch_add((segments.len() - open.len()) as u64, Ordering::Relaxed);
+        let mut answers = vec![false; open.len()];
+        self.ask(&open, &mut answers);
+        places.into_iter().zip(answers).for_each(|(place, answer)| occluded[place] = answer);
+    }
+
+    /// A ball around the scene: its centre, and its radius in metres.
+    pub fn ball(&self) -> (DVec3, f64) {
+        (self.centre, self.radius)
+    }
+
+    /// How far from a point nothing of the scene lies any more, in metres.
+    pub fn beyond(&self, point: DVec3) -> f64 {
+        // Beyond the ball around the scene, by its radius.
+        point.distance(self.centre) + 2.0 * self.radius
     }
 
     /// Asks the backend, and counts.

@@ -29,7 +29,7 @@ use crate::geometry::{sampling, streams};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::paths::{Place, place_at};
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{Emitter, Scene, SurfaceId};
 use crate::sweep::{Exposure, Radiosity};
 use crate::transmittance::Rays;
 use crate::visibility::Segment;
@@ -61,7 +61,17 @@ pub(crate) struct LinkGather<'a> {
     /// Where only reflected light is gathered over links: the gather of all light, for rays that end close by.
     whole: Option<Box<LinkGather<'a>>>,
     /// Emitters whose light is added beside that of links.
-    emitters: Vec<SurfaceId>,
+    emitters: Vec<Emitter>,
+    /// Which lights are added.
+    lights: WhichLights,
+}
+
+/// Which light of lights a gather adds, beside that of surfaces.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum WhichLights {
+    All,
+    Skies,
+    None,
 }
 
 /// Memory that a gather reuses from point to point.
@@ -98,6 +108,7 @@ pub(super) struct Receiver<'a> {
     /// The leaf that it lies on; `None` in space.
     pub leaf: Option<NodeId>,
     pub seed: u64,
+    lights: WhichLights,
 }
 
 impl<'a> LinkGather<'a> {
@@ -112,7 +123,19 @@ impl<'a> LinkGather<'a> {
     ) -> Self {
         let (variation, blockers) = (Arc::new(Variation::new(hierarchy, radiosity)), SharedBlockers::default());
         let (radiosity, emitters) = (Cow::Borrowed(radiosity), Vec::new());
-        Self { scene, hierarchy, links, radiosity, variation, exposure, rays, blockers, whole: None, emitters }
+        Self {
+            scene,
+            hierarchy,
+            links,
+            radiosity,
+            variation,
+            exposure,
+            rays,
+            blockers,
+            whole: None,
+            emitters,
+            lights: WhichLights::All,
+        }
     }
 
     /// The same with blockers that others share.
@@ -127,29 +150,45 @@ impl<'a> LinkGather<'a> {
         let (variation, blockers) = (whole.variation.clone(), whole.blockers.clone());
         let radiosity = Cow::Owned(whole.radiosity.without_exitance(scene, hierarchy, exposure));
         let (whole, emitters) = (Some(Box::new(whole)), Vec::new());
-        Self { scene, hierarchy, links, radiosity, variation, exposure, rays, blockers, whole, emitters }
+        Self {
+            scene,
+            hierarchy,
+            links,
+            radiosity,
+            variation,
+            exposure,
+            rays,
+            blockers,
+            whole,
+            emitters,
+            lights: WhichLights::Skies,
+        }
     }
 
     /// The same of all light, that of emitters beside the links.
     pub fn with_direct_light(whole: Self) -> Self {
-        let surfaces = (0..whole.scene.surfaces().len() as u32).map(SurfaceId);
-        let emitters: Vec<SurfaceId> = surfaces.filter(|&surface| whole.scene.material_of(surface).emits()).collect();
-        if emitters.is_empty() { whole } else { Self { emitters, ..Self::of_reflected(whole) } }
+        let emitters = Emitter::all(whole.scene);
+        if emitters.is_empty() { whole } else { Self { emitters, lights: WhichLights::All, ..Self::of_reflected(whole) } }
+    }
+
+    /// The same without lights and skies.
+    pub fn without_lights(self) -> Self {
+        Self { lights: WhichLights::None, ..self }
     }
 
     /// The irradiance H at a place, by channel, in W/m^2; `scratch` tells then what its error may be.
     pub fn irradiance_at(&self, place: &Place, budget: RayBudget, scratch: &mut LinkScratch, irradiance: &mut [f64]) {
         scratch.beyond.get_or_insert_default();
-        let receiver = self.receiver(self.hierarchy.leaf_at(place.surface, place.point), place);
+        let receiver = self.receiver(self.hierarchy.leaf_at(place.surface, place.point), place, self.lights);
         self.irradiance(&receiver, budget, scratch, irradiance);
     }
 
     /// A place on `leaf` as receiver.
-    fn receiver(&self, leaf: NodeId, place: &Place) -> Receiver<'a> {
+    fn receiver(&self, leaf: NodeId, place: &Place, lights: WhichLights) -> Receiver<'a> {
         let surface = self.scene.surface(place.surface);
         let (normal, reflectance) = (surface.polygon.facet().normal, &self.scene.material_of(place.surface).reflectance);
         let &Place { point, seed, .. } = place;
-        Receiver { point, normal, plane: surface.plane, reflectance, leaf: Some(leaf), seed }
+        Receiver { point, normal, plane: surface.plane, reflectance, leaf: Some(leaf), seed, lights }
     }
 
     /// The irradiance H at a sensor, by channel, in W/m^2; `scratch` tells then what its error may be. There are no links above it, so all surfaces are
@@ -164,7 +203,7 @@ impl<'a> LinkGather<'a> {
         scratch.beyond.get_or_insert_default();
         let &direct::Receiver { point, normal, plane, seed } = sensor;
         let all_of_it = vec![1.0; irradiance.len()];
-        let receiver = Receiver { point, normal, plane, reflectance: &all_of_it, leaf: None, seed };
+        let receiver = Receiver { point, normal, plane, reflectance: &all_of_it, leaf: None, seed, lights: self.lights };
         self.irradiance(&receiver, budget, scratch, irradiance);
         irradiance.iter_mut().for_each(|h| *h = h.max(0.0));
     }
@@ -172,15 +211,22 @@ impl<'a> LinkGather<'a> {
     /// The radiosity at a place, by channel, in W/m^2; `scratch` tells then what its error may be.
     pub fn radiosity_at(&self, place: &Place, budget: RayBudget, scratch: &mut LinkScratch, radiosity: &mut [f64]) {
         scratch.beyond.get_or_insert_default();
-        self.radiosity_of(self.hierarchy.leaf_at(place.surface, place.point), place, budget, scratch, radiosity);
+        let receiver = self.receiver(self.hierarchy.leaf_at(place.surface, place.point), place, self.lights);
+        self.radiosity_of(place.surface, &receiver, budget, scratch, radiosity);
     }
 
-    /// The radiosity at a place on `leaf`, by channel, in W/m^2. Rays that end close by on leaves exposed only in part gather once
+    /// The radiosity at a receiver on a surface, by channel, in W/m^2. Rays that end close by on leaves exposed only in part gather once
     /// more, if `scratch` has memory for that.
-    fn radiosity_of(&self, leaf: NodeId, place: &Place, budget: RayBudget, scratch: &mut LinkScratch, radiosity: &mut [f64]) {
-        let material = self.scene.material_of(place.surface);
-        let receiver = self.receiver(leaf, place);
-        self.irradiance(&receiver, budget, scratch, radiosity);
+    fn radiosity_of(
+        &self,
+        surface: SurfaceId,
+        receiver: &Receiver<'_>,
+        budget: RayBudget,
+        scratch: &mut LinkScratch,
+        radiosity: &mut [f64],
+    ) {
+        let material = self.scene.material_of(surface);
+        self.irradiance(receiver, budget, scratch, radiosity);
         // Noise may take the irradiance below zero where all is dark.
         self.scene.clear_dark(radiosity);
         for (channel, value) in radiosity.iter_mut().enumerate() {
@@ -212,18 +258,26 @@ impl<'a> LinkGather<'a> {
         self.add_brought(budget, scratch, irradiance);
     }
 
-    /// Adds the light of emitters, if that does not come over the links.
+    /// Adds the light that does not come over the links: of emitters, where these are left out there, of lights and the sky.
     fn add_direct(&self, receiver: &Receiver<'_>, budget: RayBudget, scratch: &mut LinkScratch, irradiance: &mut [f64]) {
-        if self.emitters.is_empty() {
+        let has_lights = receiver.lights != WhichLights::None && !self.scene.lights().is_empty();
+        if self.emitters.is_empty() && !has_lights {
             return;
         }
         let blockers = self.blockers.of(self.scene);
         let light = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters };
         let rays = (DIRECT_RAYS * f64::from(budget.rays)).ceil() as u32;
-        let &Receiver { point, normal, plane, seed, .. } = receiver;
+        let &Receiver { point, normal, plane, seed, lights, .. } = receiver;
         let receiver = direct::Receiver { point, normal, plane, seed };
         let effort = DirectEffort { rays, method: Method::Cheaper };
-        light.add_irradiance(&receiver, effort, &mut scratch.direct, irradiance, &mut scratch.variance);
+        let LinkScratch { direct, variance, .. } = scratch;
+        light.add_irradiance(&receiver, effort, direct, irradiance, variance);
+        if lights == WhichLights::All {
+            light.add_lights(&receiver, rays, direct, irradiance, variance);
+        }
+        if lights != WhichLights::None {
+            light.add_sky(&receiver, rays, direct, irradiance, variance);
+        }
     }
 
     /// Adds what the pieces bring.
@@ -250,7 +304,9 @@ impl<'a> LinkGather<'a> {
                     Some(beyond) => {
                         let surface = SurfaceId(self.hierarchy.node(met).surface);
                         let place = place_at(y, surface, budget.seed);
-                        self.whole.as_deref().unwrap_or(self).radiosity_of(met, &place, budget.beyond(), beyond, there);
+                        let gather = self.whole.as_deref().unwrap_or(self);
+                        let receiver = gather.receiver(met, &place, WhichLights::All);
+                        gather.radiosity_of(surface, &receiver, budget.beyond(), beyond, there);
                         if self.whole.is_some() {
                             let exitance = &self.scene.material_of(surface).exitance;
                             there.iter_mut().zip(exitance).for_each(|(b, e)| *b -= e);

@@ -5,7 +5,7 @@
 //! else: B(x) = E + rho sum over links above x of F(x -> s) V B_s,     V by the method
 //! ```
 //!
-//! The thesis has no clusters; here a cluster as source is all surfaces below it, with the visibility of its link where the method takes that.
+//! Lights are seen anew by all but A. The thesis has no clusters; here a cluster as source is all surfaces below it, with the visibility of its link where the method takes that.
 
 use crate::direct::{DirectLight, DirectScratch};
 use crate::form_factor::point_to_polygon;
@@ -28,13 +28,16 @@ pub enum ShadingMethod {
     EmitterVisibility,
 }
 
+/// Rays from a point to lights, and as many to the sky.
+const LIGHT_RAYS: u32 = 256;
+
 /// Shades points of a solution.
 pub(crate) struct Shading<'a> {
     pub scene: &'a Scene,
     pub hierarchy: &'a Hierarchy,
     pub links: &'a LinkSet,
     pub radiosity: &'a Radiosity,
-    /// Tells what is visible.
+    /// Tells what is visible; of emitters none.
     pub light: DirectLight<'a>,
     pub method: ShadingMethod,
 }
@@ -57,6 +60,9 @@ impl Shading<'_> {
             }
             node = self.hierarchy.parent(above);
         }
+        let (receiver, mut variance) = (place.receiver(self.scene), vec![0.0; radiosity.len()]);
+        self.light.add_lights(&receiver, LIGHT_RAYS, scratch, radiosity, &mut variance);
+        self.light.add_sky(&receiver, LIGHT_RAYS, scratch, radiosity, &mut variance);
         let material = self.scene.material_of(place.surface);
         for (channel, value) in radiosity.iter_mut().enumerate() {
             *value = material.exitance[channel] + material.reflectance[channel] * *value;

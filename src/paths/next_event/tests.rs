@@ -83,19 +83,19 @@ fn an_emitter_beside_a_place_is_drawn_by_what_it_sends_however_large_its_group()
     let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
     let rays = Rays::new(&*visibility, &scene);
     let emitters = Emitters::new(&scene, &rays);
-    for &beside in &emitters.surfaces {
-        let facet = scene.surface(beside).polygon.facet();
+    for beside in &emitters.emitters {
+        let facet = beside.facet(&scene);
         let (point, normal) = (facet.centroid + 0.1 * facet.normal, -facet.normal);
         let sends = |number: u32| {
-            let emitter = SurfaceId(number);
-            point_to_polygon(point, normal, &scene.surface(emitter).polygon.facet()) * brightest(&scene, emitter)
+            let emitter = &emitters.emitters[number as usize];
+            point_to_polygon(point, normal, &emitter.facet(&scene)) * brightest(&scene, emitter.surface)
         };
         let mut draws = Draws::default();
         let numbers = (0..64).map(|k| (f64::from(k) + 0.5) / 64.0);
         emitters.tree.as_ref().unwrap().draw(std::iter::once(point), normal, sends, numbers, &mut draws);
 
         // Every ray stands for at most a few times all that arrives.
-        let all: f64 = emitters.surfaces.iter().map(|emitter| sends(emitter.0)).sum();
+        let all: f64 = (0..emitters.emitters.len() as u32).map(sends).sum();
         for emitter in draws.drawn {
             assert!(
                 sends(emitter.number) / emitter.probability <= 4.0 * all,
@@ -176,6 +176,35 @@ fn rays_do_not_grow_with_the_number_of_emitters() {
     }
 }
 
+/// A lamp over a floor, cut into so many strips both ways.
+fn lamp_in_pieces(side: u32) -> Scene {
+    let at = |k: u32| 4.0 + 2.0 * f64::from(k) / f64::from(side);
+    let piece = |i: u32, j: u32| {
+        Polygon::new(&[[at(i), at(j), 2.0], [at(i), at(j + 1), 2.0], [at(i + 1), at(j + 1), 2.0], [at(i + 1), at(j), 2.0]]).unwrap()
+    };
+    let floor = Polygon::new(&[[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0], [0.0, 10.0, 0.0]]).unwrap();
+    let material = |exitance: f64| Material { name: format!("{exitance}"), reflectance: vec![0.5], exitance: vec![exitance] };
+    let pieces = (0..side).flat_map(|i| (0..side).map(move |j| (piece(i, j), 1, 1)));
+    Scene::new(1, vec![material(0.0), material(1.0)], std::iter::once((floor, 0, 0)).chain(pieces).collect(), Sides::Front).unwrap()
+}
+
+#[test]
+fn into_how_many_pieces_a_lamp_is_cut_changes_nothing() {
+    let found = [1, 8].map(|side| {
+        let scene = lamp_in_pieces(side);
+        let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+        let rays = Rays::new(&*visibility, &scene);
+        let (emitters, memory) = (Emitters::new(&scene, &rays), &mut EmitterRays::default());
+        assert_eq!(emitters.emitters.len(), 1);
+        let mut irradiance = vec![0.0; 20];
+        emitters.add_sampled_irradiance(&places(1), 1, 8, memory, &mut BatchSums::whole(1, &mut irradiance));
+        (irradiance, rays.segments().count() + rays.spared())
+    });
+    assert_eq!(found[0].1, found[1].1);
+    // Nothing is in between, so all is exact, up to the rounding of corners.
+    found[0].0.iter().zip(&found[1].0).for_each(|(whole, cut)| assert!((whole / cut - 1.0).abs() < 1e-9, "{whole} and {cut}"));
+}
+
 #[test]
 fn places_together_draw_the_emitters_of_one_place_with_all_of_their_rays() {
     let scene = emitters_over_a_floor(1000);
@@ -186,7 +215,7 @@ fn places_together_draw_the_emitters_of_one_place_with_all_of_their_rays() {
         let mut memory = EmitterRays::default();
         let mut irradiance = vec![0.0; places.len()];
         emitters.add_sampled_irradiance(places, together, count, &mut memory, &mut BatchSums::whole(1, &mut irradiance));
-        let mut drawn: Vec<u32> = memory.drawn.iter().map(|drawn| drawn.emitter.0).collect();
+        let mut drawn: Vec<u32> = memory.drawn.iter().map(|drawn| drawn.surface.0).collect();
         drawn.sort_unstable();
         drawn
     };

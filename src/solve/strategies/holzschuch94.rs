@@ -15,7 +15,7 @@ use crate::solve::linked::Linked;
 use crate::solve::options::Strategy;
 use crate::solve::plan::Plan;
 use crate::solve::report::{EnergyBalance, IterationReport, SkippedWork};
-use crate::sweep::{self, Radiosity};
+use crate::sweep::{self, Radiosity, Reflection};
 
 /// Runs as many iterations as the options ask for, and accounts for the energy that pairs without a link hold back.
 pub(super) fn bounce(linked: &mut Linked<'_>, plan: &Plan) -> RefineEnd {
@@ -27,8 +27,8 @@ pub(super) fn bounce(linked: &mut Linked<'_>, plan: &Plan) -> RefineEnd {
         linked.links = links.link_set(&linked.hierarchy);
         let irradiance = sweep::gather(&linked.hierarchy, &linked.links, &linked.exposure, &linked.radiosity);
         let pushing = Instant::now();
-        let change =
-            sweep::push_pull(linked.job.scene, &linked.hierarchy, &linked.exposure, None, irradiance, &mut linked.radiosity);
+        let reflection = Reflection { scene: linked.job.scene, closure: None, lights: &linked.lights };
+        let change = sweep::push_pull(&reflection, &linked.hierarchy, &linked.exposure, irradiance, &mut linked.radiosity);
         linked.report.time_s.gather += (pushing - gathering).as_secs_f64();
         linked.report.time_s.push_pull += pushing.elapsed().as_secs_f64();
         linked.report.energy.residual = change.largest;

@@ -1,0 +1,48 @@
+//! The lights of a scene.
+
+use glam::DVec3;
+
+use super::{Light, LightShape, Scene, SceneError, Sky};
+
+impl Scene {
+    /// Its lights.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// The same surfaces under these lights, without light groups.
+    ///
+    /// # Errors
+    /// [`SceneError::BadLight`] for one that does not fit the scene's channels, or whose numbers are out of range.
+    pub fn with_lights(self, lights: Vec<Light>) -> Result<Self, SceneError> {
+        let scene = Self { lights, light_groups: None, ..self };
+        scene.check_lights()?;
+        Ok(scene)
+    }
+
+    /// Every light must have as many channels as the scene, with values in range.
+    pub(super) fn check_lights(&self) -> Result<(), SceneError> {
+        self.lights.iter().try_for_each(|light| light.validate(self.channels))
+    }
+
+    /// Adds `weight` times the radiance of the skies in a direction, times pi, by channel in W/m^2.
+    pub(crate) fn add_sky_radiosity(&self, direction: DVec3, weight: f64, sum: &mut [f64]) {
+        for (sky, light) in self.skies() {
+            let weight = weight * sky.radiosity(direction);
+            sum.iter_mut().zip(&light.strength).for_each(|(sum, strength)| *sum += weight * strength);
+        }
+    }
+
+    /// Whether there is a sky, and on.
+    pub(crate) fn has_sky(&self) -> bool {
+        self.skies().next().is_some()
+    }
+
+    /// The lights that are skies, and on.
+    fn skies(&self) -> impl Iterator<Item = (&Sky, &Light)> {
+        self.lights.iter().filter(|light| light.is_on()).filter_map(|light| match &light.shape {
+            LightShape::Sky(sky) => Some((sky, light)),
+            LightShape::Point(_) | LightShape::Sun(_) => None,
+        })
+    }
+}
