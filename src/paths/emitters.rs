@@ -1,6 +1,7 @@
 //! The emitters whose light next-event estimation brings; that of others is left to paths.
 
-use super::light_tree::{LightTree, Source};
+use super::light_tree::LightTree;
+use super::source_group::Source;
 use crate::geometry::{Aabb, Frame, sampling};
 use crate::scene::{Emitter, Scene, SurfaceId};
 use crate::transmittance::Rays;

@@ -16,14 +16,11 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::geometry::Aabb;
+use super::source_group::{Group, Source, halves};
 use crate::progress::Stop;
 
 /// Cosines are widened by this much against rounding: sines of small angles are known to the root of the rounding of f32.
 const SLACK: f32 = 1e-3;
-
-/// Angles are widened by this much against rounding.
-const ANGLE_SLACK: f64 = 1e-6;
 
 /// Children of a node.
 const WIDTH: usize = 4;
@@ -82,16 +79,6 @@ pub(super) struct LightTree {
     power: f64,
 }
 
-/// A leaf of the tree: an emitter, or a cell of a bright reflector.
-#[derive(Clone)]
-pub(super) struct Source {
-    pub number: u32,
-    pub bounds: Aabb,
-    pub normal: DVec3,
-    /// The power that it sends, in W.
-    pub power: f64,
-}
-
 /// A source that was drawn.
 pub(super) struct Drawn {
     /// The number of the source.
@@ -115,16 +102,6 @@ struct Receiver {
     point: [f32; 3],
     reach: f32,
     normal: [f32; 3],
-}
-
-/// The box, cone of normals and power of a group of sources.
-struct Group {
-    bounds: Aabb,
-    /// All normals are within `half_angle` of `axis`, in radians.
-    axis: DVec3,
-    half_angle: f64,
-    /// In W.
-    power: f64,
 }
 
 /// The units of the nodes of a tree: the origin, the length and the power.
@@ -371,54 +348,4 @@ fn less(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
     let is_less = a.1 >= b.1;
     let (sin, cos) = (a.0 * b.1 - a.1 * b.0, a.1 * b.1 + a.0 * b.0);
     (if is_less { 0.0 } else { sin }, if is_less { 1.0 } else { cos })
-}
-
-/// Two halves of equal number, along the longest axis of the centres.
-fn halves(sources: &mut [Source]) -> (&mut [Source], &mut [Source]) {
-    let extent = Aabb::around(sources.iter().map(|source| source.bounds.centre())).extent();
-    let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
-    let place = |source: &Source| source.bounds.centre()[axis];
-    let middle = sources.len().div_ceil(2);
-    if middle < sources.len() {
-        sources.select_nth_unstable_by(middle, |a, b| place(a).total_cmp(&place(b)).then(a.number.cmp(&b.number)));
-    }
-    sources.split_at_mut(middle)
-}
-
-impl Default for Group {
-    fn default() -> Self {
-        Self { bounds: Aabb::EMPTY, axis: DVec3::Z, half_angle: PI, power: 0.0 }
-    }
-}
-
-impl Group {
-    fn of(source: &Source) -> Self {
-        Self { bounds: source.bounds, axis: source.normal, half_angle: 0.0, power: source.power }
-    }
-
-    fn union(self, other: Self) -> Self {
-        let (axis, half_angle) = cone_around(&self, &other);
-        Self { bounds: self.bounds.union(other.bounds), axis, half_angle, power: self.power + other.power }
-    }
-}
-
-/// A cone around the normals of two groups.
-fn cone_around(a: &Group, b: &Group) -> (DVec3, f64) {
-    let (wide, narrow) = if a.half_angle >= b.half_angle { (a, b) } else { (b, a) };
-    let between = wide.axis.dot(narrow.axis).clamp(-1.0, 1.0).acos();
-    if between + narrow.half_angle <= wide.half_angle {
-        return (wide.axis, wide.half_angle);
-    }
-    let half_angle = 0.5 * (between + wide.half_angle + narrow.half_angle);
-    let aside = (narrow.axis - wide.axis.dot(narrow.axis) * wide.axis).try_normalize();
-    match aside.filter(|_| half_angle < PI) {
-        Some(aside) => {
-            let turn = half_angle - wide.half_angle;
-            (turn.cos() * wide.axis + turn.sin() * aside, half_angle + ANGLE_SLACK)
-        }
-        None => {
-            let around = between + narrow.half_angle;
-            (wide.axis, if around < PI { around.max(wide.half_angle) } else { PI })
-        }
-    }
 }

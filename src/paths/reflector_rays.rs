@@ -9,10 +9,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::grid::{Grid, Grids};
-use super::light_tree::{Draws, LightTree, Source};
+use super::light_tree::{Draws, LightTree};
 use super::particles::Landing;
 use super::place::Receives;
 use super::reflectors::Reflector;
+use super::source_group::Source;
 use super::spots::spot_cells;
 use crate::direct::Receiver;
 use crate::form_factor::kernel;

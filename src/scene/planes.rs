@@ -336,7 +336,7 @@ mod tests {
         let mut scene = scene(quads.to_vec(), Sides::Front);
         assert_eq!(scene.validate(), Ok(()));
         for plane in [3, u32::MAX] {
-            scene.surfaces[2].plane = plane;
+            Arc::make_mut(&mut scene.surfaces)[2].plane = plane;
             assert!(scene.validate().unwrap_err().contains("surface 2: its plane"));
         }
     }

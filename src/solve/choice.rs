@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use super::Beginning;
+use super::beginning::Beginning;
 use super::cells_way::CellsWay;
 use super::effort::{AIM, Law};
 use super::job::Job;

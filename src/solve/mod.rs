@@ -3,6 +3,7 @@
 //! Two solvers take part in it, behind one trait (`way`): over links (`links_way`) and over cells (`cells_way`); `choice` tells which. How fine
 //! they work follows from the requested error by one law (`effort`, `plan`); what to do when it is not reached is decided in `next_step`.
 
+mod beginning;
 mod cells_way;
 mod channels;
 mod choice;
@@ -36,6 +37,7 @@ mod work;
 mod worthwhile_cells;
 
 pub use crate::links::Skips;
+pub(crate) use beginning::Beginning;
 pub use flux::Flux;
 pub(crate) use interest::InitialImportance;
 pub use interest::InterestError;
@@ -59,19 +61,10 @@ use job::Job;
 use step::NextStep;
 
 use crate::error::ErrorEstimate;
-use crate::hierarchy::Hierarchy;
 use crate::links::RefineEnd;
 use crate::progress::Observer;
 use crate::scene::Scene;
 use crate::transmittance::Rays;
-
-/// What a solve begins with, beside the scene.
-pub(crate) struct Beginning {
-    /// Clusters over the surfaces of the scene, nothing subdivided yet.
-    pub hierarchy: Hierarchy,
-    /// What error-driven refinement looks at, and no other.
-    pub importance: InitialImportance,
-}
 
 /// Solves `scene` in the current rayon pool.
 pub(crate) fn solve(
