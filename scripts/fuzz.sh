@@ -17,7 +17,7 @@ shift
 cd "$(dirname "$0")/.."
 targets=("$@")
 if [ ${#targets[@]} -eq 0 ]; then
-    targets=(solution obj glb meshes points options solve calls triangulation)
+    targets=(solution obj glb meshes lights points options solve calls triangulation)
 fi
 patchlight=target/release/patchlight
 export RUSTC_BOOTSTRAP=1
@@ -34,6 +34,7 @@ printf '{"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":
 printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' |
     seed meshes ply
 printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n' | seed meshes stl
+{ sed 's/"[^"]*[.]ies"/"a.ies"/' scenes/daylight.toml; printf '\0'; cat scenes/downlight.ies; } | seed lights daylight
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for scene in four_polygons furnace cornell; do

@@ -5,6 +5,7 @@ mod error;
 mod of_mesh;
 mod pictures;
 mod sensors;
+mod vertices;
 mod workers;
 
 pub use error::PipelineError;

@@ -33,6 +33,12 @@ const PLY: &[u8] =
 const STL: &[u8] =
     b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
 
+const LIGHTS: &[u8] = b"up = 'z'\n[[point]]\nposition = [1, 2, 3]\npower = [1, 2.5, 1e-3]\n[[spot]]\nname = 'b'\nposition = [0, 0, 3]\n\
+                        towards = [1, 0, 0]\ninner = 10\nouter = 30\nlumens = 800\nkelvin = 3000\n[[ies]]\nfile = 'a.ies'\nposition = [0, 0, 2]\n\
+                        front = [1, 1, 0]\n[[sun]]\nazimuth = 150\nelevation = 40\nlux = 8e4\n[[sky]]\nkind = 'clear'\ndirection = [1, 0, -1]\n\
+                        irradiance = 50\nground = 0.2\n\0IESNA:LM-63-2002\n[TEST] a\nTILT=INCLUDE\n1\n2\n0 90\n1 0.9\n1 1000 1 3 2 1 2 0.1 0 0\n\
+                        0.95 1 20\n0 45 90\n0 90\n300 200 0\n300 150 0\n";
+
 const CSV: &[u8] =
     b"\xef\xbb\xbfid,\"NZ\",ny,NX,z,Y,x,note,B_r\r\n7,1,0,0,3,2,1,a wall,0.5\r\n8,0.5774,-.5774,0.5774,1e-3,-2.5,4,,\n";
 
@@ -75,7 +81,7 @@ struct Target {
     seeds: Vec<Vec<u8>>,
 }
 
-fn targets() -> [Target; 8] {
+fn targets() -> [Target; 9] {
     let mut room = glb::small_room();
     let (file, nodes) = (room.glb(), [room.json.to_string().as_bytes(), &[0], &room.binary].concat());
     let kinds = [(Solver::Links, false), (Solver::Cells, false), (Solver::Links, true)];
@@ -84,6 +90,7 @@ fn targets() -> [Target; 8] {
         Target { name: "obj", few: 400, feed: harness::read_obj, seeds: vec![OBJ.to_vec(), Vec::new()] },
         Target { name: "glb", few: 1000, feed: harness::read_glb, seeds: vec![file, nodes] },
         Target { name: "meshes", few: 400, feed: harness::read_mesh, seeds: vec![PLY.to_vec(), STL.to_vec()] },
+        Target { name: "lights", few: 1000, feed: harness::read_light_file, seeds: vec![LIGHTS.to_vec()] },
         Target { name: "solution", few: 200, feed: harness::read_solution, seeds: solutions.into() },
         Target { name: "points", few: 400, feed: harness::read_csv, seeds: vec![CSV.to_vec()] },
         Target { name: "options", few: 400, feed: harness::set_options, seeds: vec![OPTIONS.to_vec()] },

@@ -13,14 +13,15 @@ mod triangles;
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use patchlight::direct::{DirectEffort, Method, direct_irradiance};
 use patchlight::pipeline::{self, Evaluator, PipelineError};
 use patchlight::progress::Silent;
 use patchlight::scene::{
-    EmitterName, Light, LightGroupError, LightGrouping, LightShape, LightWeight, PointLight, Scene, Sky, Sun, SurfaceId,
-    SurfacePoint,
+    EmitterName, Light, LightGroupError, LightGrouping, LightShape, LightWeight, PointLight, Scene, SceneError, Sky, Sun,
+    SurfaceId, SurfacePoint,
 };
 use patchlight::solve::{Bounds, Norm, RunOptions, SolveOptions, Solver, Strategy};
-use patchlight::visibility::Backend;
+use patchlight::visibility::{Backend, OccluderMesh, build};
 use path_tracer::PathTracer;
 use rooms::{Room, cube, points_of, solve, straight, values};
 use triangles::Random;
@@ -30,14 +31,16 @@ fn light(name: &str, strength: &[f64], shape: LightShape) -> Light {
 }
 
 fn point(position: [f64; 3]) -> LightShape {
-    LightShape::Point(PointLight { position: position.into() })
+    LightShape::Point(PointLight::uniform(position))
 }
 
 fn sun(towards: [f64; 3], diameter: f64) -> LightShape {
-    LightShape::Sun(Sun { towards: DVec3::from(towards).normalize(), diameter })
+    LightShape::Sun(Sun::new(towards, diameter).unwrap())
 }
 
-const SKY: LightShape = LightShape::Sky(Sky { up: DVec3::Z });
+fn sky() -> LightShape {
+    LightShape::Sky(Sky::uniform([0.0, 0.0, 1.0]).unwrap())
+}
 
 /// Ground of 4 x 4 m around the origin, and a black plate of 2 x 2 m, 1 m above it, whose middle is above `x`, `y`.
 fn under_a_plate(x: f64, y: f64, lights: Vec<Light>) -> Scene {
@@ -127,7 +130,7 @@ fn form_factor_to_ground() -> f64 {
 
 #[test]
 fn a_plate_takes_its_form_factor_of_the_sky_away() {
-    let lights = || vec![light("sky", &[1.0], SKY)];
+    let lights = || vec![light("sky", &[1.0], sky())];
     // Under the middle of a square of side 2 at height 1 (Howell C-12: four times the corner of one metre square).
     let covered = 4.0 * 0.5 / PI * (2.0 / 2f64.sqrt() * (1.0 / 2f64.sqrt()).atan());
     let seen_by_plate = form_factor_to_ground();
@@ -183,7 +186,7 @@ fn sunlit_room() -> Scene {
     let lights = vec![
         light("lamp", &[2.0, 1.8, 1.4], point([1.0, 2.0, 2.2])),
         light("sun", &[100.0, 90.0, 80.0], sun([1.0, 0.3, 0.8], 0.03)),
-        light("sky", &[20.0, 25.0, 40.0], SKY),
+        light("sky", &[20.0, 25.0, 40.0], sky()),
     ];
     room.scene().with_lights(lights).unwrap()
 }
@@ -224,7 +227,7 @@ fn walls_of_a_convex_room_keep_light_out() {
     let lights = vec![
         light("lamp", &[5.0], point([0.5, 0.5, 2.0])),
         light("sun", &[5.0], sun([0.1, 0.2, 1.0], 0.01)),
-        light("sky", &[1.0], SKY),
+        light("sky", &[1.0], sky()),
     ];
     let scene = cube(&[0.8], &[0.0]).with_lights(lights).unwrap();
     for way in WAYS {
@@ -252,6 +255,7 @@ fn lights_make_light_groups() {
     let weight = |group: &str, weight: f64| LightWeight { group: group.to_owned(), by_band: vec![weight] };
     let points: Vec<SurfacePoint> = points_of(&all, 200, &mut Random(31)).iter().map(|(point, _)| *point).collect();
     let rms = |values: &[f64]| (values.iter().map(|b| b * b).sum::<f64>() / values.len() as f64).sqrt();
+    let power = |evaluator: &Evaluator| evaluator.solution().fluxes().iter().map(|flux| flux.incident[1]).sum::<f64>();
     for way in WAYS {
         let options = SolveOptions { norm: Norm::Energy, ..options(way, 0.05) };
         let (evaluator, report) = solve(all.with_light_groups(&groups).unwrap(), &options);
@@ -259,6 +263,7 @@ fn lights_make_light_groups() {
         assert_eq!(values(&evaluator, &points), values(&plain, &points), "{way:?}: groups change nothing of the sum");
         assert_eq!(report.error.estimate, plain_report.error.estimate);
 
+        let mut powers = Vec::new();
         for (group, other, names) in [("day", "night", &["sun", "sky"][..]), ("night", "day", &["lamp"])] {
             let relit = evaluator.solution().relit(&[weight(other, 0.0)]).unwrap();
             relit.validate().unwrap();
@@ -271,12 +276,65 @@ fn lights_make_light_groups() {
             let (off, allowed) = (rms(&off) / rms(&expected), claimed.hypot(alone_report.error.estimate));
             eprintln!("{way:?} {group}: off {off:.4}, claimed {claimed:.4} and {:.4}", alone_report.error.estimate);
             assert!(off <= allowed, "{way:?} {group}: {off} for {allowed}");
-            let power = |evaluator: &Evaluator| evaluator.solution().fluxes().iter().map(|flux| flux.incident[1]).sum::<f64>();
-            assert!((power(&relit) / power(&alone) - 1.0).abs() < 0.1, "{way:?} {group}: {} {}", power(&relit), power(&alone));
+            powers.push(power(&relit));
         }
+        // What arrives by all is the sum of what arrives by each.
+        let (sum, all) = (powers.iter().sum::<f64>(), power(&evaluator));
+        assert!((sum / all - 1.0).abs() < 1e-6, "{way:?}: {powers:?} for {all}");
     }
     let unnamed = LightGrouping::Named(vec![("day".to_owned(), vec!["light sun".parse().unwrap(), "light sky".parse().unwrap()])]);
     assert!(matches!(all.with_light_groups(&unnamed), Err(LightGroupError::Light { name, .. }) if name == "lamp"));
+}
+
+/// Of fifty lights, more than there are rays, some of which suns with discs: draws are right on average, and know their scatter.
+#[test]
+fn lights_that_are_drawn_bring_what_all_bring() {
+    let mut random = Random(17);
+    let mut lights = Vec::new();
+    for number in 0..50 {
+        let at = [random.between(-3.0, 3.0), random.between(-3.0, 3.0), random.between(0.3, 3.0)];
+        let shape = if number % 5 == 0 { sun(at, 0.02) } else { point(at) };
+        lights.push(light(&format!("{number}"), &[random.between(0.1, 2.0)], shape));
+    }
+    let scene = under_a_plate(0.2, -0.1, lights);
+    let visibility = build(Backend::Auto, &OccluderMesh::of_scene(&scene)).unwrap();
+    let points = vec![(SurfaceId(0), [0.4, 0.3, 0.0]); 4000];
+    let many = direct_irradiance(&scene, &*visibility, &points[..1], DirectEffort { rays: 20_000, method: Method::Rays }, 5);
+    for rays in [1, 2, 7, 16, 49, 64] {
+        let effort = DirectEffort { rays, method: Method::Rays };
+        let found: Vec<[f64; 2]> = (0..4000)
+            .map(|seed| {
+                let found = direct_irradiance(&scene, &*visibility, &points[..1], effort, seed);
+                [found.irradiance[0], found.variance[0]]
+            })
+            .collect();
+        let count = found.len() as f64;
+        let mean = found.iter().map(|[h, _]| h).sum::<f64>() / count;
+        let variance = found.iter().map(|[h, _]| (h - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        let told = found.iter().map(|[_, variance]| variance).sum::<f64>() / count;
+        let se = (variance / count).sqrt() + 1e-3 * mean;
+        assert!((mean - many.irradiance[0]).abs() < 4.0 * se, "{rays} rays: {mean} +- {se} for {}", many.irradiance[0]);
+        // A single ray tells nothing of its variance; the discs' points are spread evenly, so that they scatter less than they tell.
+        assert!(rays == 1 || (told > 0.8 * variance && told < 3.0 * variance + 1e-9), "{rays} rays: {told} for {variance}");
+    }
+}
+
+/// The dimmest and the brightest lamps, and one that all but touches the ground.
+#[test]
+fn lamps_out_of_range_are_refused_and_near_ones_stay_finite() {
+    for strength in [1e-40, 1e21, -1.0, f64::NAN, f64::INFINITY] {
+        let lamp = light("lamp", &[strength], point([0.0, 0.0, 1.0]));
+        let wrong = under_a_plate(0.0, 0.0, Vec::new()).with_lights(vec![lamp]);
+        assert!(matches!(wrong, Err(SceneError::BadLight { .. })), "{strength}");
+    }
+    for way in WAYS {
+        for (strength, height) in [(1e-30, 0.5), (1e20, 1e-12), (1e20, 0.5)] {
+            // The solution is checked where it is solved.
+            let (_, report) =
+                solve(under_a_plate(0.0, 0.0, vec![light("lamp", &[strength], point([-1.5, 0.0, height]))]), &options(way, 0.1));
+            assert!(report.error.estimate.is_finite(), "{way:?} {strength} {height}: {report:?}");
+        }
+    }
 }
 
 #[test]

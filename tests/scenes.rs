@@ -53,6 +53,21 @@ fn read(name: &str) -> (Imported, SceneSummary, patchlight::inspect::Inspection)
     (imported, summary, inspection)
 }
 
+/// What is said of the room with a window, and its lights as daylight.toml has them.
+#[test]
+fn daylight_is_lit_by_what_is_no_surface() {
+    let options = ImportOptions { lights: Some(folder().join("daylight.toml")), ..ImportOptions::default() };
+    let imported = read_scene(&folder().join("daylight.obj"), &options).unwrap();
+    let summary = SceneSummary::new(&imported.scene, &imported.diagnostics);
+    assert_eq!((summary.faces, summary.emitters, &summary.repairs, &summary.suspicions), (19, 0, &vec![], &vec![]), "{summary}");
+    let kinds: Vec<&str> = summary.lights.iter().map(|light| light.kind).collect();
+    assert_eq!(kinds, ["sun", "clear sky", "ies", "spot"]);
+    let seen: Vec<f64> = summary.lights.iter().filter_map(|light| light.seen.map(f64::round)).collect();
+    assert_eq!((seen[0], seen[1], seen[3]), (60_000.0, 12_000.0, 300.0));
+    // 1200 cd times the cube of the cosine, on lines between every 5 degrees: 2 pi 1200 / 4 lm within a percent.
+    assert!((seen[2] / (0.5 * std::f64::consts::PI * 1200.0) - 1.0).abs() < 0.01, "{}", seen[2]);
+}
+
 #[test]
 fn the_committed_scenes_are_those_of_the_generator() {
     for (name, content) in scenes::all() {

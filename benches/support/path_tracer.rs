@@ -203,14 +203,14 @@ impl<'a> PathTracer<'a> {
         {
             let (to, facing) = match &light.shape {
                 LightShape::Point(point) => {
-                    let way = sub(point.position.to_array(), path.at.position);
-                    (point.position.to_array(), 1.0 / dot(way, way))
+                    let way = sub(point.position(), path.at.position);
+                    (point.position(), 1.0 / dot(way, way))
                 }
                 LightShape::Sun(sun) => {
                     // A random point of the disc as seen in its middle's direction: by its cosine each brings as much.
                     let mut random = Random(path.seed.rotate_left(9) ^ number as u64);
-                    let (radius, turn) = ((0.5 * sun.diameter).sin() * random.unit().sqrt(), TAU * random.unit());
-                    let middle = sun.towards.to_array();
+                    let (radius, turn) = ((0.5 * sun.diameter()).sin() * random.unit().sqrt(), TAU * random.unit());
+                    let middle = sun.towards();
                     let tangent = unit(cross(middle, if middle[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }));
                     let aside = add(times(tangent, radius * turn.cos()), times(cross(middle, tangent), radius * turn.sin()));
                     let cosine = (1.0 - radius * radius).sqrt();
@@ -234,7 +234,7 @@ impl<'a> PathTracer<'a> {
     /// The radiance of the sky in a direction times pi, by channel.
     fn sky(&self, direction: [f64; 3]) -> [f64; 3] {
         let above = self.scene.lights().iter().filter(|light| match &light.shape {
-            LightShape::Sky(sky) => dot(sky.up.to_array(), direction) > 0.0,
+            LightShape::Sky(sky) => dot(sky.up(), direction) > 0.0,
             LightShape::Point(_) | LightShape::Sun(_) => false,
         });
         above.fold([0.0; 3], |sum, light| [0, 1, 2].map(|k| sum[k] + light.strength[k]))

@@ -294,6 +294,8 @@ enum patchlight_diagnostic_code
   PATCHLIGHT_SHEET = 204,
   // The file has a camera: what to give to look through it.
   PATCHLIGHT_FILE_CAMERA = 205,
+  // How lights that are no surfaces are read, and what of them is left out.
+  PATCHLIGHT_FILE_LIGHTS = 206,
   // A face has a vertex or a material that does not exist.
   PATCHLIGHT_BAD_INDEX = 300,
   // A face has a vertex with a coordinate that is not finite, or too large.
@@ -920,6 +922,11 @@ patchlight_status patchlight_scene_add_faces(struct patchlight_scene *scene,
 patchlight_status patchlight_scene_add_file(struct patchlight_scene *scene,
                                             const char *path,
                                             uint32_t flags);
+
+// Adds the lights of a TOML file, which are no surfaces: points, spots, measured luminaires, suns and skies. `flags` are of patchlight_file_flags.
+patchlight_status patchlight_scene_add_lights(struct patchlight_scene *scene,
+                                              const char *path,
+                                              uint32_t flags);
 
 // Validates a scene, and makes it ready to be solved. What was repaired or is suspicious, and if it fails all that is wrong, can be read as
 // diagnostics. A scene that failed may be added to, and committed again.

@@ -51,9 +51,9 @@ pub use scene::read::{
     patchlight_scene_figure, patchlight_scene_get_figure, patchlight_scene_triangle_planes, patchlight_scene_triangles,
 };
 pub use scene::{
-    patchlight_file_flags, patchlight_scene, patchlight_scene_add_faces, patchlight_scene_add_file, patchlight_scene_add_materials,
-    patchlight_scene_add_vertices, patchlight_scene_commit, patchlight_scene_create, patchlight_scene_release,
-    patchlight_scene_retain, patchlight_sides,
+    patchlight_file_flags, patchlight_scene, patchlight_scene_add_faces, patchlight_scene_add_file, patchlight_scene_add_lights,
+    patchlight_scene_add_materials, patchlight_scene_add_vertices, patchlight_scene_commit, patchlight_scene_create,
+    patchlight_scene_release, patchlight_scene_retain, patchlight_sides,
 };
 pub use solution::files::{patchlight_solution_export, patchlight_solution_load, patchlight_solution_save};
 pub use solution::picture::{

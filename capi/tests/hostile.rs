@@ -63,6 +63,7 @@ const CALLS: &[Call] = calls! {
     patchlight_options_set_uint64(h, h.options, null(), 1);
     patchlight_scene_add_faces(h, h.scene, null(), null(), null());
     patchlight_scene_add_file(h, h.scene, null(), 0);
+    patchlight_scene_add_lights(h, h.scene, null(), 0);
     patchlight_scene_add_materials(h, h.scene, null(), null());
     patchlight_scene_add_vertices(h, h.scene, null());
     patchlight_scene_create(h, h.context, 3, 0, null_mut());
@@ -330,6 +331,8 @@ fn contradictions_between_options_are_found_by_the_solve() {
         done(patchlight_scene_create(context, 3, 0, &mut of_file));
         assert_eq!(told(patchlight_scene_add_file(of_file, path.as_ptr(), 0)), PATCHLIGHT_INVALID_SCENE);
         assert_eq!(told(patchlight_scene_add_file(of_file, path.as_ptr(), 8)), PATCHLIGHT_INVALID_ARGUMENT);
+        assert_eq!(told(patchlight_scene_add_lights(of_file, path.as_ptr(), 0)), PATCHLIGHT_INVALID_SCENE);
+        assert_eq!(told(patchlight_scene_add_lights(of_file, path.as_ptr(), 8)), PATCHLIGHT_INVALID_ARGUMENT);
         assert_eq!(told(patchlight_scene_create(context, 0, 0, &mut of_file)), PATCHLIGHT_INVALID_ARGUMENT);
         assert_eq!(told(patchlight_scene_create(context, 3, 5, &mut of_file)), PATCHLIGHT_INVALID_ARGUMENT);
         let mut second = null_mut();

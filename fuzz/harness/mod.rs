@@ -5,6 +5,7 @@
 
 mod bytes;
 mod glb;
+mod lights;
 mod meshes;
 mod obj;
 mod options;
@@ -14,6 +15,7 @@ mod solve;
 mod triangulation;
 
 pub use glb::read_glb;
+pub use lights::read_light_file;
 pub use meshes::read_mesh;
 pub use obj::read_obj;
 pub use options::set_options;

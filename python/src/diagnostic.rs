@@ -13,7 +13,7 @@ use crate::names::name_of;
 pub struct Diagnostic {
     /// What it is about, as in "degenerate_face".
     #[pyo3(get)]
-    kind: String,
+    pub kind: String,
     /// "error": the scene cannot be used; "repair": what is solved is not exactly what was given; "suspicion": it may not be what was
     /// meant; "note": nothing is wrong.
     #[pyo3(get)]

@@ -86,6 +86,7 @@ impl From<PipelineError> for Failure {
             PipelineError::Options(_)
             | PipelineError::Interest(_)
             | PipelineError::LightGroups(_)
+            | PipelineError::Lights
             | PipelineError::Memory { .. } => "OptionError",
             PipelineError::Visibility(VisibilityError::OutOfMemory { .. }) => "ResourceError",
             PipelineError::Visibility(_) => "BackendError",

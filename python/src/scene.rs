@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use patchlight::scene::import::{ArrayFace, Diagnostics, Draft, ImportOptions, read_scene_observed};
+use patchlight::scene::import::{ArrayFace, Diagnostics, Draft, ImportError, ImportOptions, read_lights, read_scene_observed};
 use patchlight::scene::{self, Sides};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -32,10 +32,11 @@ impl Scene {
     ///
     /// sides: "front", where corners run counter-clockwise, or "both".
     /// allow_any_path: whether other files that it names may lie elsewhere than beside the file or below its folder.
+    /// lights: a TOML file of lights that are no surfaces.
     #[staticmethod]
-    #[pyo3(signature = (path, *, sides="front", allow_any_path=false))]
-    fn read(py: Python<'_>, path: PathBuf, sides: &str, allow_any_path: bool) -> PyResult<Self> {
-        let options = ImportOptions { sides: sides_of(sides)?, allow_any_path, ..ImportOptions::default() };
+    #[pyo3(signature = (path, *, sides="front", allow_any_path=false, lights=None))]
+    fn read(py: Python<'_>, path: PathBuf, sides: &str, allow_any_path: bool, lights: Option<PathBuf>) -> PyResult<Self> {
+        let options = ImportOptions { sides: sides_of(sides)?, allow_any_path, lights, ..ImportOptions::default() };
         let read = |observer: &dyn patchlight::progress::Observer| read_scene_observed(&path, &options, observer);
         let imported = watched(py, &Listener::new(None)?, read)?.map_err(Failure::from)?;
         Self::new(py, imported.scene, &imported.diagnostics, path)
@@ -67,6 +68,26 @@ impl Scene {
     fn from_mesh(mesh: &Bound<'_, PyAny>, materials: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let helper = mesh.py().import("patchlight._meshes")?.getattr("of_mesh")?;
         Self::of_parts(&helper.call((mesh,), materials)?)
+    }
+
+    /// The same scene under the lights of a TOML file as well: points, spots, measured luminaires, suns and skies, which are no surfaces.
+    ///
+    /// allow_any_path: whether photometric files that it names may lie elsewhere than beside the file or below its folder.
+    #[pyo3(signature = (path, *, allow_any_path=false))]
+    fn with_lights(&self, py: Python<'_>, path: PathBuf, allow_any_path: bool) -> PyResult<Self> {
+        let read = py.detach(|| read_lights(&path, self.scene.channels(), allow_any_path)).map_err(Failure::from)?;
+        let lights = self.scene.lights().iter().cloned().chain(read.lights).collect();
+        let scene = self.scene.clone().with_lights(lights);
+        let scene = scene.map_err(|source| Failure::from(ImportError::Scene { file: path.clone(), source }))?;
+        let noted = self.noted.iter().filter(|noted| noted.kind != "no_light").cloned();
+        let noted = noted.chain(read.diagnostics.items.iter().map(Diagnostic::of)).collect();
+        Ok(Self { scene, file: self.file.clone(), warnings: read.diagnostics.warnings(), noted })
+    }
+
+    /// The names of its lights that are no surfaces, in their order.
+    #[getter]
+    fn light_names(&self) -> Vec<&str> {
+        self.scene.lights().iter().map(|light| light.name.as_str()).collect()
     }
 
     /// Channels: numbers for each reflectance, exitance and radiosity.
@@ -132,7 +153,7 @@ impl Scene {
             return Ok(scene.clone());
         }
         if let Ok(path) = object.extract::<PathBuf>() {
-            return Bound::new(py, Self::read(py, path, "front", false)?);
+            return Bound::new(py, Self::read(py, path, "front", false, None)?);
         }
         Bound::new(py, Self::from_mesh(object, None)?)
     }

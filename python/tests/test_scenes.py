@@ -148,3 +148,16 @@ def test_meshes_of_meshio():
     assert (scene.surface_count, scene.area) == (2, pytest.approx(1.5))
     with pytest.raises(patchlight.ArgumentError, match="tetra"):
         patchlight.solve(meshio.Mesh(points, [("tetra", np.array([[0, 1, 2, 4]]))]))
+
+
+def test_lights_of_a_file_light_a_scene(tmp_path):
+    lights = tmp_path / "lights.toml"
+    lights.write_text('[[point]]\nname = "lamp"\nposition = [0.5, 0.5, 2]\nintensity = 12\n')
+    scene = quietly(SQUARE, [[0, 1, 2, 3]]).with_lights(lights)
+    assert scene.light_names == ["lamp"]
+    assert not [noted for noted in scene.diagnostics if "no light" in noted.text]
+    value = patchlight.solve(scene).values([0.5, 0.5, 0], [0, 0, 1])
+    assert value == pytest.approx(0.5 * 12 / 4, rel=1e-6)
+    lights.write_text("[[point]]\nposition = [0, 0]\n")
+    with pytest.raises(patchlight.SceneError, match="lights.toml:2: 'position' must be three numbers"):
+        scene.with_lights(lights)

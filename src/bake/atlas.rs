@@ -3,12 +3,15 @@
 //! Charts are taken from the highest to the lowest, and packed by guillotine cuts (the crate `guillotiere`) into the smallest page that holds them all,
 //! or, if that would be too large, into as many as it takes.
 
+use std::collections::HashSet;
+
 use glam::DVec3;
 use guillotiere::{AtlasAllocator, size2};
 
 use super::charts::{Chart, charts};
+use super::file_charts::{charts as charts_of_file, side_in_metres};
 use super::options::{BakeError, BakeOptions, MOST_TEXELS};
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{FileUv, Scene, SurfaceId, UvTriangle};
 
 /// Sides of pages are multiples of this: what textures are compressed in.
 const BLOCK: u32 = 4;
@@ -25,6 +28,8 @@ pub struct Atlas {
     pub(super) options: BakeOptions,
     /// Of the scene.
     pub(super) surfaces: usize,
+    /// The triangles of the file that lays it out; none if it is laid out here.
+    pub(super) triangles: Vec<UvTriangle>,
 }
 
 /// A chart with its place.
@@ -45,7 +50,9 @@ pub struct FaceOnAtlas {
     pub chart: usize,
     /// The page.
     pub page: usize,
-    /// The coordinates of the surface's vertices, from the top left of the page: parts of its width and height.
+    /// In metres: the surface's, or those of a triangle of the file that lays the page out.
+    pub vertices: Vec<[f64; 3]>,
+    /// The coordinates of the vertices, from the top left of the page: parts of its width and height.
     pub uv: Vec<[f64; 2]>,
 }
 
@@ -80,7 +87,35 @@ impl Atlas {
             Placed { chart, page, at: at.map(|corner| corner + options.padding) }
         };
         let charts = charts.into_iter().zip(places).map(placed).collect();
-        Ok(Self { charts, pages, options: options.clone(), surfaces: scene.surfaces().len() })
+        Ok(Self { charts, pages, options: options.clone(), surfaces: scene.surfaces().len(), triangles: Vec::new() })
+    }
+
+    /// The layout of a file: its coordinates as they are, on a page so large that texels have the wanted side in the mean over the area.
+    ///
+    /// Of texels that several faces share, the one that covers most of it has the texel. Padding does not move what the file lays out: it is filled as far
+    /// as nothing else lies there.
+    ///
+    /// # Errors
+    /// See [`BakeError`]; [`BakeError::Uv`] tells what is wrong with the coordinates.
+    pub fn of_file(scene: &Scene, uv: &FileUv, options: &BakeOptions) -> Result<Self, BakeError> {
+        options.validate()?;
+        let chosen = options.chosen(scene)?;
+        let faces: HashSet<u32> =
+            scene.surfaces().iter().zip(&chosen).filter(|(_, chosen)| **chosen).map(|(surface, _)| surface.face).collect();
+        let side = (side_in_metres(uv, &|face| faces.contains(&face))? / options.texel).round().max(1.0);
+        let side = (side / f64::from(BLOCK)).ceil() * f64::from(BLOCK);
+        if side > f64::from(options.size) || side * side > MOST_TEXELS {
+            return Err(BakeError::PageTooLarge { texel: options.texel, side, size: options.size });
+        }
+        let charts = charts_of_file(scene, uv, &chosen, side as u32)?;
+        let charts = charts.into_iter().map(|(chart, at)| Placed { chart, page: 0, at }).collect();
+        let (pages, triangles) = (vec![[side as u32; 2]], uv.triangles.clone());
+        Ok(Self { charts, pages, options: options.clone(), surfaces: scene.surfaces().len(), triangles })
+    }
+
+    /// Whether a file lays it out.
+    pub fn is_of_file(&self) -> bool {
+        !self.triangles.is_empty()
     }
 
     /// Whether it was made of this scene, as far as surfaces and their materials tell.
@@ -116,8 +151,16 @@ impl Atlas {
     /// Where surfaces lie, in the order of charts. `scene` is the one that it was made of.
     pub fn faces<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = FaceOnAtlas> + 'a {
         self.charts.iter().enumerate().flat_map(move |(chart, placed)| {
-            placed.chart.surfaces.iter().map(move |&surface| self.face(scene, chart, placed, surface))
+            let own = placed.chart.surfaces.iter().filter(|_| placed.chart.of_file.is_none());
+            let own = own.map(move |&surface| self.face(scene, chart, placed, surface));
+            let of_file = placed.chart.of_file.iter().flat_map(|parts| &parts.triangles);
+            own.chain(of_file.map(move |&(triangle, surface)| self.triangle(chart, placed, (triangle, surface))))
         })
+    }
+
+    fn triangle(&self, chart: usize, placed: &Placed, (number, surface): (u32, SurfaceId)) -> FaceOnAtlas {
+        let UvTriangle { corners, uv, .. } = &self.triangles[number as usize];
+        FaceOnAtlas { surface: surface.0, chart, page: placed.page, vertices: corners.to_vec(), uv: uv.to_vec() }
     }
 
     fn face(&self, scene: &Scene, chart: usize, placed: &Placed, surface: SurfaceId) -> FaceOnAtlas {
@@ -126,7 +169,9 @@ impl Atlas {
             let at = placed.chart.to_texels(DVec3::from(vertex)).to_array();
             std::array::from_fn(|axis| (f64::from(placed.at[axis]) + at[axis]) / f64::from(self.pages[page][axis]))
         };
-        FaceOnAtlas { surface: surface.0, chart, page, uv: scene.surface(surface).polygon.vertices().map(on_page).collect() }
+        let vertices: Vec<[f64; 3]> = scene.surface(surface).polygon.vertices().collect();
+        let uv = vertices.iter().copied().map(on_page).collect();
+        FaceOnAtlas { surface: surface.0, chart, page, vertices, uv }
     }
 }
 

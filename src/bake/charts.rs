@@ -19,26 +19,80 @@ pub(crate) struct Chart {
     pub surfaces: Vec<SurfaceId>,
     /// Of all of them.
     pub material: u32,
-    /// The corner of the first texel, and the directions of columns and rows.
-    pub origin: DVec3,
-    pub axes: [DVec3; 2],
-    pub normal: DVec3,
-    /// The side of a texel in metres.
-    pub texel: f64,
+    /// Where texels lie.
+    pub grid: TexelGrid,
+    /// Of a chart that a file lays out, what it holds: parts of surfaces, and the file's own triangles by number.
+    pub of_file: Option<FileParts>,
     /// Columns and rows that hold all faces: numbers that may be larger than any page.
     pub extent: [f64; 2],
+}
+
+/// What a chart of a file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FileParts {
+    /// Convex parts of surfaces, counter-clockwise on the page, in texels of the chart.
+    pub polygons: Vec<(SurfaceId, Vec<DVec2>)>,
+    /// Numbers of triangles of the file, with the surface that each lies on first of all.
+    pub triangles: Vec<(u32, SurfaceId)>,
+}
+
+/// Texels on a plane: parallelograms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct TexelGrid {
+    /// The corner of the first texel.
+    pub origin: DVec3,
+    /// From a column, and from a row, to the next.
+    pub steps: [DVec3; 2],
+    /// What tells columns and rows: 1 over its own step, 0 over the other.
+    pub duals: [DVec3; 2],
+}
+
+impl TexelGrid {
+    /// With these steps, which are not parallel.
+    pub fn new(origin: DVec3, steps: [DVec3; 2]) -> Self {
+        let [u, v] = steps;
+        let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
+        let duals = [vv * u - uv * v, uu * v - uv * u].map(|dual| dual / (uu * vv - uv * uv));
+        Self { origin, steps, duals }
+    }
+
+    /// Coordinates of a point of the plane in texels.
+    pub fn to_texels(self, point: DVec3) -> DVec2 {
+        let from = point - self.origin;
+        DVec2::new(self.duals[0].dot(from), self.duals[1].dot(from))
+    }
+
+    /// The point of the plane at coordinates in texels.
+    pub fn to_space(self, at: DVec2) -> DVec3 {
+        self.origin + at.x * self.steps[0] + at.y * self.steps[1]
+    }
+
+    /// The same, counted from a texel.
+    pub fn counted_from(self, at: [u32; 2]) -> Self {
+        Self { origin: self.to_space(DVec2::from(at.map(f64::from))), ..self }
+    }
 }
 
 impl Chart {
     /// Coordinates of a point of the plane in texels.
     pub fn to_texels(&self, point: DVec3) -> DVec2 {
-        let from = (point - self.origin) / self.texel;
-        DVec2::new(self.axes[0].dot(from), self.axes[1].dot(from))
+        self.grid.to_texels(point)
     }
 
     /// The point of the plane at coordinates in texels.
     pub fn to_space(&self, at: DVec2) -> DVec3 {
-        self.origin + self.texel * (at.x * self.axes[0] + at.y * self.axes[1])
+        self.grid.to_space(at)
+    }
+
+    /// The convex parts of surfaces that it holds, counter-clockwise, in texels.
+    pub fn polygons(&self, scene: &Scene) -> Vec<(SurfaceId, Vec<DVec2>)> {
+        let whole = |&surface: &SurfaceId| {
+            (surface, scene.surface(surface).polygon.vertices().map(|vertex| self.to_texels(DVec3::from(vertex))).collect())
+        };
+        match &self.of_file {
+            Some(parts) => parts.polygons.clone(),
+            None => self.surfaces.iter().map(whole).collect(),
+        }
     }
 
     /// Columns and rows.
@@ -77,7 +131,8 @@ impl Chart {
             count
         });
         let material = scene.surface(largest).material;
-        Self { surfaces, material, origin, axes, normal: facet.normal, texel, extent }
+        let grid = TexelGrid::new(origin, axes.map(|axis| texel * axis));
+        Self { surfaces, material, grid, of_file: None, extent }
     }
 }
 
@@ -190,7 +245,7 @@ mod tests {
         let scene = scene(&[(rectangle([0.3, 0.1, 0.0], [0.52, 1.93]), 0)]);
         let chart = &charts(&scene, &[true], 0.1)[0];
         assert_eq!(chart.size(), [20, 6]);
-        assert!(chart.axes[0].cross(chart.axes[1]).distance(DVec3::Z) < 1e-15);
+        assert!((chart.grid.steps[0].cross(chart.grid.steps[1]) / 0.01).distance(DVec3::Z) < 1e-13);
         let facet = scene.surface(SurfaceId(0)).polygon.facet();
         for &vertex in facet.vertices {
             let at = chart.to_texels(vertex);

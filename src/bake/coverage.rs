@@ -40,9 +40,9 @@ impl Site {
         self.surface != NO_SURFACE
     }
 
-    /// Takes the texel's value away.
+    /// Takes the texel's value away; faces cover it as before.
     pub fn hide(&mut self) {
-        *self = Self::NONE;
+        self.surface = NO_SURFACE;
     }
 
     /// Moves the site, in texels from the middle.
@@ -64,8 +64,7 @@ pub(super) fn sites(scene: &Scene, chart: &Chart) -> Vec<Site> {
     let [columns, rows] = chart.size();
     let mut sites = vec![Site::NONE; columns * rows];
     let mut has_middle = vec![false; columns * rows];
-    for &surface in &chart.surfaces {
-        let corners: Vec<DVec2> = scene.surface(surface).polygon.vertices().map(|v| chart.to_texels(DVec3::from(v))).collect();
+    for (surface, corners) in chart.polygons(scene) {
         let bound = |pick: fn(DVec2, DVec2) -> DVec2| corners.iter().copied().fold(corners[0], pick);
         let (from, to) = (bound(DVec2::min).floor().max(DVec2::ZERO), bound(DVec2::max).ceil());
         for row in from.y as usize..(to.y as usize).min(rows) {
@@ -79,7 +78,7 @@ pub(super) fn sites(scene: &Scene, chart: &Chart) -> Vec<Site> {
     }
     for (site, has_middle) in sites.iter_mut().zip(has_middle) {
         if f64::from(site.covered) < LEAST_COVERED {
-            site.hide();
+            *site = Site::NONE;
         } else if has_middle && f64::from(site.covered) >= 1.0 - ROUNDING {
             site.at = [0.0; 2];
         }
@@ -138,7 +137,7 @@ fn part_of(corners: &[DVec2], middle: DVec2) -> Option<Part> {
 }
 
 /// The part of a convex polygon where `height` is not negative (Sutherland, Hodgman 1974).
-fn cut(polygon: &[DVec2], height: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
+pub(super) fn cut(polygon: &[DVec2], height: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (k, &corner) in polygon.iter().enumerate() {
         let next = polygon[(k + 1) % polygon.len()];

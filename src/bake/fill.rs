@@ -21,33 +21,35 @@ impl Canvas {
     pub fn fill(&mut self) {
         let count = self.numbers.len() / self.channels;
         let is_known = |numbers: &[f32], texel: usize| !numbers[texel * self.channels].is_nan();
-        let mut unknown: Vec<usize> = (0..count).filter(|&texel| !is_known(&self.numbers, texel)).collect();
-        if unknown.len() == count {
+        let unknown = (0..count).filter(|&texel| !is_known(&self.numbers, texel));
+        let mut ring: Vec<usize> =
+            unknown.filter(|&texel| self.neighbours(texel).any(|other| is_known(&self.numbers, other))).collect();
+        if ring.is_empty() && !is_known(&self.numbers, 0) {
             self.numbers.fill(0.0);
             return;
         }
 
         // The ring beside what is known, all of it from what was known before.
-        while !unknown.is_empty() {
-            let (mut ring, mut rest) = (Vec::new(), Vec::new());
-            for texel in unknown {
+        while !ring.is_empty() {
+            let mean = |&texel: &usize| -> Vec<f32> {
                 let known: Vec<usize> = self.neighbours(texel).filter(|&other| is_known(&self.numbers, other)).collect();
-                if known.is_empty() {
-                    rest.push(texel);
-                    continue;
-                }
                 let sum = |channel: usize| known.iter().map(|&other| self.numbers[other * self.channels + channel]).sum::<f32>();
-                ring.push((texel, (0..self.channels).map(|channel| sum(channel) / known.len() as f32).collect::<Vec<f32>>()));
+                (0..self.channels).map(|channel| sum(channel) / known.len() as f32).collect()
+            };
+            let means: Vec<Vec<f32>> = ring.iter().map(mean).collect();
+            for (&texel, mean) in ring.iter().zip(&means) {
+                self.numbers[texel * self.channels..][..self.channels].copy_from_slice(mean);
             }
-            for (texel, mean) in ring {
-                self.numbers[texel * self.channels..][..self.channels].copy_from_slice(&mean);
-            }
-            unknown = rest;
+            let beside = ring.iter().flat_map(|&texel| self.neighbours(texel));
+            let mut next: Vec<usize> = beside.filter(|&texel| !is_known(&self.numbers, texel)).collect();
+            next.sort_unstable();
+            next.dedup();
+            ring = next;
         }
     }
 
     /// The eight texels around one.
-    fn neighbours(&self, texel: usize) -> impl Iterator<Item = usize> {
+    fn neighbours(&self, texel: usize) -> impl Iterator<Item = usize> + use<> {
         let (width, height) = (self.width as isize, (self.numbers.len() / self.channels / self.width) as isize);
         let (column, row) = (texel as isize % width, texel as isize / width);
         (-1..=1).flat_map(move |down| (-1..=1).map(move |aside| (column + aside, row + down))).filter_map(move |(x, y)| {

@@ -3,15 +3,18 @@
 //! Direct light first, which is sharp and cheap, then indirect light, which is smooth and dear: each on a lattice of its own. They share the squared
 //! error that interpolation may have.
 
+use std::time::Instant;
+
 use rayon::prelude::*;
 
+use super::cut_short::{Coarse, NotFound, complete};
 use super::lattice::{Cell, Misfit, Notes, first_cells, first_side};
 use super::texels::Texels;
 use crate::discontinuities::Discontinuities;
 use crate::error::ErrorNorm;
 use crate::geometry::{sampling, streams};
 use crate::paths::Place;
-use crate::progress::Observer;
+use crate::progress::{Observer, Stop};
 use crate::scene::Scene;
 use crate::values::{self, ErrorBars, Gather, Part, Reflected};
 
@@ -24,12 +27,23 @@ const CONFIDENCE_SIGMAS: f64 = 2.0;
 /// The parts of the light, in their order.
 const PARTS: [Part; 2] = [Part::Sharp, Part::Smooth];
 
-/// Gathers light at places, and is asked whether to stop.
+/// Gathers light at places, and says when to stop.
 #[derive(Clone, Copy)]
 pub(crate) struct Asked<'a> {
     pub gather: &'a Gather<'a>,
     pub error_bars: Option<ErrorBars>,
+    /// Once it cancels, nothing is found.
     pub observer: &'a dyn Observer,
+    /// When the time is over, if there is a limit: what there is then has to do.
+    pub until: Option<Instant>,
+    /// What has to do where there is nothing.
+    pub coarse: Coarse<'a>,
+}
+
+/// Until when the part with this number may be gathered: each has the same share of the time that the ones before left.
+fn until_of_part(number: usize, until: Instant) -> Instant {
+    let now = Instant::now();
+    now + until.saturating_duration_since(now) / (PARTS.len() - number) as u32
 }
 
 /// How good interpolated texels have to be, and where random numbers come from.
@@ -50,6 +64,8 @@ pub(crate) struct Found {
     pub error: Option<f64>,
     /// How far all are off gathers because some are interpolated.
     pub interpolated: f64,
+    /// Texels that a limit kept from being found, where parts differ the more of them.
+    pub not_found: NotFound,
 }
 
 /// A texel: the number of its chart, and its index there.
@@ -61,6 +77,7 @@ struct PartOfLight<'a> {
     part: Part,
     aim: Aim,
     asked: Asked<'a>,
+    until: Option<Instant>,
     /// Of each gathered texel: its square of light, and of its standard error.
     squares: Vec<[f64; 2]>,
 }
@@ -79,7 +96,8 @@ pub(crate) fn gather(
         if number > 0 {
             texels.iter_mut().for_each(Texels::begin_next_part);
         }
-        let mut light = PartOfLight { scene, part, aim, asked, squares: Vec::new() };
+        let until = asked.until.map(|until| until_of_part(number, until));
+        let mut light = PartOfLight { scene, part, aim, asked, until, squares: Vec::new() };
         let filled = light.find(texels, &mut notes)?;
         let share = filled.len() as f64 / (filled.len() + light.squares.len()).max(1) as f64;
         off_sq += share * light.off_gathers_sq(texels, &filled)?;
@@ -87,7 +105,8 @@ pub(crate) fn gather(
         found.gathered[number] = light.squares.len() as u64;
     }
     texels.iter_mut().for_each(Texels::join_parts);
-    let is_known = wrong_sq > 0.0 && wrong_sq.is_finite();
+    found.not_found = NotFound::of(texels);
+    let is_known = wrong_sq > 0.0 && wrong_sq.is_finite() && found.not_found == NotFound::default();
     Some(Found { error: is_known.then(|| wrong_sq.sqrt()), interpolated: off_sq.sqrt(), ..found })
 }
 
@@ -96,6 +115,17 @@ fn notes_of(texels: &Texels<'_>, lines: &Discontinuities) -> Notes {
     let chart = texels.chart;
     let on_chart = chart.surfaces.iter().flat_map(|&surface| lines.of(surface));
     Notes::new(texels, on_chart.map(|segment| segment.ends.map(|end| chart.to_texels(end))))
+}
+
+/// The middle one of the texels of each chart, and the others; they are sorted.
+fn one_of_each_chart(texels: Vec<Texel>) -> (Vec<Texel>, Vec<Texel>) {
+    let first: Vec<Texel> = texels.chunk_by(|a, b| a.0 == b.0).map(|of_chart| of_chart[of_chart.len() / 2]).collect();
+    let rest = texels.into_iter().filter(|texel| first.binary_search(texel).is_err()).collect();
+    (first, rest)
+}
+
+fn is_known(numbers: &[f32]) -> bool {
+    !numbers[0].is_nan()
 }
 
 impl PartOfLight<'_> {
@@ -112,7 +142,13 @@ impl PartOfLight<'_> {
                 .collect();
             wanted.par_sort_unstable();
             wanted.dedup();
-            self.take(texels, notes, &wanted)?;
+            // One of each chart before others: if time is over soon, the fewest are left without any.
+            let (first, rest) = one_of_each_chart(wanted);
+            self.take(texels, notes, &first)?;
+            self.take(texels, notes, &rest)?;
+            if self.is_over() {
+                break;
+            }
 
             let scale_sq = self.scale_sq();
             let is_good = |cell: &Cell| {
@@ -128,16 +164,32 @@ impl PartOfLight<'_> {
         for cell in plain {
             filled.extend(cell.interpolate(&mut texels[cell.chart]).into_iter().map(|index| (cell.chart, index)));
         }
+        self.cut_short(texels, &cells);
         Some(filled)
+    }
+
+    /// Gives texels a value that are not known yet: those of cells that nobody has judged from their nodes, others from what is beside them.
+    fn cut_short(&self, texels: &mut [Texels<'_>], cells: &[Cell]) {
+        let mut between = vec![0; texels.len()];
+        cells.iter().for_each(|cell| between[cell.chart] += cell.interpolate_known(&mut texels[cell.chart]) as u64);
+        complete(self.scene, texels, &between, self.asked.coarse);
+    }
+
+    /// Whether the time of this part is over.
+    fn is_over(&self) -> bool {
+        self.until.is_some_and(|until| Instant::now() >= until)
     }
 
     /// Gathers texels.
     fn take(&mut self, texels: &mut [Texels<'_>], notes: &mut [Notes], wanted: &[Texel]) -> Option<()> {
-        let found = self.gathers(texels, wanted)?;
+        let found = self.gathers(texels, wanted, &|| self.is_over())?;
         let channels = self.scene.channels();
-        let found = found.radiosity.chunks(channels).zip(found.standard_error.chunks(channels));
-        for (&(chart, index), (reflected, errors)) in wanted.iter().zip(found) {
-            texels[chart].set(index, reflected);
+        let straight = found.straight.chunks(channels);
+        let found = found.radiosity.chunks(channels).zip(found.standard_error.chunks(channels)).zip(straight);
+        for (&(chart, index), ((reflected, errors), straight)) in
+            wanted.iter().zip(found).filter(|(_, ((found, _), _))| is_known(found))
+        {
+            texels[chart].set(index, reflected, straight);
             let noise_sq: f32 = errors.iter().map(|error| error * error).sum();
             notes[chart].noise_sq[index] = if noise_sq.is_finite() { noise_sq } else { 0.0 };
             self.squares.push([texels[chart].light_sq(index, reflected), f64::from(noise_sq)]);
@@ -145,11 +197,14 @@ impl PartOfLight<'_> {
         Some(())
     }
 
-    fn gathers(&self, texels: &[Texels<'_>], wanted: &[Texel]) -> Option<Reflected> {
+    /// Gathers at texels until it is stopped; `None` if cancelled.
+    fn gathers(&self, texels: &[Texels<'_>], wanted: &[Texel], late: Stop<'_>) -> Option<Reflected> {
         let place = |&(chart, index): &Texel| texels[chart].place(self.scene, index, self.aim.seed);
         let places: Vec<Place> = wanted.iter().map(place).collect();
-        let Asked { gather, error_bars, observer } = self.asked;
-        values::reflected_at(gather, error_bars, &places, self.part, observer)
+        let Asked { gather, error_bars, observer, .. } = self.asked;
+        let stop = || observer.cancelled() || late();
+        let found = values::reflected_at(gather, error_bars, &places, self.part, (observer, &stop));
+        (!observer.cancelled()).then_some(found)
     }
 
     /// What errors are relative to, squared: the least of all places in the local norm, the same for all by energy.
@@ -202,7 +257,9 @@ impl PartOfLight<'_> {
         if drawn.is_empty() {
             return Some(0.0);
         }
-        let (found, channels, scale_sq) = (self.gathers(texels, &drawn)?, self.scene.channels(), self.scale_sq());
+        let late = || self.asked.until.is_some_and(|until| Instant::now() >= until);
+        let found = self.gathers(texels, &drawn, &late)?;
+        let (channels, scale_sq) = (self.scene.channels(), self.scale_sq());
 
         let found = found.radiosity.chunks(channels).zip(found.standard_error.chunks(channels));
         let off_sq = |(&(chart, index), (reflected, errors)): (&Texel, (&[f32], &[f32]))| {
@@ -213,7 +270,10 @@ impl PartOfLight<'_> {
             let off_sq: f64 = reflected.iter().zip(texels[chart].reflected_of(index)).zip(errors).map(of_channel).sum();
             off_sq / self.relative_to(texels[chart].light_sq(index, reflected), scale_sq).max(f64::MIN_POSITIVE)
         };
-        let all: Vec<f64> = drawn.iter().zip(found).map(off_sq).collect();
+        let all: Vec<f64> = drawn.iter().zip(found).filter(|(_, (found, _))| is_known(found)).map(off_sq).collect();
+        if all.is_empty() {
+            return Some(f64::INFINITY);
+        }
         let mean = all.iter().sum::<f64>() / all.len() as f64;
         let variance = all.iter().map(|off_sq| (off_sq - mean).powi(2)).sum::<f64>() / (all.len() as f64).powi(2);
         Some((mean + CONFIDENCE_SIGMAS * variance.sqrt()).max(0.0))

@@ -145,12 +145,32 @@ impl Cell {
         if length > 0.0 { (self.lines(axis)[line] - self.from[axis]) as f64 / length } else { 0.0 }
     }
 
+    /// Interpolates the texels that have no value yet as far as nodes are known: by quarters from all of them, or from the corners alone. Returns how many.
+    pub fn interpolate_known(&self, texels: &mut Texels<'_>) -> usize {
+        let nodes = self.nodes(texels.columns());
+        let are_known = |texels: &Texels<'_>, nodes: &[usize]| nodes.iter().all(|&node| texels.is_known(node));
+        if are_known(texels, &nodes) {
+            return self.interpolate(texels).len();
+        }
+        let corners = [nodes[0], nodes[2], nodes[6], nodes[8]];
+        if !are_known(texels, &corners) {
+            return 0;
+        }
+        let (columns, channels) = (texels.columns(), texels.channels());
+        let wanted: Vec<(usize, [usize; 2])> = self.texels(columns).filter(|&(index, _)| texels.is_wanted(index)).collect();
+        for &(index, [column, row]) in &wanted {
+            let part = |at: usize, axis: usize| (at - self.from[axis]) as f64 / (self.to[axis] - self.from[axis]).max(1) as f64;
+            let numbers = between(texels, corners, bilinear(part(column, 0), part(row, 1)));
+            texels.set(index, &numbers[..channels], &numbers[channels..]);
+        }
+        wanted.len()
+    }
+
     /// Interpolates the texels that have no value yet, each quarter from its corners. Returns their indices.
     pub fn interpolate(&self, texels: &mut Texels<'_>) -> Vec<usize> {
         let (columns, channels) = (texels.columns(), texels.channels());
         let (across, down, nodes) = (self.lines(0), self.lines(1), self.nodes(columns));
         let mut filled = Vec::new();
-        let mut radiosity = vec![0.0; channels];
         for (index, [column, row]) in self.texels(columns) {
             if !texels.is_wanted(index) {
                 continue;
@@ -159,15 +179,19 @@ impl Cell {
             let part = |at: usize, from: usize, to: usize| if to > from { (at - from) as f64 / (to - from) as f64 } else { 0.0 };
             let weights = bilinear(part(column, across[i], across[i + 1]), part(row, down[j], down[j + 1]));
             let corners = [0, 1, 3, 4].map(|corner| nodes[3 * j + i + corner]);
-            for (channel, radiosity) in radiosity.iter_mut().enumerate() {
-                let of_corner = |corner: usize| f64::from(texels.reflected_of(corner)[channel]);
-                *radiosity = corners.iter().zip(weights).map(|(&corner, weight)| weight * of_corner(corner)).sum::<f64>() as f32;
-            }
-            texels.set(index, &radiosity);
+            let numbers = between(texels, corners, weights);
+            texels.set(index, &numbers[..channels], &numbers[channels..]);
             filled.push(index);
         }
         filled
     }
+}
+
+/// The numbers of some texels, weighted.
+fn between(texels: &Texels<'_>, corners: [usize; 4], weights: [f64; 4]) -> Vec<f32> {
+    let of = |corner: usize, k: usize| f64::from(texels.numbers_of(corner)[k]);
+    let sum = |k: usize| corners.iter().zip(weights).map(|(&corner, weight)| weight * of(corner, k)).sum::<f64>();
+    (0..texels.numbers()).map(|k| sum(k) as f32).collect()
 }
 
 /// The weights of the corners of a rectangle, row after row, at a place within it.

@@ -1,17 +1,20 @@
 //! Lightmaps: the light of a solution as textures.
 //!
-//! Coplanar faces of one material that hang together are a chart, laid into its page as it is, without distortion (`charts`, `atlas`). Each texel has a
+//! Where a file has coordinates for lightmaps, these say where its triangles lie (`file_charts`, `compose`). Else coplanar faces of one material that hang together are a chart, laid into its page as it is, without distortion (`charts`, `atlas`). Each texel has a
 //! *site*: the centre of its square, or the centroid of the part that a face covers, so that its value is the mean over what is covered, to second
 //! order (`coverage`). Sites on which something stands have no light and get none (`hidden`); what no site covers is filled from the same
 //! chart, so that nothing leaks in from elsewhere (`fill`).
 //!
 //! Values are read off a lit mesh, or gathered where they are needed: on a lattice first, then wherever the values in between differ from what the
 //! lattice says (`lattice`); the rest is interpolated. Interpolated texels are held against gathers of their own, which tells how far they are off
-//! (`gathered`).
+//! (`gathered`). What a limit keeps from being found is filled from others, or has the solver's own light (`cut_short`).
 
 mod atlas;
 mod charts;
+mod compose;
 mod coverage;
+mod cut_short;
+mod file_charts;
 mod fill;
 mod gathered;
 mod hidden;
@@ -20,12 +23,16 @@ mod lightmap;
 mod options;
 mod seams;
 mod texels;
+mod vertices;
 
 pub use atlas::{Atlas, FaceOnAtlas};
+pub(crate) use cut_short::{NotFound, complete};
 pub(crate) use gathered::{Aim, Asked, Found, gather};
 pub(crate) use hidden::hide;
 pub(crate) use lightmap::finish;
-pub use lightmap::{BakeReport, Lightmap};
-pub use options::{BakeError, BakeOptions, Only};
+pub use lightmap::{BakeReport, LightPart, Lightmap};
+pub use options::{BakeError, BakeOptions, Only, UvProblem};
 pub use seams::Seams;
 pub(crate) use texels::{Texels, texels_of};
+pub use vertices::VertexLight;
+pub(crate) use vertices::{points_around, surfaces_of};

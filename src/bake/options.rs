@@ -26,6 +26,8 @@ pub struct BakeOptions {
     pub size: u32,
     /// What is baked; all if not given.
     pub only: Option<Only>,
+    /// Whether direct and indirect light are kept apart as well.
+    pub separate: bool,
 }
 
 /// A part of a scene by name, typed as `material X` or `object X`.
@@ -35,6 +37,48 @@ pub enum Only {
     Material(String),
     /// The faces of an object.
     Object(String),
+}
+
+/// Why a file's own coordinates make no lightmap. Faces count from 1, coordinates are those of the file from the top left.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum UvProblem {
+    /// There are none.
+    #[error("the file has none for what is baked")]
+    None,
+    /// A face has none.
+    #[error("face {face} has none")]
+    Without {
+        /// The first one.
+        face: u32,
+    },
+    /// A face cannot be taken apart into triangles as it is written.
+    #[error("face {face} is concave: triangulate it")]
+    Concave {
+        /// The first one.
+        face: u32,
+    },
+    /// A face leaves the page.
+    #[error("face {face} has a corner at {:.4}, {:.4}, outside of 0 to 1", uv[0], uv[1])]
+    Outside {
+        /// The first one.
+        face: u32,
+        /// Where.
+        uv: [f64; 2],
+    },
+    /// A face has no area on the page.
+    #[error("face {face} has no area on the page")]
+    NoArea {
+        /// The first one.
+        face: u32,
+    },
+    /// Two faces, or two places of one, lie on the same texel.
+    #[error("faces {} and {} overlap at {:.4}, {:.4}", faces[0], faces[1], uv[0], uv[1])]
+    Overlap {
+        /// Two that do, of perhaps more.
+        faces: [u32; 2],
+        /// Where.
+        uv: [f64; 2],
+    },
 }
 
 /// Why there can be no lightmap.
@@ -85,14 +129,32 @@ pub enum BakeError {
         /// The largest side of a page.
         size: u32,
     },
+    /// The file's own coordinates cannot be used.
+    #[error("the lightmap coordinates of the file cannot be used: {0}")]
+    Uv(UvProblem),
+    /// The page that a file lays out would be too large.
+    #[error(
+        "texels of {texel} m make a page of {side} x {side} of what the file lays out, more than {size} x {size}: choose larger texels or larger pages"
+    )]
+    PageTooLarge {
+        /// In metres.
+        texel: f64,
+        /// In texels.
+        side: f64,
+        /// The largest side of a page.
+        size: u32,
+    },
     /// The lightmap is of another scene.
     #[error("this atlas was made of another scene")]
     OtherScene,
+    /// Direct and indirect light are asked for apart, of a mesh.
+    #[error("a lit mesh holds all light as one: direct and indirect light are apart only where texels are gathered")]
+    MeshIsWhole,
 }
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { texel: 0.05, padding: 2, size: 4096, only: None }
+        Self { texel: 0.05, padding: 2, size: 4096, only: None, separate: false }
     }
 }
 

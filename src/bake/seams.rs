@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::atlas::Atlas;
+use super::atlas::{Atlas, Placed};
 use super::lattice::bilinear;
 use crate::geometry::Aabb;
 use crate::picture::Image;
@@ -19,6 +19,9 @@ const FLAT: f64 = 0.866;
 
 /// Edges touch if they are so many times nearer than what counts as touching.
 const TOUCHING: f64 = 4.0;
+
+/// Places on the page nearer than this, in texels, are one.
+const CONTINUOUS: f64 = 0.1;
 
 /// What is seen along the seams: differences of the two sides as a texture filter shows them, relative to the larger light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -37,6 +40,12 @@ pub(super) fn compare(scene: &Scene, atlas: &Atlas, pages: &[Image]) -> Seams {
     for (number, placed) in atlas.charts.iter().enumerate() {
         placed.chart.surfaces.iter().for_each(|surface| chart_of[surface.index()] = Some(number));
     }
+    if atlas.is_of_file() {
+        // Surfaces that are unfolded in several pieces are left out.
+        let mut pieces = vec![0; scene.surfaces().len()];
+        atlas.charts.iter().flat_map(|placed| &placed.chart.surfaces).for_each(|surface| pieces[surface.index()] += 1);
+        chart_of.iter_mut().zip(pieces).filter(|(_, pieces)| *pieces > 1).for_each(|(chart, _)| *chart = None);
+    }
     let (boxes, near) = (SurfaceBoxes::of(scene), TOUCHING * scene.contact_tolerance());
     let of_surface = |surface: u32| {
         let Some(own) = chart_of[surface as usize] else { return Vec::new() };
@@ -47,7 +56,8 @@ pub(super) fn compare(scene: &Scene, atlas: &Atlas, pages: &[Image]) -> Seams {
             let middle = 0.5 * (ends[0] + ends[1]);
             boxes.for_each_near(&Aabb::around([middle - near, middle + near]), |other| {
                 let Some(theirs) = chart_of[other.index()].filter(|&theirs| theirs != own && surface < other.0) else { return };
-                if may_be_one(scene, SurfaceId(surface), other) && touches(scene, other, middle, near) {
+                let is_seam = !is_continuous(atlas, [own, theirs], middle);
+                if is_seam && may_be_one(scene, SurfaceId(surface), other) && touches(scene, other, middle, near) {
                     seams.push(differences(atlas, pages, [own, theirs], ends));
                 }
             });
@@ -64,6 +74,13 @@ pub(super) fn compare(scene: &Scene, atlas: &Atlas, pages: &[Image]) -> Seams {
 fn may_be_one(scene: &Scene, one: SurfaceId, other: SurfaceId) -> bool {
     let (a, b) = (scene.surface(one), scene.surface(other));
     a.material == b.material && a.polygon.facet().normal.dot(b.polygon.facet().normal) >= FLAT
+}
+
+/// Whether two charts lie side by side on the page as they do in the scene.
+fn is_continuous(atlas: &Atlas, charts: [usize; 2], point: DVec3) -> bool {
+    let [a, b] = charts.map(|chart| &atlas.charts[chart]);
+    let at = |placed: &Placed| placed.chart.to_texels(point) + glam::DVec2::from(placed.at.map(f64::from));
+    atlas.is_of_file() && a.page == b.page && at(a).distance(at(b)) < CONTINUOUS
 }
 
 fn touches(scene: &Scene, surface: SurfaceId, point: DVec3, near: f64) -> bool {

@@ -1,5 +1,7 @@
 //! Groups of arguments that several commands take.
 
+use std::path::PathBuf;
+
 use clap::{Args, ValueEnum};
 use patchlight::scene::Sides;
 use patchlight::scene::import::{ImportOptions, Textures};
@@ -28,11 +30,13 @@ pub struct SettingArguments {
     /// Which sides of a face emit and receive: front or both [default: front]
     #[arg(long, value_name = "SIDES")]
     pub sides: Option<String>,
-    /// Stop when the program would take more than this many GB (1e9 bytes), by its own count: the same on every machine
+    /// Stop when the program would take more than this many GB (1e9 bytes), by its own count: the same on every machine; bake begins with no lightmap
+    /// that would not fit
     /// [default: no budget; a run that takes nearly all memory ends with an error]
     #[arg(long, value_name = "GB")]
     pub memory: Option<String>,
-    /// Stop after this many seconds, those of reading included; results are written after that
+    /// Stop after this many seconds, those of reading included; results are written after that. What bake has not gathered by then is filled from what it
+    /// has
     #[arg(long, value_name = "S")]
     pub time: Option<String>,
     /// Set any option by its key, as in --set error=0.01; may be repeated; --help lists the keys
@@ -63,7 +67,7 @@ impl SettingArguments {
 /// What a scene may reach, and how it is read.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct TrustArguments {
-    /// Read material libraries, buffers and images wherever the scene says they lie, not only beside it and below
+    /// Read material libraries, buffers, images and photometric files wherever the scene or its lights say they lie, not only beside it and below
     #[arg(long)]
     pub allow_any_path: bool,
     /// What becomes of textures: each face has their mean over it (face), or a scene with textures is not read (reject)
@@ -72,14 +76,23 @@ pub struct TrustArguments {
 }
 
 impl TrustArguments {
-    /// How a scene is read.
-    pub fn import(&self, sides: Sides) -> ImportOptions {
+    /// How a scene is read, with these lights beside it.
+    pub fn import(&self, sides: Sides, lights: Option<PathBuf>) -> ImportOptions {
         let textures = match self.texture {
             Texture::Face => Textures::Face,
             Texture::Reject => Textures::Reject,
         };
-        ImportOptions { sides, allow_any_path: self.allow_any_path, textures }
+        ImportOptions { sides, allow_any_path: self.allow_any_path, textures, lights, ..ImportOptions::default() }
     }
+}
+
+/// Whose coordinates a lightmap has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum WhoseUv {
+    /// Those of the file; an error if they cannot be used.
+    File,
+    /// Charts of coplanar faces.
+    Own,
 }
 
 /// What becomes of textures.

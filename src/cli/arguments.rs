@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use super::argument_groups::{PictureArguments, RunArguments, SettingArguments, TrustArguments, Whence};
+use super::argument_groups::{PictureArguments, RunArguments, SettingArguments, TrustArguments, Whence, WhoseUv};
 use super::option_help;
 
 const EXIT_CODES: &str = "\
@@ -13,7 +13,8 @@ Exit codes:
     1  the machine failed (disk full, no threads)
     2  the command line asks for something impossible; nothing was done
     3  an input file is bad
-    4  a limit ended the solve before the requested error was reached; results are written
+    4  a limit ended the solve before the requested error was reached, or the bake before all was gathered; results are
+       written
     5  out of memory: the budget of --memory ended the solve, and results are written; or the budget is too small to
        begin, or the machine has no more, and nothing is written
     6  jobs of a batch failed; the others are done, and the table tells of each
@@ -76,6 +77,9 @@ pub struct SolveArguments {
     /// or as a TOML file says, a group on each line: lamps = ["object desk lamp", "material tube"]
     #[arg(long, value_name = "GROUPS")]
     pub light_groups: Option<PathBuf>,
+    /// Lights that are no surfaces, beside those of the scene's own file: a TOML file, see docs/lights.md
+    #[arg(long, value_name = "LIGHTS.toml")]
+    pub lights: Option<PathBuf>,
     #[command(flatten)]
     pub trust: TrustArguments,
     /// Take a picture: .png to look at, .exr or .hdr with linear radiances; may be repeated, to have it in both
@@ -247,9 +251,24 @@ pub struct BakeArguments {
     /// The largest side of a page in texels; what does not fit goes to more pages [default: 4096]
     #[arg(long, value_name = "N")]
     pub size: Option<u32>,
+    /// Write light at the vertices of faces, each the mean over the part of its face around the vertex: .ply with radiosities, .glb with COLOR_0, .vtp; may
+    /// be repeated. Vertices are those of the scene's faces: in glTF, STL and PLY files, triangles in one plane were joined
+    #[arg(long, value_name = "FILE")]
+    pub per_vertex: Vec<PathBuf>,
+    /// How far the part around a vertex reaches along its edges, in metres [default: to their middles]
+    #[arg(long, value_name = "M", requires = "per_vertex", allow_hyphen_values = true)]
+    pub within: Option<String>,
+    /// Where faces lie: as the second texture coordinates of a glTF file say, or the only ones of an OBJ file (file); or as charts of coplanar faces (own)
+    /// [default: file where a glTF file has what can be used]
+    #[arg(long, value_name = "WHOSE", value_enum)]
+    pub uv: Option<WhoseUv>,
     /// Bake a part alone: 'material NAME' or 'object NAME'
     #[arg(long, value_name = "WHAT")]
     pub only: Option<String>,
+    /// Keep direct and indirect light apart as well: layers 'direct' and 'indirect' of .exr, files FILE.direct.png and FILE.indirect.png of
+    /// others. Texels are gathered for it, whatever --from says by default
+    #[arg(long)]
+    pub separate: bool,
     /// What .exr, .hdr and RGBM hold: radiosity (W/m^2), radiance (W/m^2/sr), irradiance (W/m^2) or illuminance (lx) [default: radiosity]
     #[arg(long, value_name = "QUANTITY")]
     pub quantity: Option<String>,
@@ -262,6 +281,9 @@ pub struct BakeArguments {
     pub from: Option<Whence>,
     #[command(flatten)]
     pub settings: SettingArguments,
+    /// Lights that are no surfaces, beside those of the scene's own file: a TOML file, see docs/lights.md
+    #[arg(long, value_name = "LIGHTS.toml")]
+    pub lights: Option<PathBuf>,
     #[command(flatten)]
     pub trust: TrustArguments,
     #[command(flatten)]
@@ -355,6 +377,9 @@ pub struct InfoArguments {
     /// Which sides of a scene's faces emit and receive: front or both
     #[arg(long, value_name = "SIDES", default_value = "front")]
     pub sides: String,
+    /// Lights that are no surfaces, beside those of the scene's own file: a TOML file, see docs/lights.md
+    #[arg(long, value_name = "LIGHTS.toml")]
+    pub lights: Option<PathBuf>,
     #[command(flatten)]
     pub trust: TrustArguments,
 }

@@ -1,27 +1,28 @@
 //! `patchlight bake`: lightmaps of a solution, or of a scene that is solved first.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
-use patchlight::bake::{Atlas, BakeOptions, BakeReport, Lightmap};
+use patchlight::bake::{Atlas, BakeError, BakeOptions, BakeReport, VertexLight};
 use patchlight::mesh::LitMesh;
-use patchlight::output::{
-    Destination, ImageFormat, LightmapCode, PngExposure, Provenance, Quantity, auto_exposure, is_solution_file, write_hdr,
-    write_lightmap_glb, write_lightmap_json, write_lightmap_png,
-};
-use patchlight::picture::Image;
+use patchlight::output::{ExportFormat, ImageFormat, PngExposure, Provenance, Quantity, is_solution_file};
 use patchlight::pipeline::Evaluator;
-use patchlight::scene::Scene;
+use patchlight::scene::{FileUv, Scene};
+use patchlight::solve::RunOptions;
+use patchlight::values::Values;
 
-use super::argument_groups::{PictureArguments, Whence};
+use super::argument_groups::{PictureArguments, Whence, WhoseUv};
 use super::arguments::{BakeArguments, SolveArguments};
 use super::exit::{Exit, Failure};
-use super::files::{self, Outputs, Sink};
+use super::files::{self, Outputs};
 use super::interrupt;
+use super::lightmap_files::{LightmapFiles, PageFile, PageFormat};
+use super::per_vertex::PerVertex;
 use super::progress::{Voice, Watcher};
 use super::request::{SolveRequest, parse_exposure, parse_quantity};
 use super::results::no_mesh;
-use super::settings::run_options;
-use super::solve;
+use super::settings::Settings;
+use super::solve::{self, Demand};
 
 /// What is baked, and where it goes.
 #[derive(Debug)]
@@ -29,35 +30,37 @@ pub struct BakeRequest {
     input: Input,
     options: BakeOptions,
     from: Option<Whence>,
-    quantity: Quantity,
-    exposure: PngExposure,
-    pages: Vec<(PathBuf, PageFormat)>,
-    glb: Option<Destination>,
-    json: Option<Sink>,
+    uv: Option<WhoseUv>,
+    files: LightmapFiles,
+    vertices: Option<PerVertex>,
     outputs: Outputs,
+    limits: RunOptions,
+    start: Instant,
     voice: Voice,
 }
 
 /// What is read.
 #[derive(Debug)]
 enum Input {
-    Solution(PathBuf, patchlight::solve::RunOptions),
+    Solution(PathBuf),
     /// A scene, to be solved first.
     Scene(Box<SolveRequest>),
 }
 
-/// How a page is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum PageFormat {
-    Picture(ImageFormat),
-    Rgbm,
-}
+/// Limits by these keys are for the bake as well as for the solve before it.
+const LIMITS: [&str; 2] = ["time", "memory"];
+
+/// The part of the time that texels have at least, where a scene is solved first: to find them takes longer than the solve.
+const TIME_OF_TEXELS: f64 = 0.5;
 
 impl BakeRequest {
     /// Validates what was typed.
     pub fn new(typed: BakeArguments) -> Result<Self, Failure> {
-        if typed.output.is_empty() && typed.rgbm.is_none() && typed.glb.is_none() {
-            return Err(Failure::usage("say where the lightmap goes: -o FILE, --rgbm FILE.png or --glb FILE.glb"));
+        let pages_or_glb = !typed.output.is_empty() || typed.rgbm.is_some() || typed.glb.is_some();
+        if !pages_or_glb && (typed.per_vertex.is_empty() || typed.json.is_some()) {
+            return Err(Failure::usage(
+                "say where the lightmap goes: -o FILE, --rgbm FILE.png, --glb FILE.glb or --per-vertex FILE.ply",
+            ));
         }
         let options = bake_options(&typed)?;
         let quantity = typed.quantity.as_deref().map_or(Ok(Quantity::Radiosity), parse_quantity)?;
@@ -71,33 +74,42 @@ impl BakeRequest {
         let mut outputs = Outputs::beside(&[&typed.input]);
         let mut pages = Vec::new();
         for path in &typed.output {
-            pages.push((path.clone(), PageFormat::Picture(ImageFormat::of_path(path).map_err(Failure::usage)?)));
+            let format = ImageFormat::of_path(path).map_err(Failure::usage)?;
+            pages.extend(PageFile::of(path, PageFormat::Picture(format), options.separate));
         }
-        pages.extend(typed.rgbm.iter().map(|path| (path.clone(), PageFormat::Rgbm)));
-        let keeps_light = |format: &PageFormat| *format == PageFormat::Picture(ImageFormat::Png);
-        if typed.exposure.is_some() && typed.glb.is_none() && !pages.iter().any(|(_, format)| keeps_light(format)) {
+        if let Some(path) = &typed.rgbm {
+            pages.extend(PageFile::of(path, PageFormat::Rgbm, options.separate));
+        }
+        let is_exposed = |page: &PageFile| page.format == PageFormat::Picture(ImageFormat::Png);
+        if typed.exposure.is_some() && typed.glb.is_none() && !pages.iter().any(is_exposed) {
             return Err(Failure::usage("--exposure is for .png and .glb; other files keep the numbers as they are"));
         }
         let exposure = typed.exposure.as_deref().map_or(Ok(PngExposure::Auto), parse_exposure)?;
-        for (path, format) in &pages {
-            if *format == PageFormat::Rgbm {
-                check_extension(path, "png", "--rgbm")?;
+        for page in &pages {
+            if page.format == PageFormat::Rgbm {
+                check_extension(&page.path, "png", "--rgbm")?;
             }
-            outputs.file(path)?;
+            outputs.file(&page.path)?;
         }
         let glb =
             typed.glb.as_deref().map(|path| check_extension(path, "glb", "--glb").and_then(|()| outputs.file(path))).transpose()?;
         let json = typed.json.as_deref().map(|path| outputs.sink(path)).transpose()?;
-        let (from, voice) = (typed.from, Voice::new(typed.run.progress));
-        Ok(Self { input: Input::new(typed)?, options, from, quantity, exposure, pages, glb, json, outputs, voice })
+        let vertices = per_vertex(&typed, &mut outputs)?;
+        let (from, uv, voice) = (typed.from, typed.uv, Voice::new(typed.run.progress));
+        if options.separate && from == Some(Whence::Mesh) {
+            return Err(Failure::usage("--separate: a lit mesh holds all light as one; leave out --from mesh"));
+        }
+        let files = LightmapFiles { quantity, exposure, pages, glb, json, voice };
+        let (input, limits) = Input::new(typed)?;
+        Ok(Self { input, options, from, uv, files, vertices, outputs, limits, start: Instant::now(), voice })
     }
 }
 
 impl Input {
-    /// A solution takes no options of a solve.
-    fn new(typed: BakeArguments) -> Result<Self, Failure> {
+    /// A solution takes no options of a solve but its limits. With how it runs.
+    fn new(typed: BakeArguments) -> Result<(Self, RunOptions), Failure> {
         if is_solution_file(&typed.input) {
-            if let Some((key, _)) = typed.settings.flags().next() {
+            if let Some((key, _)) = typed.settings.flags().find(|(key, _)| !LIMITS.contains(key)) {
                 let flag = key.replace('_', "-");
                 return Err(Failure::usage(format_args!("--{flag} is for scenes; {} is solved already", typed.input.display())));
             }
@@ -105,8 +117,20 @@ impl Input {
                 let path = typed.input.display();
                 return Err(Failure::usage(format_args!("--set {setting} is for scenes; {path} is solved already")));
             }
-            return Ok(Self::Solution(typed.input, run_options(&typed.run)?));
+            if typed.lights.is_some() {
+                let path = typed.input.display();
+                return Err(Failure::usage(format_args!("--lights is for scenes; {path} is solved already")));
+            }
+            if typed.uv == Some(WhoseUv::File) {
+                return Err(Failure::usage("--uv file: a solution does not keep the coordinates of its file; bake the scene"));
+            }
+            let run = Settings::new(&typed.settings, &typed.run, None)?.run;
+            return Ok((Self::Solution(typed.input), run));
         }
+        // Those of OBJ files are for textures, unless somebody says otherwise.
+        let is_gltf =
+            typed.input.extension().is_some_and(|own| own.eq_ignore_ascii_case("glb") || own.eq_ignore_ascii_case("gltf"));
+        let keep_uv = typed.uv.map_or(is_gltf, |uv| uv == WhoseUv::File);
         let wants_mesh = typed.from == Some(Whence::Mesh);
         let mut settings = typed.settings;
         settings.lit_mesh |= wants_mesh;
@@ -123,10 +147,28 @@ impl Input {
             html: None,
             report: None,
             light_groups: None,
+            lights: typed.lights,
             run: typed.run,
         };
-        Ok(Self::Scene(Box::new(SolveRequest::new(solve)?)))
+        let mut solve = SolveRequest::new(solve)?;
+        solve.import.keep_uv = keep_uv;
+        let run = solve.run.clone();
+        Ok((Self::Scene(Box::new(solve)), run))
     }
+}
+
+/// What is written of light at vertices.
+fn per_vertex(typed: &BakeArguments, outputs: &mut Outputs) -> Result<Option<PerVertex>, Failure> {
+    let within = typed.within.as_deref().map_or(Ok(f64::INFINITY), |text| {
+        let length = text.parse().ok().filter(|within| *within > 0.0);
+        length.ok_or_else(|| Failure::usage(format_args!("within is '{text}', it must be a number of metres above 0")))
+    })?;
+    let file = |path: &PathBuf| {
+        let format = ExportFormat::of_path(path).map_err(Failure::usage)?;
+        Ok((outputs.file(path)?, format))
+    };
+    let files: Vec<_> = typed.per_vertex.iter().map(file).collect::<Result<_, Failure>>()?;
+    Ok((!files.is_empty()).then_some(PerVertex { files, within }))
 }
 
 /// How the lightmap is laid out.
@@ -138,6 +180,7 @@ fn bake_options(typed: &BakeArguments) -> Result<BakeOptions, Failure> {
     }
     options.padding = typed.padding.unwrap_or(options.padding);
     options.size = typed.size.unwrap_or(options.size);
+    options.separate = typed.separate;
     options.only = typed.only.as_deref().map(str::parse).transpose().map_err(Failure::usage)?;
     options.validate().map_err(Failure::usage)?;
     Ok(options)
@@ -153,67 +196,124 @@ fn check_extension(path: &Path, extension: &str, flag: &str) -> Result<(), Failu
 /// Bakes, and writes what is asked for.
 pub fn bake(request: BakeRequest) -> Result<Exit, Failure> {
     let BakeRequest { input, options, voice, .. } = &request;
-    let plan = |scene: &Scene| {
-        let channels = scene.channels();
-        if request.quantity == Quantity::Illuminance && !matches!(channels, 1 | 3) {
-            return Err(Failure::usage(format_args!(
-                "--quantity illuminance: not known for {channels} channels, only for one or three"
-            )));
-        }
-        Atlas::new(scene, options).map_err(Failure::usage)
-    };
 
     // What is baked, and where its faces lie: that is known before the long work.
     let (evaluator, exit, atlas) = match input {
-        Input::Solution(path, run) => {
+        Input::Solution(path) => {
             let solution = files::read_solution(path)?;
-            let atlas = plan(solution.scene())?;
+            let atlas = layout(solution.scene(), &FileUv::default(), &request)?;
             interrupt::listen(interrupt::OF_RUN);
-            (Evaluator::new(solution, run)?, Exit::Done, atlas)
+            (Evaluator::new(solution, &request.limits)?, Exit::Done, atlas)
         }
         Input::Scene(solve) => {
-            let planned = |scene: &Scene| {
-                let atlas = plan(scene)?;
-                let texels = atlas.texels() as u64;
-                Ok((atlas, texels))
+            let planned = |scene: &Scene, uv: &FileUv| {
+                let atlas = layout(scene, uv, &request)?;
+                let demand = demand(scene, atlas.as_ref(), &request);
+                check_memory(request.limits.memory_bytes, demand.bytes)?;
+                Ok((atlas, demand))
             };
             solve::light(solve, &request.outputs, planned)?
         }
     };
-    tell_atlas(&atlas, *voice);
-    let files = destinations(&request, &atlas)?;
+    let left = || request.limits.time_s.map(|seconds| (seconds - request.start.elapsed().as_secs_f64()).max(0.0));
+    let of_map = match &atlas {
+        Some(atlas) => bake_map(&request, &evaluator, atlas, left())?,
+        None => Exit::Done,
+    };
+    let of_vertices = match &request.vertices {
+        Some(vertices) if of_map != Exit::Cancelled => vertices.bake(&evaluator, options, left(), *voice)?,
+        _ => Exit::Done,
+    };
+    // What went wrong first.
+    Ok([exit, of_map, of_vertices].into_iter().find(|exit| *exit != Exit::Done).unwrap_or(Exit::Done))
+}
+
+/// What a bake takes beside the solve.
+fn demand(scene: &Scene, atlas: Option<&Atlas>, request: &BakeRequest) -> Demand {
+    let points = if request.vertices.is_some() { VertexLight::most_points(scene) } else { 0 };
+    let of_map = atlas.map_or(0, |atlas| atlas.bytes_to_bake(scene.channels()));
+    let bytes = of_map.max(Values::bytes_of(points as usize, scene.channels()));
+    Demand { values: atlas.map_or(0, |atlas| atlas.texels() as u64) + points, bytes, time: TIME_OF_TEXELS }
+}
+
+/// Bakes the lightmap in so many seconds, and writes it.
+fn bake_map(request: &BakeRequest, evaluator: &Evaluator, atlas: &Atlas, time_s: Option<f64>) -> Result<Exit, Failure> {
+    let voice = request.voice;
+    if let Input::Solution(_) = &request.input {
+        check_memory(request.limits.memory_bytes, evaluator.bytes_to_bake(atlas, request.limits.backend))?;
+    }
+    tell_atlas(atlas, voice);
+    let files = request.files.of_pages(atlas.pages().len())?;
 
     let mesh = match (request.from, evaluator.mesh()) {
         (Some(Whence::Gather), _) => None,
+        (None, _) if request.options.separate => None,
         (Some(Whence::Mesh), None) => return Err(no_mesh("--from mesh")),
         (_, mesh) => mesh,
     };
-    let Some(lightmap) = evaluator.bake(&atlas, mesh, &Watcher::new(*voice)).map_err(Failure::usage)? else {
+    let found = evaluator.bake_within(atlas, mesh, time_s, &Watcher::new(voice)).map_err(Failure::usage)?;
+    let Some(lightmap) = found else {
         voice.warn(format_args!("no lightmap is written: interrupted"));
         return Ok(Exit::Cancelled);
     };
-    tell_report(&lightmap.report, mesh, *voice);
-    write(&request, &files, &lightmap, evaluator.solution().scene(), &Provenance::new(evaluator.solution().options()))?;
-    Ok(exit)
+    tell_report(&lightmap.report, mesh, voice);
+    let provenance = Provenance::new(evaluator.solution().options());
+    request.files.write(&files, &lightmap, evaluator.solution().scene(), &provenance)?;
+    Ok(if lightmap.report.is_complete() { Exit::Done } else { Exit::Limit })
 }
 
-/// The files of all pages: of the second page on with its number before the extension.
-fn destinations(request: &BakeRequest, atlas: &Atlas) -> Result<Vec<Vec<Destination>>, Failure> {
-    let of_page = |(path, _): &(PathBuf, PageFormat)| {
-        let page = |number: usize| {
-            let extension = path.extension().unwrap_or_default().to_string_lossy();
-            let path = if number == 0 { path.clone() } else { path.with_extension(format!("{}.{extension}", number + 1)) };
-            Destination::new(&path).map_err(Failure::usage)
-        };
-        (0..atlas.pages().len()).map(page).collect()
+/// Where faces lie, if a lightmap is wanted.
+fn layout(scene: &Scene, uv: &FileUv, request: &BakeRequest) -> Result<Option<Atlas>, Failure> {
+    if !request.files.are_some() {
+        return Ok(None);
+    }
+    let (channels, options) = (scene.channels(), &request.options);
+    if request.files.quantity == Quantity::Illuminance && !matches!(channels, 1 | 3) {
+        return Err(Failure::usage(format_args!(
+            "--quantity illuminance: not known for {channels} channels, only for one or three"
+        )));
+    }
+    let own = || Atlas::new(scene, options).map_err(Failure::usage);
+    let atlas = match request.uv {
+        Some(WhoseUv::Own) => own(),
+        Some(WhoseUv::File) => {
+            Atlas::of_file(scene, uv, options).map_err(|error| Failure::usage(format_args!("--uv file: {error}")))
+        }
+        None if uv.triangles.is_empty() => own(),
+        None => match Atlas::of_file(scene, uv, options) {
+            Err(BakeError::Uv(why)) => {
+                request.voice.warn(format_args!(
+                    "the lightmap coordinates of the file are not used, and faces are laid out anew: {why}; --uv own says so beforehand"
+                ));
+                own()
+            }
+            of_file => of_file.map_err(Failure::usage),
+        },
     };
-    request.pages.iter().map(of_page).collect()
+    atlas.map(Some)
+}
+
+/// Whether a budget of memory has room for a lightmap.
+fn check_memory(given: Option<u64>, needed: u64) -> Result<(), Failure> {
+    let gigabytes = |bytes: u64| bytes as f64 * 1e-9;
+    match given {
+        Some(given) if needed > given => {
+            let (needed, given) = (gigabytes(needed), gigabytes(given));
+            let message = format!(
+                "--memory: the lightmap takes {needed:.3} GB by the program's own count, more than {given:.3} GB: choose larger texels, or bake a part \
+                 of the scene by --only"
+            );
+            Err(Failure { exit: Exit::Memory, message })
+        }
+        _ => Ok(()),
+    }
 }
 
 fn tell_atlas(atlas: &Atlas, voice: Voice) {
     let (charts, pages) = (atlas.charts(), atlas.pages());
     let sizes: Vec<String> = pages.iter().map(|[width, height]| format!("{width}x{height}")).collect();
-    voice.figure("atlas", format_args!("{charts} charts on {} of {}", plural(pages.len(), "page"), sizes.join(", ")));
+    let by = if atlas.is_of_file() { ", as the file lays them out" } else { "" };
+    voice.figure("atlas", format_args!("{charts} charts on {} of {}{by}", plural(pages.len(), "page"), sizes.join(", ")));
 }
 
 fn plural(count: usize, what: &str) -> String {
@@ -246,6 +346,13 @@ fn tell_report(report: &BakeReport, mesh: Option<&LitMesh>, voice: Voice) {
         }
         _ => voice.figure("values", format_args!("nothing can be said about their error")),
     }
+    if !report.is_complete() {
+        let BakeReport { filled, coarse, .. } = report;
+        voice.warn(format_args!(
+            "the time was over: {filled} texels are interpolated or filled from others of their chart, {coarse} have the light of the solver's own \
+             elements; nothing is claimed for them"
+        ));
+    }
     let seams = &report.seams;
     if seams.edges > 0 {
         let (mean, largest) = (percent(seams.mean), percent(seams.largest));
@@ -254,77 +361,4 @@ fn tell_report(report: &BakeReport, mesh: Option<&LitMesh>, voice: Voice) {
             format_args!("{}, their sides {mean} apart in the mean, {largest} at most", plural(seams.edges as usize, "edge")),
         );
     }
-}
-
-/// Writes everything that was asked for.
-fn write(
-    request: &BakeRequest,
-    files: &[Vec<Destination>],
-    lightmap: &Lightmap,
-    scene: &Scene,
-    provenance: &Provenance,
-) -> Result<(), Failure> {
-    let (voice, quantity) = (request.voice, request.quantity);
-    let ev = match request.exposure {
-        PngExposure::Ev(ev) => ev,
-        PngExposure::Auto => exposure_of(&lightmap.pages),
-    };
-    let images: Vec<Image> =
-        (0..lightmap.pages.len()).map(|page| image(lightmap, scene, page, quantity)).collect::<Result<_, _>>()?;
-    let largest = images.iter().flat_map(|image| &image.radiance).fold(0.0_f32, |most, &x| most.max(x));
-    let code = |format: PageFormat| match format {
-        PageFormat::Rgbm => LightmapCode::Rgbm { range: f64::from(largest * quantity.per_radiance()) },
-        PageFormat::Picture(_) => LightmapCode::Srgb { ev },
-    };
-    for ((_, format), destinations) in request.pages.iter().zip(files) {
-        for (image, destination) in images.iter().zip(destinations) {
-            write_page(destination, image, (*format, quantity, code(*format)), provenance)?;
-            voice.figure("wrote", format_args!("{} ({} in {})", destination.path().display(), quantity.name(), quantity.unit()));
-        }
-    }
-    if let Some(destination) = &request.glb {
-        destination.write(|file| write_lightmap_glb(file, scene, lightmap, ev, provenance))?;
-        voice.figure("wrote", format_args!("{} (exposure EV {ev:.2})", destination.path().display()));
-    }
-    if let Some(sink) = &request.json {
-        sink.write(|writer| write_lightmap_json(writer, scene, lightmap, quantity, provenance))?;
-        voice.figure("wrote", format_args!("{}", sink.name()));
-    }
-    Ok(())
-}
-
-/// A page as an image of a quantity.
-fn image(lightmap: &Lightmap, scene: &Scene, page: usize, quantity: Quantity) -> Result<Image, Failure> {
-    match quantity {
-        Quantity::Irradiance => Ok(lightmap.irradiance(scene, page)),
-        Quantity::Illuminance => lightmap.irradiance(scene, page).to_luminance().map_err(|channels| {
-            Failure::usage(format_args!("--quantity illuminance: not known for {channels} channels, only for one or three"))
-        }),
-        _ => Ok(lightmap.pages[page].clone()),
-    }
-}
-
-fn write_page(
-    destination: &Destination,
-    image: &Image,
-    (format, quantity, code): (PageFormat, Quantity, LightmapCode),
-    provenance: &Provenance,
-) -> Result<(), Failure> {
-    #[cfg(not(feature = "openexr"))]
-    use patchlight::output::write_exr;
-    #[cfg(feature = "openexr")]
-    use patchlight::output::write_openexr as write_exr;
-    destination.write(|file| match format {
-        PageFormat::Picture(ImageFormat::Exr) => write_exr(file, image, quantity, provenance),
-        PageFormat::Picture(ImageFormat::Hdr) => write_hdr(file, image, quantity, provenance),
-        PageFormat::Picture(ImageFormat::Png) | PageFormat::Rgbm => write_lightmap_png(file, image, (quantity, code), provenance),
-    })?;
-    Ok(())
-}
-
-/// One exposure for all pages, each counting by its size.
-fn exposure_of(pages: &[Image]) -> f64 {
-    let of = |image: &Image| [f64::from(image.width) * f64::from(image.height), auto_exposure(image)];
-    let [sum, area] = pages.iter().map(of).fold([0.0; 2], |[sum, total], [area, ev]| [sum + area * ev, total + area]);
-    if area > 0.0 { sum / area } else { 0.0 }
 }

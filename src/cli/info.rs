@@ -21,9 +21,12 @@ pub fn info(arguments: &InfoArguments) -> Result<Exit, Failure> {
     let sides = parse_sides(&arguments.sides)?;
     let path = &arguments.file;
     let text = if is_solution_file(path) {
+        if arguments.lights.is_some() {
+            return Err(Failure::usage(format_args!("--lights is for scenes; {} is solved already", path.display())));
+        }
         describe_solution(path, &files::read_solution(path)?)
     } else {
-        describe_scene(path, &arguments.trust.import(sides))?
+        describe_scene(path, &arguments.trust.import(sides, arguments.lights.clone()))?
     };
     files::to_stdout(|writer| writer.write_all(text.as_bytes()))?;
     Ok(Exit::Done)

@@ -98,7 +98,8 @@ impl SolveRequest {
         let points = typed.points.as_deref();
         let light_groups = typed.light_groups.as_deref().map(Grouping::new).transpose()?;
         let groups = light_groups.as_ref().and_then(Grouping::file);
-        let mut outputs = Outputs::beside(&[&[typed.scene.as_path()], points.as_slice(), groups.as_slice()].concat());
+        let read = [&[typed.scene.as_path()], points.as_slice(), groups.as_slice(), typed.lights.as_deref().as_slice()].concat();
+        let mut outputs = Outputs::beside(&read);
         let solution = typed.output.as_deref().map(|path| outputs.file(path)).transpose()?;
         let picture = Self::picture(&typed, &settings.options, &mut outputs)?;
         let mesh = Self::mesh(&typed, &mut outputs)?;
@@ -107,7 +108,7 @@ impl SolveRequest {
         let html = typed.html.as_deref().map(|path| page_file(path, "--html", &mut outputs)).transpose()?;
         Ok(Self {
             scene: typed.scene,
-            import: typed.trust.import(settings.sides),
+            import: typed.trust.import(settings.sides, typed.lights),
             options: settings.options,
             light_groups,
             run: settings.run,

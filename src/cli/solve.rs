@@ -6,8 +6,8 @@ use patchlight::bounds::{BoundsReport, Certainty};
 use patchlight::output::{CpuReport, Points, Provenance, Quantity, RunReport, SceneReport, write_report};
 use patchlight::picture::Image;
 use patchlight::pipeline::{self, Evaluator};
-use patchlight::scene::Scene;
 use patchlight::scene::import::read_scene;
+use patchlight::scene::{FileUv, Scene};
 use patchlight::solve::{ErrorReport, LitMeshReport, Norm, RunOptions, SolveOptions, SolveReport};
 use patchlight::values::{Values, ValuesError};
 
@@ -32,7 +32,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let points = request.points.as_ref().map(|(path, _)| files::read_points(path)).transpose()?;
     let expected_values = request.options.expected_values.or(points.as_ref().map(|points| points.len() as u64));
     let options = SolveOptions { expected_values, ..request.options.clone() };
-    let (scene, warnings) = read(&request, &request.outputs)?;
+    let (scene, warnings, _) = read(&request, &request.outputs)?;
     let request = request.or_leave_a_page()?;
     let scene_report = SceneReport::of(&scene, request.scene.clone());
     let load_s = start.elapsed().as_secs_f64();
@@ -79,21 +79,37 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     ending.finish()
 }
 
-/// Solves a scene for something that is made of it right after: `plan` says of the scene what that is, and how many values it takes. `outputs` are all
+/// What is made of a scene right after it is solved takes so much.
+pub struct Demand {
+    /// Values.
+    pub values: u64,
+    /// Bytes, beside what the solve takes.
+    pub bytes: u64,
+    /// The part of the time that is left to it, at least.
+    pub time: f64,
+}
+
+/// Solves a scene for something that is made of it right after: `plan` says of the scene what that is, and what it takes. `outputs` are all
 /// that is written.
 pub fn light<T>(
     request: &SolveRequest,
     outputs: &Outputs,
-    plan: impl FnOnce(&Scene) -> Result<(T, u64), Failure>,
+    plan: impl FnOnce(&Scene, &FileUv) -> Result<(T, Demand), Failure>,
 ) -> Result<(Evaluator, Exit, T), Failure> {
     let start = Instant::now();
-    let (scene, _) = read(request, outputs)?;
-    let (plan, values) = plan(&scene)?;
-    let options = SolveOptions { expected_values: request.options.expected_values.or(Some(values)), ..request.options.clone() };
+    let (scene, _, uv) = read(request, outputs)?;
+    let (plan, demand) = plan(&scene, &uv)?;
+    let values = request.options.expected_values.or(Some(demand.values));
+    let options = SolveOptions { expected_values: values, ..request.options.clone() };
     let scene_report = SceneReport::of(&scene, request.scene.clone());
     let load_s = start.elapsed().as_secs_f64();
     interrupt::listen(interrupt::OF_RUN);
     let run = within_limits(request, None, load_s, scene.channels());
+    let run = RunOptions {
+        time_s: run.time_s.map(|seconds| (1.0 - demand.time) * seconds),
+        memory_bytes: run.memory_bytes.map(|bytes| bytes.saturating_sub(demand.bytes)),
+        ..run
+    };
     let (evaluator, report) = pipeline::solve(scene, &options, &run, &Watcher::new(request.voice))?;
     let run_report = RunReport::of_solve(Provenance::new(&options).software(), scene_report, &options, &report);
     tell_key_figures(request.voice, &run_report, &report);
@@ -118,8 +134,8 @@ pub fn within_limits(request: &SolveRequest, points: Option<&Points>, load_s: f6
     }
 }
 
-/// Reads the scene, and warns of what was repaired.
-fn read(request: &SolveRequest, outputs: &Outputs) -> Result<(Scene, Vec<String>), Failure> {
+/// Reads the scene, with coordinates that its file has for lightmaps, and warns of what was repaired.
+fn read(request: &SolveRequest, outputs: &Outputs) -> Result<(Scene, Vec<String>, FileUv), Failure> {
     let imported = read_scene(&request.scene, &request.import).map_err(Failure::bad_input)?;
     outputs.check_unread(&imported.libraries)?;
     let warnings = imported.diagnostics.warnings();
@@ -132,7 +148,7 @@ fn read(request: &SolveRequest, outputs: &Outputs) -> Result<(Scene, Vec<String>
         Some(grouping) => grouping.apply_to(&imported.scene)?,
         None => imported.scene,
     };
-    Ok((scene, warnings))
+    Ok((scene, warnings, imported.uv))
 }
 
 /// What is known of values that were written.

@@ -112,67 +112,71 @@ impl<'a> Lights<'a> {
 
     /// Draws the rays of a receiver.
     fn draw(&self, receiver: &Receiver, count: u32, memory: &mut LightRays) {
-        let LightRays { seen, segments, drawn, .. } = memory;
+        let seen = &mut memory.seen;
         seen.clear();
         let lights = self.scene.lights().iter().enumerate().filter(|(_, light)| light.is_on());
         seen.extend(lights.map(|(number, light)| (number, unoccluded(receiver, light))).filter(|(_, brings)| *brings > 0.0));
-        let total: f64 = seen.iter().map(|(_, brings)| brings).sum();
-
-        // All of them.
-        let mut cast = |number: usize, at: [f64; 2], share: f64, kind: Kind| {
-            let Some((segment, irradiance)) = self.segment(receiver, number, at) else { return };
-            segments.push(segment);
-            drawn.push(Drawn { light: number, irradiance: share * irradiance, kind });
-        };
-        let seed = sampling::hash(receiver.seed, streams::LIGHTS);
         if count as usize >= seen.len() {
-            for &(number, brings) in &*seen {
-                if self.scene.lights()[number].shape.is_point() {
-                    cast(number, [0.0; 2], 1.0, Kind::Exact);
-                    continue;
-                }
-                let sobol = sampling::shifted_sobol_2d(sampling::hash(seed, number as u64));
-                let pairs = (0.5 * f64::from(count) * brings / total).round() as u32;
-                if count < 2 {
-                    cast(number, sobol(0), 1.0, Kind::Alone);
-                    continue;
-                }
-                for ray in 0..2 * pairs.max(1) {
-                    let kind = if ray % 2 == 0 { Kind::First } else { Kind::Second };
-                    cast(number, sobol(ray), 0.5 / f64::from(pairs.max(1)), kind);
-                }
-            }
-            return;
+            self.draw_all(receiver, count, memory);
+        } else {
+            self.draw_some(receiver, count.max(1), memory);
         }
+    }
 
-        // Some of them: two rays in each of equal shares of what all would bring.
-        let strata = count.div_ceil(2);
-        let rays = if count == 1 { 1 } else { 2 };
-        let (mut current, mut below) = (0, 0.0);
-        for stratum in 0..strata {
-            let share = total / f64::from(strata);
-            while current + 1 < seen.len() && below + seen[current].1 <= f64::from(stratum) * share {
-                below += seen[current].1;
-                current += 1;
-            }
+    /// Draws a ray to each light; to a disc pairs of them by its share of `count`, or a single one if there is no other.
+    fn draw_all(&self, receiver: &Receiver, count: u32, LightRays { seen, segments, drawn, .. }: &mut LightRays) {
+        let total: f64 = seen.iter().map(|(_, brings)| brings).sum();
+        let seed = sampling::hash(receiver.seed, streams::LIGHTS);
+        for &(light, brings) in &*seen {
+            let pairs = (0.5 * f64::from(count) * brings / total).round().max(1.0);
+            let (rays, kinds) = match (self.scene.lights()[light].shape.is_point(), count) {
+                (true, _) => (1, [Kind::Exact; 2]),
+                (false, 1) => (1, [Kind::Alone; 2]),
+                (false, _) => (2 * pairs as u32, [Kind::First, Kind::Second]),
+            };
+            let sobol = sampling::shifted_sobol_2d(sampling::hash(seed, light as u64));
             for ray in 0..rays {
-                let random = sampling::hash(seed, u64::from(2 * stratum + ray));
-                let wanted = (f64::from(stratum) + sampling::unit(random)) * share;
-                let (mut index, mut above) = (current, below + seen[current].1);
-                while index + 1 < seen.len() && above <= wanted {
-                    index += 1;
-                    above += seen[index].1;
-                }
-                let (number, brings) = seen[index];
-                let at = [streams::SECOND, streams::THIRD].map(|stream| sampling::unit(sampling::hash(random, stream)));
-                let kind = [if rays == 1 { Kind::Alone } else { Kind::First }, Kind::Second][ray as usize];
-                cast(number, at, total / (f64::from(strata * rays) * brings), kind);
+                let Some((segment, irradiance)) = self.segment(receiver, light, sobol(ray)) else { continue };
+                segments.push(segment);
+                drawn.push(Drawn { light, irradiance: irradiance / f64::from(rays), kind: kinds[ray as usize % 2] });
             }
         }
     }
 
-    /// The segment from a receiver to a light, or to point number `at` of one, and the irradiance that it brings for each unit of strength; without length
-    /// where it comes from behind.
+    /// Draws lights by what they would bring: two in each of equal shares of that, or a single one.
+    fn draw_some(&self, receiver: &Receiver, count: u32, LightRays { seen, segments, drawn, .. }: &mut LightRays) {
+        let total: f64 = seen.iter().map(|(_, brings)| brings).sum();
+        let seed = sampling::hash(receiver.seed, streams::LIGHTS);
+        let (shares, kinds): (u32, &[Kind]) =
+            if count == 1 { (1, &[Kind::Alone]) } else { (count.div_ceil(2), &[Kind::First, Kind::Second]) };
+        let rays = shares * kinds.len() as u32;
+        let (mut first, mut below) = (0, 0.0);
+        for share in 0..shares {
+            // Lights before `first` lie below this share.
+            let part = |of: f64| (f64::from(share) + of) / f64::from(shares) * total;
+            while first + 1 < seen.len() && below + seen[first].1 <= part(0.0) {
+                below += seen[first].1;
+                first += 1;
+            }
+            for (ray, &kind) in (0..).zip(kinds) {
+                let random = sampling::hash(seed, u64::from(2 * share + ray));
+                let wanted = part(sampling::unit(random));
+                let (mut index, mut above) = (first, below + seen[first].1);
+                while index + 1 < seen.len() && above <= wanted {
+                    index += 1;
+                    above += seen[index].1;
+                }
+                let (light, brings) = seen[index];
+                let at = [streams::SECOND, streams::THIRD].map(|stream| sampling::unit(sampling::hash(random, stream)));
+                let Some((segment, irradiance)) = self.segment(receiver, light, at) else { continue };
+                segments.push(segment);
+                drawn.push(Drawn { light, irradiance: irradiance * total / (f64::from(rays) * brings), kind });
+            }
+        }
+    }
+
+    /// The segment from a receiver to a light, or to point number `at` of one, and the irradiance that it brings for each unit of strength,
+    /// 0 from behind.
     fn segment(&self, receiver: &Receiver, light: usize, at: [f64; 2]) -> Option<(Segment, f64)> {
         let seen = self.scene.lights()[light].shape.seen_from(receiver.point, at)?;
         let cos = receiver.normal.dot(seen.towards).max(0.0);

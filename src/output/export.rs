@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 
 use super::patches::Patches;
-use super::{ExportFormat, Provenance, glb, vtp, write_mesh_ply, write_ply};
+use super::{ExportFormat, Provenance, glb, vertex_ply, vtp, write_mesh_ply, write_ply};
+use crate::bake::VertexLight;
 use crate::mesh::LitMesh;
 use crate::solve::Solution;
 
@@ -21,6 +22,25 @@ pub fn export_elements(
         ExportFormat::Ply => write_ply(writer, solution, provenance),
         ExportFormat::Glb => glb::write(writer, &Patches::of_elements(solution), provenance),
         ExportFormat::Vtp => vtp::write(writer, &Patches::of_elements(solution), solution.leaf_bounds(), provenance),
+    }
+}
+
+/// Writes light at vertices: faces with vertices of their own.
+///
+/// # Errors
+/// As [`export_elements`].
+pub fn export_vertex_light(
+    writer: &mut impl Write,
+    format: ExportFormat,
+    solution: &Solution,
+    light: &VertexLight,
+    provenance: &Provenance,
+) -> io::Result<()> {
+    let patches = Patches::of_vertices(solution.scene(), light);
+    match format {
+        ExportFormat::Ply => vertex_ply::write(writer, &patches, provenance),
+        ExportFormat::Glb => glb::write(writer, &patches, provenance),
+        ExportFormat::Vtp => vtp::write(writer, &patches, None, provenance),
     }
 }
 

@@ -15,11 +15,25 @@ use crate::picture::Image;
 /// # Errors
 /// What the writer says, and [`io::ErrorKind::InvalidInput`] for an image that is not [well formed](Image::is_well_formed).
 pub fn write_exr(writer: &mut (impl Write + Seek), image: &Image, quantity: Quantity, provenance: &Provenance) -> io::Result<()> {
-    if !image.is_well_formed() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the image has more or fewer values than pixels and channels"));
-    }
-    let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> =
-        named_channels(image, quantity).map(|(name, samples)| AnyChannel::new(name.as_str(), FlatSamples::F32(samples))).collect();
+    write_exr_layers(writer, &[("", image)], quantity, provenance)
+}
+
+/// Writes images of one size as layers of a file: each has its channels by its name, as in `direct.R`; those of the layer without a name stand alone.
+///
+/// # Errors
+/// As [`write_exr`], and [`io::ErrorKind::InvalidInput`] if sizes differ or there is no image.
+pub fn write_exr_layers(
+    writer: &mut (impl Write + Seek),
+    layers: &[(&str, &Image)],
+    quantity: Quantity,
+    provenance: &Provenance,
+) -> io::Result<()> {
+    let image = first_of(layers)?;
+    let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = layers
+        .iter()
+        .flat_map(|&(layer, image)| named_channels(layer, image, quantity))
+        .map(|(name, samples)| AnyChannel::new(name.as_str(), FlatSamples::F32(samples)))
+        .collect();
 
     // Only attributes that the format knows: the crate writes others in the order of a hash table.
     let attributes = LayerAttributes {
@@ -40,23 +54,35 @@ pub(super) fn comments(quantity: Quantity, provenance: &Provenance) -> String {
     provenance.statements(quantity).iter().map(|(key, text)| format!("{key}: {text}")).collect::<Vec<_>>().join("\n")
 }
 
-/// The channels of an image with their names, each row after row; after those of the quantity those of its standard error, where it is known.
-pub(super) fn named_channels(image: &Image, quantity: Quantity) -> impl Iterator<Item = (String, Vec<f32>)> {
+/// The first of some layers, all of which are well formed and of its size.
+pub(super) fn first_of<'a>(layers: &[(&str, &'a Image)]) -> io::Result<&'a Image> {
+    let invalid = |text: &str| io::Error::new(io::ErrorKind::InvalidInput, text);
+    let &(_, first) = layers.first().ok_or_else(|| invalid("there is no image to write"))?;
+    if layers.iter().any(|(_, image)| !image.is_well_formed()) {
+        return Err(invalid("the image has more or fewer values than pixels and channels"));
+    }
+    let is_as_large = |image: &Image| (image.width, image.height) == (first.width, first.height);
+    if layers.iter().all(|(_, image)| is_as_large(image)) { Ok(first) } else { Err(invalid("the layers differ in size")) }
+}
+
+/// The channels of a layer with their names, each row after row; after those of the quantity those of its standard error, where it is known.
+pub(super) fn named_channels(layer: &str, image: &Image, quantity: Quantity) -> impl Iterator<Item = (String, Vec<f32>)> + use<> {
+    let prefix = if layer.is_empty() { String::new() } else { format!("{layer}.") };
     let scale = quantity.per_radiance();
-    let samples = move |numbers: &[f32], channel: usize| -> Vec<f32> {
+    let samples = |numbers: &[f32], channel: usize| -> Vec<f32> {
         numbers.iter().skip(channel).step_by(image.channels).map(|number| number * scale).collect()
     };
-    let names = || channel_names(image.channels).into_iter().enumerate();
-    let own = names().map(move |(channel, name)| (name, samples(&image.radiance, channel)));
-    let errors = image
-        .standard_error
-        .iter()
-        .flat_map(move |errors| names().map(move |(channel, name)| (format!("{STANDARD_ERROR}.{name}"), samples(errors, channel))));
-    own.chain(errors)
+    let mut named = Vec::new();
+    for (kind, numbers) in [("", Some(&image.radiance)), (STANDARD_ERROR, image.standard_error.as_ref())] {
+        let Some(numbers) = numbers else { continue };
+        let names = channel_names(image.channels).into_iter().enumerate();
+        named.extend(names.map(|(channel, name)| (format!("{prefix}{kind}{name}"), samples(numbers, channel))));
+    }
+    named.into_iter()
 }
 
 /// The layer of standard errors.
-const STANDARD_ERROR: &str = "se";
+const STANDARD_ERROR: &str = "se.";
 
 /// `Y` for one channel, `R`, `G`, `B` for three, else numbers from 0 with leading zeros, so that they sort.
 fn channel_names(channels: usize) -> Vec<String> {

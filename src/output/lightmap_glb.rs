@@ -42,7 +42,7 @@ pub fn write_lightmap_glb(
     let (mut meshes, mut nodes) = (Vec::new(), Vec::new());
     for ((page, object), faces) in parts {
         let name = object.map_or("scene", |object| &scene.objects().names()[object]);
-        meshes.push(json!({ "name": name, "primitives": [primitive(&mut file, scene, &faces, page)] }));
+        meshes.push(json!({ "name": name, "primitives": [primitive(&mut file, &faces, page)] }));
         nodes.push(json!({ "name": name, "mesh": meshes.len() - 1 }));
     }
 
@@ -69,11 +69,11 @@ pub fn write_lightmap_glb(
 }
 
 /// A primitive of triangles: fans of the faces, each with vertices of its own.
-fn primitive(file: &mut File, scene: &Scene, faces: &[FaceOnAtlas], page: usize) -> Value {
+fn primitive(file: &mut File, faces: &[FaceOnAtlas], page: usize) -> Value {
     let (mut positions, mut uv, mut indices): (Vec<[f32; 3]>, Vec<[f32; 2]>, Vec<u32>) = Default::default();
     for face in faces {
         let (first, count) = (positions.len() as u32, face.uv.len() as u32);
-        positions.extend(scene.surfaces()[face.surface as usize].polygon.vertices().map(|vertex| vertex.map(|x| x as f32)));
+        positions.extend(face.vertices.iter().map(|vertex| vertex.map(|x| x as f32)));
         uv.extend(face.uv.iter().map(|at| at.map(|x| x as f32)));
         indices.extend((1..count - 1).flat_map(|k| [first, first + k, first + k + 1]));
     }

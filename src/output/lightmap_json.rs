@@ -39,7 +39,7 @@ pub fn write_lightmap_json(
         let line = json!({
             "face": u64::from(surface.face) + 1, "surface": face.surface, "object": scene.objects().name_of(surface.face),
             "material": scene.materials()[surface.material as usize].name, "chart": face.chart, "page": face.page,
-            "vertices": surface.polygon.vertices().collect::<Vec<[f64; 3]>>(), "uv": face.uv,
+            "vertices": face.vertices, "uv": face.uv,
         });
         write!(writer, "{separator}{line}")?;
         separator = ",\n";

@@ -18,6 +18,7 @@
 //! | `.csv` | [`write_irradiances`] | irradiances and illuminances at sensors |
 //! | `.csv` | [`write_fluxes`] | emitted, incident, absorbed and net power by face, object, group and material |
 //! | `.html` | [`write_page`] | the lit scene in 3D, and what is known of it, in a page that loads nothing |
+//! | `.ply`, `.glb`, `.vtp` | [`export_vertex_light`] | light at the vertices of faces |
 //! | `.png` | [`write_lightmap_png`] | a page of a lightmap in sRGB or RGBM |
 //! | `.glb` | [`write_lightmap_glb`] | the scene with its lightmap |
 //! | `.json` | [`write_lightmap_json`] | where faces lie on a lightmap |
@@ -50,11 +51,12 @@ pub mod report;
 pub mod solution_file;
 mod srgb;
 pub mod values;
+mod vertex_ply;
 mod vtp;
 
 pub use atomic::{Destination, DestinationError};
-pub use export::{export_elements, export_mesh};
-pub use exr::write_exr;
+pub use export::{export_elements, export_mesh, export_vertex_light};
+pub use exr::{write_exr, write_exr_layers};
 pub use false_colours::{Scale, ScaleError};
 pub use flux::write_fluxes;
 pub use format::{ExportFormat, ImageFormat, UnknownExtension};
@@ -66,7 +68,7 @@ pub use lightmap_json::write_lightmap_json;
 pub use lightmap_png::{LightmapCode, write_lightmap_png};
 pub use mesh_ply::{write_mesh_ply, write_quadratic_mesh_ply};
 #[cfg(feature = "openexr")]
-pub use openexr::write_openexr;
+pub use openexr::{write_openexr, write_openexr_layers};
 pub use page::{Page, write_page};
 pub use ply::write_ply;
 pub use png::{Display, Look, PngExposure, auto_exposure, write_display, write_png};

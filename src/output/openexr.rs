@@ -9,7 +9,7 @@ use ::openexr::core::attribute::CppStringAttribute;
 use ::openexr::core::header::Header;
 use ::openexr::prelude::{CHANNEL_FLOAT, Compression, Frame, FrameBuffer, OutputFile};
 
-use super::exr::{comments, named_channels};
+use super::exr::{comments, first_of, named_channels};
 use super::{Provenance, Quantity};
 use crate::picture::Image;
 
@@ -24,25 +24,36 @@ pub fn write_openexr(
     quantity: Quantity,
     provenance: &Provenance,
 ) -> io::Result<()> {
+    write_openexr_layers(writer, &[("", image)], quantity, provenance)
+}
+
+/// The same of images of one size, as [`write_exr_layers`](super::write_exr_layers).
+///
+/// # Errors
+/// As [`write_openexr`], and [`io::ErrorKind::InvalidInput`] if sizes differ or there is no image.
+pub fn write_openexr_layers(
+    writer: &mut (impl Write + Seek),
+    layers: &[(&str, &Image)],
+    quantity: Quantity,
+    provenance: &Provenance,
+) -> io::Result<()> {
+    let image = first_of(layers)?;
     let invalid = |text| io::Error::new(io::ErrorKind::InvalidInput, text);
     let (Ok(width), Ok(height)) = (i32::try_from(image.width), i32::try_from(image.height)) else {
         return Err(invalid("the image is too large"));
     };
-    if !image.is_well_formed() {
-        return Err(invalid("the image has more or fewer values than pixels and channels"));
-    }
     let temporary = tempfile::Builder::new().prefix("patchlight-").suffix(".exr").tempfile()?;
     // The crate panics on paths that are not UTF-8.
     if temporary.path().to_str().is_none() {
         return Err(invalid("the path of the temporary directory is not UTF-8"));
     }
-    write_file(temporary.path(), image, [width, height], quantity, provenance).map_err(io::Error::other)?;
+    write_file(temporary.path(), layers, [width, height], quantity, provenance).map_err(io::Error::other)?;
     io::copy(&mut std::fs::File::open(temporary.path())?, writer).map(drop)
 }
 
 fn write_file(
     path: &std::path::Path,
-    image: &Image,
+    layers: &[(&str, &Image)],
     [width, height]: [i32; 2],
     quantity: Quantity,
     provenance: &Provenance,
@@ -54,7 +65,7 @@ fn write_file(
     header.insert("comments", &CppStringAttribute::from_value(&comments(quantity, provenance)))?;
     let window = [0, 0, width - 1, height - 1];
     let mut frame_buffer = FrameBuffer::new();
-    for (name, samples) in named_channels(image, quantity) {
+    for (name, samples) in layers.iter().flat_map(|&(layer, image)| named_channels(layer, image, quantity)) {
         header.channels_mut().insert(&name, &CHANNEL_FLOAT);
         frame_buffer.insert_frame(Frame::with_vec(&[name.as_str()], samples, window)?)?;
     }

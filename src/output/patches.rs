@@ -1,5 +1,6 @@
 //! The lit scene as polygons with radiosities at their corners: what exporters write that know nothing of quadratic elements.
 
+use crate::bake::VertexLight;
 use crate::mesh::LitMesh;
 use crate::scene::Scene;
 use crate::solve::Solution;
@@ -52,6 +53,18 @@ impl<'a> Patches<'a> {
     pub fn of_elements(solution: &'a Solution) -> Self {
         let mut patches = Self::none(solution.scene(), true);
         solution.for_each_leaf(|corners, surface, radiosity| patches.push_flat(corners, surface, radiosity));
+        patches
+    }
+
+    /// Of light at the vertices of surfaces.
+    pub fn of_vertices(scene: &'a Scene, light: &VertexLight) -> Self {
+        let mut patches = Self::none(scene, false);
+        for &surface in &light.surfaces {
+            let first = patches.vertices.len() as u32;
+            patches.vertices.extend(scene.surfaces()[surface as usize].polygon.vertices());
+            patches.push(first..patches.vertices.len() as u32, surface);
+        }
+        patches.radiosity.extend(&light.radiosity);
         patches
     }
 

@@ -1,11 +1,7 @@
 //! What every file states about itself.
 
+pub use crate::scene::LUMENS_PER_WATT;
 use crate::solve::SolveOptions;
-
-/// The luminous efficacy of white light of equal energy over the visible wavelengths, in lm/W: by it lighting programs turn radiometric colours into
-/// photometric units (Radiance's `WHTEFFICACY`, `src/common/color.h`; Ward Larson and Shakespeare 1998). Inputs that are in other units, such as
-/// lamps whose `Ke` is not in W/m^2/sr of visible light, make other numbers than lux of it.
-pub const LUMENS_PER_WATT: f64 = 179.0;
 
 /// A quantity that a file holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -11,11 +11,18 @@ pub(crate) struct BatchSums<'m> {
     sums: &'m mut [f64],
     /// By place and channel, in W^2/m^4: the sum over cells of the squares of what each brings. Empty where nobody asks.
     by_cells_sq: &'m mut [f64],
+    /// By place and channel, in W/m^2: what of the sums emitters send straight. Empty where nobody asks.
+    straight: &'m mut [f64],
 }
 
 impl<'m> BatchSums<'m> {
     pub fn new(channels: usize, batches: u32, sums: &'m mut [f64], by_cells_sq: &'m mut [f64]) -> Self {
-        Self { channels, batches: batches as usize, sums, by_cells_sq }
+        Self { channels, batches: batches as usize, sums, by_cells_sq, straight: &mut [] }
+    }
+
+    /// The same, which notes by place and channel what of the sums emitters send straight.
+    pub fn with_straight(self, straight: &'m mut [f64]) -> Self {
+        Self { straight, ..self }
     }
 
     /// A single batch: `sums` is by place and channel.
@@ -61,12 +68,34 @@ impl<'m> BatchSums<'m> {
         self.by_cells_sq.get_mut(place * self.channels..(place + 1) * self.channels)
     }
 
+    /// What emitters send straight to a place, by channel; `None` where nobody asks.
+    pub fn straight(&mut self, place: usize) -> Option<&mut [f64]> {
+        self.straight.get_mut(place * self.channels..(place + 1) * self.channels)
+    }
+
+    /// All that there is so far was sent straight.
+    pub fn note_straight(&mut self) {
+        let of_place = self.batches * self.channels;
+        for (straight, sums) in self.straight.chunks_mut(self.channels).zip(self.sums.chunks(of_place)) {
+            for (channel, straight) in straight.iter_mut().enumerate() {
+                *straight = sums.iter().skip(channel).step_by(self.channels).sum();
+            }
+        }
+    }
+
     /// The sums of so many places after the others.
     pub fn chunks(&mut self, places: usize) -> impl Iterator<Item = BatchSums<'_>> {
         let Self { channels, batches, .. } = *self;
         let mut by_cells_sq = self.by_cells_sq.chunks_mut(places * channels);
+        let mut straight = self.straight.chunks_mut(places * channels);
         let sums = self.sums.chunks_mut(places * batches * channels);
-        sums.map(move |sums| BatchSums { channels, batches, sums, by_cells_sq: by_cells_sq.next().unwrap_or_default() })
+        sums.map(move |sums| BatchSums {
+            channels,
+            batches,
+            sums,
+            by_cells_sq: by_cells_sq.next().unwrap_or_default(),
+            straight: straight.next().unwrap_or_default(),
+        })
     }
 
     /// The sum over all batches at a place in a channel, and its variance: exact for independent samples, too large where they are spread

@@ -176,12 +176,12 @@ mod tests {
         let towards = DVec3::new(0.5, 0.0, 0.75_f64.sqrt());
         let expected = 3.0 * 4.0 * 0.75_f64.sqrt();
         for diameter in [0.0, 0.01] {
-            let found = power_on_ground(LightShape::Sun(Sun { towards, diameter }));
+            let found = power_on_ground(LightShape::Sun(Sun::new(towards.to_array(), diameter).unwrap()));
             assert!((found / expected - 1.0).abs() < 0.03, "{found} for {expected}");
         }
-        let found = power_on_ground(LightShape::Sky(Sky { up: DVec3::Z }));
+        let found = power_on_ground(LightShape::Sky(Sky::uniform([0.0, 0.0, 1.0]).unwrap()));
         assert!((found / 12.0 - 1.0).abs() < 0.03, "{found}");
-        let found = power_on_ground(LightShape::Point(PointLight { position: DVec3::Z }));
+        let found = power_on_ground(LightShape::Point(PointLight::uniform([0.0, 0.0, 1.0])));
         assert!((found / (3.0 * 4.0 * PI / 6.0) - 1.0).abs() < 0.03, "{found}");
     }
 }

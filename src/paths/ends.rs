@@ -19,11 +19,16 @@ use super::grid::NO_CELL;
 /// A path whose weight falls below this goes on with this weight, or ends. At most 1; the less, the longer paths get, and the less noisy.
 const LITTLE: f64 = 0.25;
 
+/// That of a path whose first ray finds nothing, what sends nothing, or what next-event rays bring.
+pub(crate) const NO_SURFACE: u32 = u32::MAX;
+
 /// Where paths end, path after path. A path that ends where its first ray arrives brings the radiosity of the cell there.
 #[derive(Default)]
 pub(crate) struct Ends {
     /// By path, the cell where its first ray arrives; [`NO_CELL`] if there is none, or if the path went on.
     pub cell: Vec<u32>,
+    /// By path, the number of the surface where its first ray arrives; [`NO_SURFACE`] if nothing is brought from there.
+    pub surface: Vec<u32>,
     /// By path, the point in that cell, and the form factor of the cell, about.
     pub point: Vec<DVec3>,
     pub form_factor: Vec<f64>,
@@ -48,6 +53,8 @@ pub(crate) struct Continuation {
     pub cell: u32,
     /// The cell where the first ray arrived, if only the least number of bounces kept the path from ending there; else [`NO_CELL`].
     pub shortcut: u32,
+    /// Whether it saw the sky at once, and brings what that sends.
+    pub is_of_sky: bool,
 }
 
 impl Ends {
@@ -73,6 +80,8 @@ impl Ends {
     pub(super) fn clear(&mut self, paths: usize) {
         self.cell.clear();
         self.cell.resize(paths, NO_CELL);
+        self.surface.clear();
+        self.surface.resize(paths, NO_SURFACE);
         self.point.resize(paths, DVec3::ZERO);
         self.form_factor.resize(paths, 0.0);
         self.continued.clear();

@@ -21,7 +21,7 @@ mod spots;
 mod trace;
 
 pub(crate) use batch_sums::{BATCHES, BatchSums};
-pub(crate) use ends::{Continuation, Ends};
+pub(crate) use ends::{Continuation, Ends, NO_SURFACE};
 pub(crate) use grid::{CellSize, Grid, NO_CELL, Resolution, cell_count};
 pub(crate) use particles::{Illumination, Landing};
 pub(crate) use place::{Directions, Place, Receives, place_at};

@@ -72,8 +72,8 @@ enum Arrival {
     Nothing,
     /// The sky, or nothing.
     Sky(DVec3),
-    /// A cell that is small, and the point in it.
-    Cell(u32, DVec3),
+    /// A cell that is small, and the point of a surface in it.
+    Cell(u32, DVec3, SurfaceId),
     /// A point from which the path goes on; with its cell, if only the least number of bounces forbids to end there.
     Onward(DVec3, SurfaceId, Option<u32>),
 }
@@ -279,19 +279,20 @@ impl<'a> LightPaths<'a> {
                 Arrival::Nothing => {}
                 Arrival::Sky(direction) => {
                     into_sky.push((ends.continued.len(), direction));
-                    ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: NO_CELL });
+                    ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: NO_CELL, is_of_sky: true });
                 }
-                Arrival::Cell(cell, point) => {
+                Arrival::Cell(cell, point, surface) => {
                     let from = &places[path / count as usize];
-                    (ends.cell[path], ends.point[path]) = (cell, point);
+                    (ends.cell[path], ends.point[path], ends.surface[path]) = (cell, point, surface.0);
                     ends.form_factor[path] = hit.map_or(0.0, |hit| self.form_factor(&from.receiver(self.scene), ray, hit));
                 }
                 Arrival::Onward(point, surface, small) => {
                     let (place, ray) = (path / count as usize, path % count as usize);
+                    ends.surface[path] = surface.0;
                     let seed = sampling::hash(places[place].receiver(self.scene).seed, streams::PATHS_ONWARD + ray as u64);
                     heads.push(Place { point, surface, seed });
                     continuation_of.push(ends.continued.len());
-                    ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: small.unwrap_or(NO_CELL) });
+                    ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: small.unwrap_or(NO_CELL), is_of_sky: false });
                 }
             }
         }
@@ -362,7 +363,7 @@ impl<'a> LightPaths<'a> {
                         ends.constant[index] += ends.weight[index] * brought;
                     }
                 }
-                Arrival::Cell(cell, _) => ends.continued[continuation].cell = cell,
+                Arrival::Cell(cell, ..) => ends.continued[continuation].cell = cell,
                 Arrival::Onward(point, surface, _) => {
                     let draw = sampling::unit(sampling::hash(heads[index].seed, streams::ROULETTE));
                     if !ends.goes_on(continuation, draw, channels, self.cell_at(surface, point)) {
@@ -389,7 +390,7 @@ impl<'a> LightPaths<'a> {
         let point = DVec3::from(ray.origin) + hit.distance * direction;
         match self.small_cell(surface, point, hit.distance) {
             Some(cell) if self.reflectors.is_target(cell) && !self.is_on_target(from) => Arrival::Nothing,
-            Some(cell) if !beyond => Arrival::Cell(cell, point),
+            Some(cell) if !beyond => Arrival::Cell(cell, point, surface),
             small => Arrival::Onward(point, surface, small),
         }
     }

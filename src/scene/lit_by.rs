@@ -25,6 +25,12 @@ impl Scene {
         self.lights.iter().try_for_each(|light| light.validate(self.channels))
     }
 
+    /// Whether nothing in it sends light.
+    pub(crate) fn is_dark(&self) -> bool {
+        let emits = self.surfaces.iter().any(|surface| self.materials[surface.material as usize].emits());
+        !emits && !self.lights.iter().any(Light::is_on)
+    }
+
     /// Adds `weight` times the radiance of the skies in a direction, times pi, by channel in W/m^2.
     pub(crate) fn add_sky_radiosity(&self, direction: DVec3, weight: f64, sum: &mut [f64]) {
         for (sky, light) in self.skies() {

@@ -5,6 +5,7 @@ mod emitter_name;
 mod emitters;
 mod error;
 mod face_names;
+mod file_uv;
 pub mod import;
 mod largest;
 mod light_channels;
@@ -25,14 +26,18 @@ pub use emitter_name::EmitterName;
 pub(crate) use emitters::Emitter;
 pub use error::SceneError;
 pub use face_names::FaceNames;
+pub use file_uv::{FileUv, UvTriangle};
 pub(crate) use largest::largest;
 pub use light_group_error::LightGroupError;
 pub use light_grouping::LightGrouping;
 pub use light_groups::{LightGroups, LightWeight};
-pub use lights::{Light, LightShape, PointLight, Sky, Sun};
+pub(crate) use lights::luminance;
+pub use lights::{
+    Distribution, IntensityTable, LUMENS_PER_WATT, Light, LightError, LightShape, Luminaire, PointLight, Sky, SkyLight, Spot, Sun,
+};
 pub use material::Material;
 pub use point::{PointError, SurfacePoint};
-pub use summary::SceneSummary;
+pub use summary::{LightSummary, SceneSummary};
 
 use std::sync::Arc;
 

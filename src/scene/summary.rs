@@ -6,7 +6,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::import::{Diagnostics, Severity};
-use super::{Scene, Surface};
+use super::{LUMENS_PER_WATT, Light, Scene, Surface, luminance};
 
 /// The figures of a scene, with what was repaired and what is suspicious. Lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,6 +33,8 @@ pub struct SceneSummary {
     pub area: f64,
     /// Emitted power in W, per channel.
     pub emitted_power: Vec<f64>,
+    /// Lights that are no surfaces.
+    pub lights: Vec<LightSummary>,
     /// Lower and upper corner of the box around all.
     pub bounds: [[f64; 3]; 2],
     /// Area of the largest surface in m^2, and the number of its face in the file, from 1.
@@ -49,6 +51,39 @@ pub struct SceneSummary {
     pub suspicions: Vec<String>,
     /// What else is worth knowing.
     pub notes: Vec<String>,
+}
+
+/// A light in figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LightSummary {
+    /// Its name.
+    pub name: String,
+    /// Its kind, as in `spot`.
+    pub kind: &'static str,
+    /// By channel: of a light at a point its flux in W, of a sun the irradiance in W/m^2 of what faces it, of a sky that of the ground.
+    pub amount: Vec<f64>,
+    /// The unit of that.
+    pub unit: &'static str,
+    /// The same as an eye sees it, in lm or lx; `None` of spectral bands.
+    pub seen: Option<f64>,
+}
+
+impl LightSummary {
+    fn of(light: &Light) -> Self {
+        let (amount, unit) = light.flux().map_or_else(|| (light.strength.clone(), "W/m^2"), |flux| (flux, "W"));
+        let seen = luminance(&amount).map(|watts| watts * LUMENS_PER_WATT);
+        Self { name: light.name.clone(), kind: light.kind(), amount, unit, seen }
+    }
+}
+
+/// `'name', spot: 1.0000 1.0000 1.0000 W, 179.0 lm`
+impl fmt::Display for LightSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let amount: Vec<String> = self.amount.iter().map(|value| format!("{value:.4}")).collect();
+        write!(f, "'{}', {}: {} {}", self.name, self.kind, amount.join(" "), self.unit)?;
+        let unit = if self.unit == "W" { "lm" } else { "lx" };
+        self.seen.map_or(Ok(()), |seen| write!(f, ", {seen:.1} {unit}"))
+    }
 }
 
 impl SceneSummary {
@@ -94,6 +129,7 @@ impl SceneSummary {
             channels: scene.channels(),
             area,
             emitted_power,
+            lights: scene.lights().iter().map(LightSummary::of).collect(),
             bounds: [bounds.min(), bounds.max()],
             largest: first_of(|next, best| next > best),
             smallest: first_of(|next, best| next < best),
@@ -121,6 +157,7 @@ impl fmt::Display for SceneSummary {
         writeln!(f, "materials    {}", self.materials)?;
         writeln!(f, "reflectance  {:.3} to {:.3}, mean {:.3}", self.reflectance[0], self.reflectance[1], self.mean_reflectance)?;
         writeln!(f, "emitters     {} surfaces, {} W in {} channels", self.emitters, list(&self.emitted_power), self.channels)?;
+        self.lights.iter().try_for_each(|light| writeln!(f, "light        {light}"))?;
         for (heading, lines) in [("repaired", &self.repairs), ("suspicious", &self.suspicions), ("notes", &self.notes)] {
             if !lines.is_empty() {
                 writeln!(f, "{heading}:")?;

@@ -5,7 +5,8 @@
 
 use crate::cells::CellRadiosities;
 use crate::geometry::{sampling, streams};
-use crate::paths::{BatchSums, Continuation, LightPaths, NO_CELL, PathScratch, Place, Receives, SeenCell};
+use crate::paths::{BatchSums, Continuation, Ends, LightPaths, NO_CELL, NO_SURFACE, PathScratch, Place, Receives, SeenCell};
+use crate::scene::SurfaceId;
 
 /// Next-event rays for each path. Empirical.
 const EMITTER_RAYS: f64 = 0.5;
@@ -53,6 +54,7 @@ impl FinalGather<'_> {
         let batches = places.chunks(together).zip(irradiance.chunks(together));
         batches.for_each(|(places, mut irradiance)| {
             self.paths.add_direct(places, emitter_rays, scratch, &mut irradiance);
+            irradiance.note_straight();
             self.add_seen(places, scratch, &mut irradiance);
         });
     }
@@ -79,6 +81,7 @@ impl FinalGather<'_> {
     /// seen.
     fn add_seen(&self, places: &[impl Receives], scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
         let channels = self.paths.scene.channels();
+        self.note_seen_emitters(&scratch.seen, irradiance);
         let mut add = |seen: &SeenCell, sent: &mut dyn Iterator<Item = f64>| {
             let irradiance = irradiance.in_turn(seen.by, seen.ray as usize);
             irradiance.iter_mut().zip(sent).for_each(|(h, sent)| *h += seen.weight * sent);
@@ -145,6 +148,8 @@ impl FinalGather<'_> {
         let (count, share) = (count as usize, 1.0 / f64::from(count));
         self.paths.follow(places, count as u32, self.bounces, scratch);
         let PathScratch { ends, order, .. } = &*scratch;
+        self.note_met_emitters(&ends.surface, count, irradiance);
+        note_sky(ends, count, irradiance);
         let mut of_path = |path: usize, add: &dyn Fn(usize) -> f64| {
             let irradiance = irradiance.in_runs(path / count, order[path % count] as usize, count);
             irradiance.iter_mut().enumerate().for_each(|(channel, h)| *h += share * add(channel));
@@ -177,5 +182,34 @@ impl FinalGather<'_> {
             let of_cell = share * ends.form_factor[path];
             by_cells_sq.iter_mut().enumerate().for_each(|(channel, sum)| *sum += of_cell * sent(cell, channel).powi(2));
         }
+    }
+
+    /// Notes what of the light of reflectors that rays have seen is their own.
+    fn note_seen_emitters(&self, seen: &[SeenCell], irradiance: &mut BatchSums<'_>) {
+        for seen in seen {
+            let Some(straight) = irradiance.straight(seen.by) else { break };
+            if let Some(exitance) = self.paths.unsampled_exitance(seen.surface) {
+                straight.iter_mut().zip(exitance).for_each(|(h, e)| *h += seen.weight * e);
+            }
+        }
+    }
+
+    /// Notes what paths bring of emitters that they meet first: `count` paths from each place arrive at `surfaces`.
+    fn note_met_emitters(&self, surfaces: &[u32], count: usize, irradiance: &mut BatchSums<'_>) {
+        for (path, &surface) in surfaces.iter().enumerate().filter(|(_, surface)| **surface != NO_SURFACE) {
+            let Some(straight) = irradiance.straight(path / count) else { break };
+            if let Some(exitance) = self.paths.unsampled_exitance(SurfaceId(surface)) {
+                straight.iter_mut().zip(exitance).for_each(|(h, e)| *h += e / count as f64);
+            }
+        }
+    }
+}
+
+/// Notes what paths bring of the sky where they see it first; `count` of them leave each place.
+fn note_sky(ends: &Ends, count: usize, irradiance: &mut BatchSums<'_>) {
+    let channels = irradiance.channels();
+    for (continuation, constant) in ends.continued.iter().zip(ends.constant.chunks(channels)).filter(|(of, _)| of.is_of_sky) {
+        let Some(straight) = irradiance.straight(continuation.path / count) else { break };
+        straight.iter_mut().zip(constant).for_each(|(h, brought)| *h += brought / count as f64);
     }
 }

@@ -51,12 +51,14 @@ pub(crate) struct Gathered {
     pub variance: Vec<f64>,
     /// The sum over links or cells of the squares of what each brings, in W^2/m^4: their variance if each is off by itself.
     pub by_sources_sq: Vec<f64>,
+    /// Of a part of the reflected light: what of it emitters sent straight, in W/m^2.
+    pub straight: Vec<f64>,
 }
 
 impl Gathered {
     /// Makes room for so many numbers of each kind, 0 all.
     fn reset(&mut self, count: usize) {
-        for numbers in [&mut self.radiosity, &mut self.variance, &mut self.by_sources_sq] {
+        for numbers in [&mut self.radiosity, &mut self.variance, &mut self.by_sources_sq, &mut self.straight] {
             numbers.clear();
             numbers.resize(count, 0.0);
         }
@@ -84,7 +86,9 @@ impl Gather<'_> {
                         found.for_each(|((found, of_irradiance), rho)| *found = rho * rho * of_irradiance);
                     };
                     reflected(&mut gathered.variance[own.clone()], &scratch.links.variance);
-                    reflected(&mut gathered.by_sources_sq[own], &scratch.links.by_sources_sq);
+                    reflected(&mut gathered.by_sources_sq[own.clone()], &scratch.links.by_sources_sq);
+                    let straight = scratch.links.straight.iter().zip(reflectance).map(|(h, rho)| rho * h);
+                    gathered.straight[own].iter_mut().zip(straight).for_each(|(found, straight)| *found = straight);
                 }
             }
             Over::Cells(gather) => {
@@ -124,6 +128,17 @@ impl Gather<'_> {
                 gathered.radiosity.iter_mut().for_each(|radiosity| *radiosity = radiosity.max(0.0));
             }
         }
+        let found = gathered.straight.iter_mut().zip(&gathered.radiosity);
+        found.for_each(|(straight, radiosity)| *straight = straight.clamp(0.0, radiosity.max(0.0)));
+    }
+
+    /// The same, which tells what emitters send straight wherever that is; over links that may cost more.
+    pub fn keeping_apart(self) -> Self {
+        let over = match self.over {
+            Over::Links(gather) => Over::Links(gather.keeping_apart()),
+            over @ Over::Cells(_) => over,
+        };
+        Self { over, ..self }
     }
 
     /// Values at places over cells, indirect irradiance being `known` by place and channel, with what cells bring to it squared: direct light
@@ -181,9 +196,10 @@ impl Gather<'_> {
         let (channels, batches) = (self.scene.channels(), rays.min(BATCHES));
         let values = places.len() * channels;
         memory.clear();
-        memory.resize(values * (batches as usize + 1), 0.0);
-        let (sums, by_cells_sq) = memory.split_at_mut(values * batches as usize);
-        let mut sums = BatchSums::new(channels, batches, sums, by_cells_sq);
+        memory.resize(values * (batches as usize + 2), 0.0);
+        let (sums, notes) = memory.split_at_mut(values * batches as usize);
+        let (by_cells_sq, straight) = notes.split_at_mut(values);
+        let mut sums = BatchSums::new(channels, batches, sums, by_cells_sq).with_straight(straight);
         gather(&mut sums);
         for (number, place) in places.iter().enumerate() {
             for (channel, rho) in self.scene.material_of(place.surface).reflectance.iter().enumerate() {
@@ -193,6 +209,7 @@ impl Gather<'_> {
                 gathered.radiosity[index] += rho * irradiance;
                 gathered.variance[index] += rho * rho * variance;
                 gathered.by_sources_sq[index] += rho * rho * by_cells_sq;
+                gathered.straight[index] += rho * sums.straight(number).map_or(0.0, |straight| straight[channel]);
             }
         }
     }

@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::over_links::{LinkGather, LinkScratch, MAX_RAYS, Receiver};
+use super::link_receiver::Receiver;
+use super::over_links::{LinkGather, LinkScratch, MAX_RAYS};
 use super::source_piece::{Expected, SourcePiece};
 use crate::form_factor::point_to_polygon;
 use crate::geometry::{Facet, Part, for_each_piece};

@@ -7,6 +7,7 @@ mod final_gather;
 mod gather;
 mod indirect;
 mod irradiance_cache;
+mod link_receiver;
 mod link_sources;
 mod over_links;
 mod reflected;

@@ -21,6 +21,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::budget::RayBudget;
+use super::link_receiver::{Receiver, WhichLights};
 use super::source_piece::SourcePiece;
 use super::variation::Variation;
 use crate::direct::{self, DirectEffort, DirectLight, DirectScratch, Method, SharedBlockers};
@@ -62,16 +63,10 @@ pub(crate) struct LinkGather<'a> {
     whole: Option<Box<LinkGather<'a>>>,
     /// Emitters whose light is added beside that of links.
     emitters: Vec<Emitter>,
+    /// Whether it is so however many there are.
+    is_apart: bool,
     /// Which lights are added.
     lights: WhichLights,
-}
-
-/// Which light of lights a gather adds, beside that of surfaces.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum WhichLights {
-    All,
-    Skies,
-    None,
 }
 
 /// Memory that a gather reuses from point to point.
@@ -94,21 +89,10 @@ pub(crate) struct LinkScratch {
     /// that each brings.
     pub variance: Vec<f64>,
     pub by_sources_sq: Vec<f64>,
+    /// What of it came beside the links, by channel, in W/m^2.
+    pub straight: Vec<f64>,
     /// Memory for the gather there.
     beyond: Option<Box<LinkScratch>>,
-}
-
-/// Where light is gathered, with what the gather reads often.
-pub(super) struct Receiver<'a> {
-    pub point: DVec3,
-    pub normal: DVec3,
-    pub plane: u32,
-    /// What counts of the light, by channel: the part that is reflected on a surface, in space all of it.
-    pub reflectance: &'a [f64],
-    /// The leaf that it lies on; `None` in space.
-    pub leaf: Option<NodeId>,
-    pub seed: u64,
-    lights: WhichLights,
 }
 
 impl<'a> LinkGather<'a> {
@@ -134,6 +118,7 @@ impl<'a> LinkGather<'a> {
             blockers,
             whole: None,
             emitters,
+            is_apart: false,
             lights: WhichLights::All,
         }
     }
@@ -161,6 +146,7 @@ impl<'a> LinkGather<'a> {
             blockers,
             whole,
             emitters,
+            is_apart: false,
             lights: WhichLights::Skies,
         }
     }
@@ -174,6 +160,11 @@ impl<'a> LinkGather<'a> {
     /// The same without lights and skies.
     pub fn without_lights(self) -> Self {
         Self { lights: WhichLights::None, ..self }
+    }
+
+    /// The same, which looks at all emitters even where links would cost less, so that it is known what these send straight.
+    pub fn keeping_apart(self) -> Self {
+        Self { is_apart: true, ..self }
     }
 
     /// The irradiance H at a place, by channel, in W/m^2; `scratch` tells then what its error may be.
@@ -237,7 +228,8 @@ impl<'a> LinkGather<'a> {
     /// The irradiance H at a receiver, by channel, in W/m^2; `scratch` tells then what its error may be.
     fn irradiance(&self, receiver: &Receiver<'_>, budget: RayBudget, scratch: &mut LinkScratch, irradiance: &mut [f64]) {
         // To look at all emitters costs less than the rays where there are as many of these.
-        if let Some(whole) = self.whole.as_ref().filter(|_| self.emitters.len() > budget.rays as usize) {
+        let is_dear = !self.is_apart && self.emitters.len() > budget.rays as usize;
+        if let Some(whole) = self.whole.as_ref().filter(|_| is_dear) {
             return whole.irradiance(receiver, budget, scratch, irradiance);
         }
         irradiance.fill(0.0);
@@ -246,6 +238,8 @@ impl<'a> LinkGather<'a> {
             squares.resize(irradiance.len(), 0.0);
         }
         self.add_direct(receiver, budget, scratch, irradiance);
+        scratch.straight.clear();
+        scratch.straight.extend_from_slice(irradiance);
         self.collect_sources(receiver, scratch);
         let total: f64 = scratch.pieces.iter().map(|piece| piece.worth).sum();
         if total <= 0.0 {

@@ -1,6 +1,7 @@
 //! What the OBJ reader makes of good, odd and bad files: fatal errors with file, line and face; repairs that are told; no panic.
 
 mod any_bytes;
+mod lights;
 mod materials;
 mod meshes;
 mod textures;

@@ -11,14 +11,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use patchlight::scene::Sides;
-use patchlight::scene::import::{ArrayFace, ImportOptions, read_scene};
+use patchlight::scene::import::{ArrayFace, ImportOptions, read_lights, read_scene};
 
 use crate::array::{patchlight_array, reals, vectors, wholes};
 use crate::context::{PATCHLIGHT_LOG_WARNING, patchlight_context};
 use crate::entry::enter;
 use crate::handles;
 use crate::memory::{Out, text};
-use crate::status::{Ending, PATCHLIGHT_INVALID_SCENE, PATCHLIGHT_WRONG_STATE, patchlight_status};
+use crate::status::{Ending, Outcome, PATCHLIGHT_INVALID_SCENE, PATCHLIGHT_WRONG_STATE, patchlight_status};
 pub use build::Committed;
 use object::SceneObject;
 pub use object::patchlight_scene;
@@ -185,18 +185,36 @@ pub unsafe extern "C" fn patchlight_scene_add_file(
         let scene = handles::get(scene)?;
         // SAFETY: The contract of the header.
         let path = unsafe { text(path, "path")? };
-        if flags & !(PATCHLIGHT_FILE_ALLOW_ANY_PATH as u32) != PATCHLIGHT_FILE_DEFAULT as u32 {
-            return Err(Ending::argument(format_args!("flags is {flags}, which has bits that are no patchlight_file_flags")));
-        }
+        let allow_any_path = allows_any_path(flags)?;
         if scene.state().draft.channels() != 3 {
             return Err(Ending::new(PATCHLIGHT_WRONG_STATE, "files have three channels, this scene has another number"));
         }
-        let allow_any_path = flags & PATCHLIGHT_FILE_ALLOW_ANY_PATH as u32 != 0;
         // The sides are made when all faces are known.
         let options = ImportOptions { allow_any_path, ..ImportOptions::default() };
         let imported = read_scene(Path::new(path), &options).map_err(|error| Ending::new(PATCHLIGHT_INVALID_SCENE, error))?;
         scene.change(|draft| {
             draft.files.push(imported);
+            Ok(())
+        })
+    })
+}
+
+/// Adds the lights of a TOML file, which are no surfaces: points, spots, measured luminaires, suns and skies. `flags` are of patchlight_file_flags.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn patchlight_scene_add_lights(
+    scene: *mut patchlight_scene,
+    path: *const c_char,
+    flags: u32,
+) -> patchlight_status {
+    enter(|| {
+        let scene = handles::get(scene)?;
+        // SAFETY: The contract of the header.
+        let path = unsafe { text(path, "path")? };
+        let (allow_any_path, channels) = (allows_any_path(flags)?, scene.state().draft.channels());
+        let lights = read_lights(Path::new(path), channels, allow_any_path);
+        let lights = lights.map_err(|error| Ending::new(PATCHLIGHT_INVALID_SCENE, error))?;
+        scene.change(|draft| {
+            draft.lights.push(lights);
             Ok(())
         })
     })
@@ -213,4 +231,11 @@ pub extern "C" fn patchlight_scene_commit(scene: *mut patchlight_scene) -> patch
         warnings.iter().for_each(|warning| scene.context.log(PATCHLIGHT_LOG_WARNING, warning));
         Ok(())
     })
+}
+
+fn allows_any_path(flags: u32) -> Outcome<bool> {
+    if flags & !(PATCHLIGHT_FILE_ALLOW_ANY_PATH as u32) != PATCHLIGHT_FILE_DEFAULT as u32 {
+        return Err(Ending::argument(format_args!("flags is {flags}, which has bits that are no patchlight_file_flags")));
+    }
+    Ok(flags & PATCHLIGHT_FILE_ALLOW_ANY_PATH as u32 != 0)
 }

@@ -71,6 +71,8 @@ pub enum patchlight_diagnostic_code {
     PATCHLIGHT_SHEET = 204,
     /// The file has a camera: what to give to look through it.
     PATCHLIGHT_FILE_CAMERA = 205,
+    /// How lights that are no surfaces are read, and what of them is left out.
+    PATCHLIGHT_FILE_LIGHTS = 206,
     /// A face has a vertex or a material that does not exist.
     PATCHLIGHT_BAD_INDEX = 300,
     /// A face has a vertex with a coordinate that is not finite, or too large.
@@ -147,5 +149,6 @@ fn code_of(kind: DiagnosticKind) -> Code {
         DiagnosticKind::ConcaveFace => Code::PATCHLIGHT_CONCAVE_FACE,
         DiagnosticKind::Sheet => Code::PATCHLIGHT_SHEET,
         DiagnosticKind::Camera => Code::PATCHLIGHT_FILE_CAMERA,
+        DiagnosticKind::Light => Code::PATCHLIGHT_FILE_LIGHTS,
     }
 }

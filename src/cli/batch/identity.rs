@@ -41,7 +41,7 @@ fn hexadecimal(bytes: &[u8]) -> String {
 
 /// What a job reads, to the byte.
 pub struct Inputs<'a> {
-    /// The SHA-256 of the scene with its libraries.
+    /// The SHA-256 of the scene with its libraries and lights.
     pub scene: &'a str,
     /// That of the points.
     pub points: Option<&'a str>,

@@ -3,6 +3,7 @@
 //! ```toml
 //! scenes = ["room.obj"]                  # or one text; paths are relative to this file
 //! name = "{scene}-{power}"               # if left out, jobs are named by their numbers
+//! lights = "lights.toml"                # as of `patchlight solve --lights`
 //! points = "P.csv"                       # where values are wanted
 //! csv = "more.csv"                       # parameters: a column each, and a row for each combination
 //!
@@ -41,6 +42,8 @@ pub struct JobFile {
     pub scenes: Vec<Said>,
     /// What jobs are named.
     pub name: Option<Said>,
+    /// The path of a file of lights.
+    pub lights: Option<Said>,
     /// The path of the points.
     pub points: Option<Said>,
     /// The path of a table of parameters.
@@ -57,7 +60,7 @@ pub struct JobFile {
     pub picture: Vec<Said>,
 }
 
-const KEYS: [&str; 9] = ["scenes", "name", "points", "csv", "parameters", "options", "materials", "outputs", "picture"];
+const KEYS: [&str; 10] = ["scenes", "name", "lights", "points", "csv", "parameters", "options", "materials", "outputs", "picture"];
 
 /// What a job may write.
 pub const OUTPUTS: [&str; 4] = ["solution", "values", "mesh", "image"];
@@ -80,6 +83,7 @@ impl JobFile {
         match entry.key {
             "scenes" => self.scenes = entry.several()?,
             "name" => self.name = Some(entry.said()?),
+            "lights" => self.lights = Some(entry.said()?),
             "points" => self.points = Some(entry.said()?),
             "csv" => self.csv = Some(entry.said()?),
             "parameters" => self.parameters = each(entry, Parameter::new)?,

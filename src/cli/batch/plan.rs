@@ -23,6 +23,8 @@ pub struct Job {
     pub options: Vec<Said>,
     /// Changes of materials.
     pub changes: Vec<Change>,
+    /// The file of lights.
+    pub lights: Option<Said>,
     /// The file of points.
     pub points: Option<Said>,
     /// Files to write, relative to the folder of results, by what they are.
@@ -113,13 +115,13 @@ fn check_names(file: &JobFile, rows: &Rows) -> Result<(), Failure> {
         seen.push(name);
     }
     let changes = file.materials.iter().flat_map(|(_, changes)| changes);
-    let used = file.scenes.iter().chain(&file.points).chain(&file.options).chain(changes).chain(&file.picture);
+    let used = file.scenes.iter().chain(&file.lights).chain(&file.points).chain(&file.options).chain(changes).chain(&file.picture);
     let used: Vec<&str> = used.flat_map(|said| template::names(&said.text)).collect();
     match file.parameters.iter().find(|parameter| !used.contains(&parameter.name.as_str())) {
         Some(parameter) => {
             let name = &parameter.name;
             Err(Failure::bad_input(format_args!(
-                "{}: '{{{name}}}' stands in no scene, points, option, material or picture: its jobs would be the same",
+                "{}: '{{{name}}}' stands in no scene, lights, points, option, material or picture: its jobs would be the same",
                 parameter.place
             )))
         }
@@ -175,9 +177,10 @@ impl Filling<'_> {
             }
         }
         let outputs = file.outputs.iter().map(|said| inside(fill(said, in_path)?)).collect::<Result<_, Failure>>()?;
-        let points = file.points.as_ref().map(|said| fill(said, known)).transpose()?;
+        let [lights, points] = [&file.lights, &file.points].map(|said| said.as_ref().map(|said| fill(said, known)).transpose());
+        let (lights, points) = (lights?, points?);
         let (options, picture) = (all(&file.options)?, all(&file.picture)?);
-        Ok(Job { name, scene: scene.text, values: self.values, options, changes, points, outputs, picture })
+        Ok(Job { name, scene: scene.text, values: self.values, options, changes, lights, points, outputs, picture })
     }
 
     fn parameter(&self, name: &str) -> Option<String> {

@@ -18,7 +18,7 @@ use super::identity;
 pub struct Stocked {
     /// As its file says.
     pub scene: Scene,
-    /// The material libraries that it read.
+    /// The other files that it read: material libraries, lights.
     pub libraries: Vec<PathBuf>,
     /// The SHA-256 of its file and of its libraries.
     pub digest: String,
@@ -33,6 +33,8 @@ pub struct Wanted {
     pub path: PathBuf,
     /// Which sides emit and receive.
     pub sides: Sides,
+    /// A file of lights beside it.
+    pub lights: Option<PathBuf>,
     /// What is to answer for its geometry.
     pub backend: Backend,
 }
@@ -92,8 +94,8 @@ impl Stock {
 
     /// Reads a scene; that it was repaired is told once.
     fn read(&self, wanted: &Wanted) -> Result<Stocked, Failure> {
-        let Wanted { path, sides, .. } = wanted;
-        let imported = read_scene(path, &self.trust.import(*sides)).map_err(Failure::bad_input)?;
+        let Wanted { path, sides, lights, .. } = wanted;
+        let imported = read_scene(path, &self.trust.import(*sides, lights.clone())).map_err(Failure::bad_input)?;
         let mut digests = String::new();
         for file in [path].into_iter().chain(&imported.libraries) {
             let bytes = fs::read(file).map_err(|error| Failure::bad_input(format_args!("{}: {error}", file.display())))?;

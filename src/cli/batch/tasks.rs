@@ -51,7 +51,8 @@ impl Common<'_> {
         let of_job = |failure: Failure| Failure { message: format!("job '{}': {}", job.name, failure.message), ..failure };
         let mut request = SolveRequest::new(self.arguments(&job)?).map_err(of_job)?;
         request.voice = Voice::Job;
-        let wanted = Wanted { path: request.scene.clone(), sides: request.import.sides, backend: request.run.backend };
+        let (path, lights) = (request.scene.clone(), request.import.lights.clone());
+        let wanted = Wanted { path, lights, sides: request.import.sides, backend: request.run.backend };
         Ok(Task { scene: stock.want(wanted), job, request })
     }
 
@@ -84,6 +85,7 @@ impl Common<'_> {
                 ..SettingArguments::default()
             },
             light_groups: None,
+            lights: job.lights.as_ref().map(|said| self.inputs.join(&said.text)),
             trust: self.trust,
             image: outputs("image"),
             picture: PictureArguments {

@@ -69,6 +69,8 @@ pub enum DiagnosticKind {
     Sheet,
     /// The file has a camera: what to type to look through it.
     Camera,
+    /// How lights that are no surfaces are read, and what of them is left out.
+    Light,
 }
 
 impl DiagnosticKind {
@@ -93,7 +95,9 @@ impl DiagnosticKind {
             | Self::IgnoredProperty
             | Self::UnknownKeyword
             | Self::IgnoredElement => Severity::Suspicion,
-            Self::Open | Self::Flattened | Self::Inside | Self::ConcaveFace | Self::Sheet | Self::Camera => Severity::Note,
+            Self::Open | Self::Flattened | Self::Inside | Self::ConcaveFace | Self::Sheet | Self::Camera | Self::Light => {
+                Severity::Note
+            }
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use thiserror::Error;
 
-use super::{ArrayFace, Diagnostic, DiagnosticKind, Diagnostics, Imported, polygons_of_arrays};
+use super::{ArrayFace, Diagnostic, DiagnosticKind, Diagnostics, Imported, ImportedLights, polygons_of_arrays};
 use crate::geometry::Polygon;
-use crate::scene::{FaceNames, Material, Scene, SceneError, Sides};
+use crate::scene::{FaceNames, Light, Material, Scene, SceneError, Sides};
 
 /// What is to become a scene. Faces of arrays come first, then those of files; the same with materials.
 pub struct Draft {
@@ -19,6 +19,8 @@ pub struct Draft {
     pub faces: Vec<ArrayFace>,
     /// What was read from files, each with [`Sides::Front`]: sides are made when all faces are known.
     pub files: Vec<Imported>,
+    /// Lights that were read for its channels, behind those of files.
+    pub lights: Vec<ImportedLights>,
 }
 
 /// What a mistake is about.
@@ -73,7 +75,7 @@ impl Draft {
     /// Nothing yet.
     pub fn new(channels: usize, sides: Sides) -> Self {
         let (materials, vertices, corners) = (Vec::new(), Vec::new(), Vec::new());
-        Self { channels, sides, materials, vertices, corners, faces: Vec::new(), files: Vec::new() }
+        Self { channels, sides, materials, vertices, corners, faces: Vec::new(), files: Vec::new(), lights: Vec::new() }
     }
 
     /// The channels of its materials.
@@ -122,14 +124,19 @@ impl Draft {
         }
 
         // The scene. Whether anything emits is asked of all of it, not of each file.
-        let scene = match Scene::new(self.channels, materials, polygons, self.sides) {
+        let mut lights: Vec<Light> = self.files.iter().flat_map(|file| file.scene.lights()).cloned().collect();
+        for read in &self.lights {
+            lights.extend(read.lights.iter().cloned());
+            diagnostics.items.extend(read.diagnostics.items.iter().cloned());
+        }
+        let scene = Scene::new(self.channels, materials, polygons, self.sides);
+        let scene = match scene.and_then(|scene| scene.with_lights(lights)) {
             Ok(scene) => scene.with_names(objects, groups),
             Err(error) => return Err(failed(error.to_string(), diagnostics)),
         };
-        let is_dark = !scene.surfaces().iter().any(|surface| scene.materials()[surface.material as usize].emits());
         diagnostics.items.retain(|item| item.kind != DiagnosticKind::NoLight);
-        if is_dark {
-            let text = "no light: no material of a face emits, so everything is black";
+        if scene.is_dark() {
+            let text = "no light: no material of a face emits, and there are no lights, so everything is black";
             diagnostics.push(Diagnostic::new(DiagnosticKind::NoLight, text));
         }
         Ok((scene, diagnostics))

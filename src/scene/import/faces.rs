@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use crate::scene::{FaceNames, Material};
+use crate::scene::{FaceNames, FileUv, Light, Material};
 
 /// A face as it was read: three or more corners.
 pub(super) struct Face {
@@ -36,6 +36,10 @@ pub(super) struct FaceFile {
     /// The objects and the groups that faces are in, where the format has names for them.
     pub objects: FaceNames,
     pub groups: FaceNames,
+    /// Lights that are no surfaces, of three channels.
+    pub lights: Vec<Light>,
+    /// Coordinates for lightmaps, if they are kept.
+    pub uv: FileUv,
 }
 
 impl FaceFile {

@@ -13,6 +13,7 @@ mod error;
 mod faces;
 mod gltf;
 mod join;
+mod lights;
 mod maps;
 mod mtl;
 mod names;
@@ -23,6 +24,7 @@ mod statements;
 mod stl;
 mod structure;
 mod text;
+mod texture_coordinates;
 mod textured;
 mod textures;
 
@@ -32,10 +34,11 @@ pub use arrays::{ArrayFace, ArraysError, polygons_of_arrays};
 pub use diagnostics::{Diagnostic, DiagnosticKind, Diagnostics, Severity};
 pub use draft::{Draft, DraftError, Mistake, MistakeKind};
 pub use error::ImportError;
+pub use lights::{ImportedLights, read_lights};
 pub use options::{ImportOptions, Textures};
 
 use self::faces::FaceFile;
-use super::Scene;
+use super::{FileUv, Scene};
 use crate::progress::{Observer, Progress, Silent, Stage};
 
 /// A scene and what was noted while reading it.
@@ -47,13 +50,15 @@ pub struct Imported {
     pub diagnostics: Diagnostics,
     /// The file that it was read from.
     pub file: PathBuf,
-    /// The other files that were read: material libraries, buffers, images.
+    /// The other files that were read: material libraries, buffers, images, lights.
     pub libraries: Vec<PathBuf>,
     /// The line of each face in the file, dropped ones too, from 1; 0 where the format has no lines. [`Surface::face`](super::Surface::face) is an
     /// index into it.
     pub lines: Vec<u32>,
     /// How many vertices the file has.
     pub vertices: usize,
+    /// The coordinates that it has for lightmaps; empty if they were not to be kept.
+    pub uv: FileUv,
 }
 
 /// Reads the scene at `path`, by its extension: `.obj` with its material libraries, `.gltf` and `.glb`, or
@@ -62,7 +67,7 @@ pub struct Imported {
 ///
 /// Of OBJ `Kd` is the reflectance and `pi Ke` the exitance, times the mean of `map_Kd` and `map_Ke` over the face; of glTF the base colour, and `pi` times factor and strength of the emission, which count as a
 /// radiance in W/m^2/sr. Polygons that are not convex and planar are cut; all pieces bear the number of their face. Triangles
-/// of a glTF primitive that lie in one plane are joined.
+/// of a glTF primitive that lie in one plane are joined. Lights that are no surfaces come from glTF files and from [`ImportOptions::lights`].
 ///
 /// # Errors
 /// See [`ImportError`].
@@ -91,7 +96,7 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     if stop() {
         return Err(ImportError::Cancelled);
     }
-    let FaceFile { lines, vertices, faces, corners, materials, libraries, objects, groups } = read;
+    let FaceFile { lines, vertices, faces, corners, materials, mut libraries, objects, groups, mut lights, uv } = read;
     let in_file = assemble::Faces { faces: &faces, corners: &corners, source: Some((path, &lines)), objects: &objects };
     let assembled = assemble::assemble(&in_file, &mut diagnostics, &stop).ok_or(ImportError::Cancelled)?;
     if assembled.polygons.is_empty() {
@@ -103,12 +108,19 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     if stop() {
         return Err(ImportError::Cancelled);
     }
+    if let Some(path) = &options.lights {
+        let read = read_lights(path, 3, options.allow_any_path)?;
+        lights.extend(read.lights);
+        diagnostics.items.extend(read.diagnostics.items);
+        libraries.extend(read.files);
+    }
     let scene = Scene::new(3, materials, assembled.polygons, options.sides)
+        .and_then(|scene| scene.with_lights(lights))
         .map_err(|source| ImportError::Scene { file: file(), source })?
         .with_names(objects, groups);
-    if !scene.surfaces().iter().any(|surface| scene.materials()[surface.material as usize].emits()) {
-        let text = "no light: no face has a material that emits, so everything is black";
+    if scene.is_dark() {
+        let text = "no light: no face has a material that emits, and there are no lights, so everything is black";
         diagnostics.push(Diagnostic::new(DiagnosticKind::NoLight, text).at(path, 0));
     }
-    Ok(Imported { scene, diagnostics, file: file(), libraries, lines, vertices })
+    Ok(Imported { scene, diagnostics, file: file(), libraries, lines, vertices, uv })
 }

@@ -20,9 +20,11 @@ use super::faces::{Face, FaceFile};
 use super::mtl::{self, Libraries, Maps};
 use super::structure::{IndexedFace, Structure, read_structure};
 use super::text::{decode, lies_below, read_regular_file};
-use super::textured::{TextureCoordinates, colour_faces};
+use super::texture_coordinates::TextureCoordinates;
+use super::textured::colour_faces;
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError, ImportOptions};
 use crate::progress::Stop;
+use crate::scene::FileUv;
 
 /// Reads an OBJ file with its material libraries and their textures: those beside or below it, or any.
 pub(super) fn read(
@@ -63,6 +65,9 @@ pub(super) fn read(
     }
     let (mut read, maps) = with_materials(structure, libraries, file, diagnostics)?;
     colour_faces(&mut read, &maps, &coordinates, (file, options), diagnostics, stop)?;
+    if options.keep_uv {
+        read.uv = coordinates.uv_of(&read);
+    }
     Ok(read)
 }
 
@@ -116,6 +121,8 @@ fn with_materials(
         libraries: files,
         objects: structure.objects.finish(),
         groups: structure.groups.finish(),
+        lights: Vec::new(),
+        uv: FileUv::default(),
     };
 
     // Faces without a material share a grey one.

@@ -1,5 +1,7 @@
 //! What a reader of scenes may decide.
 
+use std::path::PathBuf;
+
 use crate::scene::Sides;
 
 /// What the reader may decide.
@@ -12,6 +14,10 @@ pub struct ImportOptions {
     pub allow_any_path: bool,
     /// What becomes of textures.
     pub textures: Textures,
+    /// A TOML file of lights that are no surfaces, see [`read_lights`](super::read_lights), beside those of the scene's own file.
+    pub lights: Option<PathBuf>,
+    /// Whether to keep the coordinates that the file has for lightmaps: the second set (`TEXCOORD_1`) of glTF, the only one (`vt`) of OBJ.
+    pub keep_uv: bool,
 }
 
 /// What becomes of textures: materials have one colour.

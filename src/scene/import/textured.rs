@@ -11,6 +11,7 @@ use super::faces::{Face, FaceFile};
 use super::maps::Map;
 use super::mtl::{LARGEST_REFLECTANCE, Maps};
 use super::text::{lies_below, read_regular_file};
+use super::texture_coordinates::TextureCoordinates;
 use super::textures::Picture;
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError, ImportOptions, Textures};
 use crate::progress::Stop;
@@ -18,14 +19,6 @@ use crate::scene::Material;
 
 /// Faces that are coloured between two questions whether to stop.
 const FACES_AT_ONCE: usize = 1 << 10;
-
-/// Where the corners of faces lie in textures.
-pub(super) struct TextureCoordinates {
-    /// As they were read; not finite where they could not be.
-    pub vertices: Vec<[f64; 2]>,
-    /// For each corner of [`FaceFile::corners`] an index into `vertices`, or one that is none.
-    pub corners: Vec<u32>,
-}
 
 /// Gives faces of textured materials materials of their own. `maps` are those of the materials of `read`; `scene` is its file.
 pub(super) fn colour_faces(
@@ -147,10 +140,8 @@ fn mean_over(face: &Face, corners: &[DVec3], coordinates: &TextureCoordinates, m
         let [a, b] = halves.map(|half| picture.mean(half, wrap));
         std::array::from_fn(|channel| 0.5 * (a[channel] + b[channel]))
     };
-    let places = coordinates.corners[face.start..face.end].iter().map(|&corner| {
-        let of_corner = coordinates.vertices.get(corner as usize).copied()?;
-        Some(map.place(of_corner)).filter(|place| place.iter().all(|x| x.is_finite()))
-    });
+    let place = |corner: usize| Some(map.place(coordinates.of(corner)?)).filter(|place| place.iter().all(|x| x.is_finite()));
+    let places = (face.start..face.end).map(place);
     let Some(places) = places.collect::<Option<Vec<[f64; 2]>>>() else { return mean_of_all() };
 
     // By a fan of triangles, whose areas count as negative where the corners turn the other way.

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::LightError;
 use super::seen::is_unit;
 use crate::geometry::Frame;
 
@@ -10,12 +11,32 @@ use crate::geometry::Frame;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sun {
     /// Unit vector to its middle.
-    pub towards: DVec3,
+    pub(crate) towards: DVec3,
     /// Its diameter as an angle, in radians, below pi / 2: 0 for parallel light, 0.0093 for ours. Its radiance is even.
-    pub diameter: f64,
+    pub(crate) diameter: f64,
 }
 
 impl Sun {
+    /// A sun in the direction of `towards`, of any length above 0, with its diameter in radians.
+    ///
+    /// # Errors
+    /// Says which of them is out of range.
+    pub fn new(towards: [f64; 3], diameter: f64) -> Result<Self, LightError> {
+        let towards = DVec3::from(towards).try_normalize().ok_or(LightError("its direction is no vector of a length above 0"))?;
+        let sun = Self { towards, diameter };
+        sun.wrong().map_or(Ok(sun), |why| Err(LightError(why)))
+    }
+
+    /// Unit vector to its middle.
+    pub fn towards(&self) -> [f64; 3] {
+        self.towards.to_array()
+    }
+
+    /// Its diameter as an angle, in radians.
+    pub fn diameter(&self) -> f64 {
+        self.diameter
+    }
+
     pub(super) fn wrong(&self) -> Option<&'static str> {
         if !is_unit(self.towards) {
             return Some("its direction is no unit vector");

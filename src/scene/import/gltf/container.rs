@@ -2,7 +2,7 @@
 
 use super::json::Root;
 
-/// Extensions that a file may require: what they mean is read, or, for lights, said to be left out. Materials become diffuse whatever they are.
+/// Extensions that a file may require: what they mean is read. Materials become diffuse whatever they are.
 const UNDERSTOOD: [&str; 4] = ["KHR_mesh_quantization", "KHR_texture_transform", "EXT_mesh_gpu_instancing", "KHR_lights_punctual"];
 
 /// The JSON of a file, and its binary chunk where it has one. The error says what is wrong.

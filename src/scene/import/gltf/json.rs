@@ -29,6 +29,7 @@ pub(super) struct Root {
     pub animations: Vec<IgnoredAny>,
     pub extensions_used: Vec<String>,
     pub extensions_required: Vec<String>,
+    pub extensions: Extensions,
 }
 
 #[derive(Deserialize, Default)]

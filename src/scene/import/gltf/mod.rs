@@ -2,7 +2,7 @@
 //!
 //! What is read: the nodes of the default scene with their transforms, meshes of triangles in all their forms, quantised or not, materials as diffuse ones
 //! (`materials`), textures as the mean over each face. A mesh whose transform mirrors it keeps its fronts. Double-sided materials make
-//! faces of two sides. Cameras, lights, skins, morphs, animations, points and lines have no part, which is noted.
+//! faces of two sides. Lights without a surface are read (`lights`). Cameras, skins, morphs, animations, points and lines have no part, which is noted.
 //!
 //! A face is what triangles of a primitive that lie in one plane make together (`join`); it has the number of its first triangle, counted through
 //! all instances of the scene. Lengths are metres, and axes stay as they are.
@@ -15,6 +15,7 @@ mod buffers;
 mod colours;
 mod container;
 mod json;
+mod lights;
 mod materials;
 mod nodes;
 mod primitives;
@@ -29,6 +30,7 @@ use super::join::{Joined, joined};
 use super::text::read_regular_file;
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError, ImportOptions, Textures};
 use crate::progress::Stop;
+use crate::scene::{FileUv, UvTriangle};
 use accessors::Accessors;
 use buffers::{Buffers, Place};
 use colours::Colours;
@@ -86,6 +88,9 @@ pub(super) fn read(
         }
     }
 
+    let (lights, of_lights) = lights::read(&root, &placed).map_err(wrong)?;
+    reader.read.lights = lights;
+    diagnostics.items.extend(of_lights.into_iter().map(|text| Diagnostic::new(DiagnosticKind::Light, text).at(file, 0)));
     let left_out = reader.left_out;
     note_left_out(&root, &placed, left_out, |kind, text| diagnostics.push(Diagnostic::new(kind, text).at(file, 0)));
     for (kind, text) in reader.materials.notes() {
@@ -140,7 +145,7 @@ impl Reader<'_> {
         // Its triangles, in the world.
         let key = (instance.mesh, number);
         if !self.shapes.contains_key(&key) {
-            self.shapes.insert(key, primitives::read(primitive, shape, &self.accessors)?);
+            self.shapes.insert(key, primitives::read(primitive, shape, self.options.keep_uv, &self.accessors)?);
         }
         let first_face = self.read.lines.len();
         let own = &self.shapes[&key];
@@ -163,6 +168,9 @@ impl Reader<'_> {
         let source = self.materials.source_of(primitive.material);
         let colours = Colours::read(&self.materials, source, (primitive, own), &vertices, &self.accessors)?;
         let means: Vec<Means> = faces.iter().map(|face| colours.means(face)).collect();
+        if self.options.keep_uv {
+            add_uv(&mut self.read.uv, first_face as u32, &faces, (&vertices, &triangles), own.uv.as_deref());
+        }
         self.push(primitive.material, first_face as u32, faces, means);
 
         let of_material = self.materials.source_of(primitive.material).name.clone();
@@ -184,6 +192,29 @@ impl Reader<'_> {
     }
 }
 
+/// Keeps the coordinates of the triangles of faces; a primitive has them all, or none.
+fn add_uv(
+    kept: &mut FileUv,
+    first_face: u32,
+    faces: &[Joined],
+    (vertices, triangles): (&[DVec3], &[[u32; 3]]),
+    uv: Option<&[[f64; 2]]>,
+) {
+    for face in faces {
+        let number = first_face + face.triangles[0] as u32;
+        let Some(uv) = uv else {
+            kept.without.get_or_insert(number);
+            return;
+        };
+        let triangle = |&triangle: &usize| UvTriangle {
+            face: number,
+            corners: triangles[triangle].map(|corner| vertices[corner as usize].to_array()),
+            uv: triangles[triangle].map(|corner| uv[corner as usize]),
+        };
+        kept.triangles.extend(face.triangles.iter().map(triangle));
+    }
+}
+
 /// Notes what of a file has no part in the scene.
 fn note_left_out(root: &json::Root, placed: &Placed, points_and_lines: usize, mut note: impl FnMut(DiagnosticKind, String)) {
     use DiagnosticKind::{IgnoredElement, IgnoredProperty};
@@ -202,11 +233,7 @@ fn note_left_out(root: &json::Root, placed: &Placed, points_and_lines: usize, mu
     }
     for name in root.extensions_used.iter().filter(|name| !name.starts_with("KHR_materials_")) {
         match name.as_str() {
-            "KHR_mesh_quantization" | "KHR_texture_transform" | "EXT_mesh_gpu_instancing" => {}
-            "KHR_lights_punctual" => {
-                let text = "lights without a surface (KHR_lights_punctual) are left out: light comes from faces that emit";
-                note(IgnoredElement, text.to_owned());
-            }
+            "KHR_mesh_quantization" | "KHR_texture_transform" | "EXT_mesh_gpu_instancing" | "KHR_lights_punctual" => {}
             other => note(IgnoredProperty, format!("extension {} is left out", shown(other))),
         }
     }

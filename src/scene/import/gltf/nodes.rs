@@ -22,6 +22,8 @@ pub(super) struct Placed {
     pub instances: Vec<Instance>,
     /// Perspective cameras: where they stand, and their vertical field of view in radians.
     pub cameras: Vec<(DAffine3, f64)>,
+    /// Lights: the names of their nodes, their numbers, and where they stand.
+    pub lights: Vec<(String, usize, DAffine3)>,
 }
 
 /// Walks through the nodes of the scene that is to be shown: the default one, else the first, else all nodes that are no children.
@@ -47,6 +49,10 @@ pub(super) fn placed(accessors: &Accessors<'_>) -> Result<Placed, String> {
         }
         if let Some(camera) = node.camera.and_then(|camera| root.cameras.get(camera)?.perspective.as_ref()) {
             placed.cameras.push((to_world, camera.yfov));
+        }
+        let light = node.extensions.get("KHR_lights_punctual").and_then(|extension| extension.get("light")?.as_u64());
+        if let Some(light) = light {
+            placed.lights.push((name, light as usize, to_world));
         }
         waiting.extend(node.children.iter().rev().map(|&child| (child, to_world)));
     }

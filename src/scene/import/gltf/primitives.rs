@@ -12,6 +12,8 @@ pub(super) struct Triangles {
     pub triangles: Vec<[u32; 3]>,
     /// Linear colours by vertex, where it has them.
     pub colours: Option<Vec<[f64; 3]>>,
+    /// Coordinates for lightmaps by vertex, where it has them and they are kept.
+    pub uv: Option<Vec<[f64; 2]>>,
 }
 
 /// What a primitive consists of.
@@ -57,7 +59,7 @@ pub(super) fn count(primitive: &Primitive, root: &Root) -> usize {
 }
 
 /// Reads the triangles of a primitive of a shape.
-pub(super) fn read(primitive: &Primitive, shape: Shape, accessors: &Accessors<'_>) -> Result<Triangles, String> {
+pub(super) fn read(primitive: &Primitive, shape: Shape, keep_uv: bool, accessors: &Accessors<'_>) -> Result<Triangles, String> {
     let positions = attribute(primitive, "POSITION")?.ok_or("it has no POSITION")?;
     let positions: Vec<DVec3> = accessors.vectors::<3>(positions)?.into_iter().map(DVec3::from).collect();
     let count = u32::try_from(positions.len()).map_err(|_| "it has more than 2^32 vertices")?;
@@ -75,7 +77,14 @@ pub(super) fn read(primitive: &Primitive, shape: Shape, accessors: &Accessors<'_
     if colours.as_ref().is_some_and(|colours| colours.len() != positions.len()) {
         return Err("it has more or fewer colours than vertices".to_owned());
     }
-    Ok(Triangles { positions, triangles: triangles(&indices, shape), colours })
+    let uv = match attribute(primitive, "TEXCOORD_1")?.filter(|_| keep_uv) {
+        Some(uv) => Some(accessors.vectors::<2>(uv)?),
+        None => None,
+    };
+    if uv.as_ref().is_some_and(|uv| uv.len() != positions.len()) {
+        return Err("it has more or fewer TEXCOORD_1 than vertices".to_owned());
+    }
+    Ok(Triangles { positions, triangles: triangles(&indices, shape), colours, uv })
 }
 
 /// The triangles that indices mean; every second one of a strip is turned. A strip goes on through triangles of two equal corners.
