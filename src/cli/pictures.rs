@@ -1,7 +1,7 @@
 //! Pictures: of the lit mesh of a solution, of a mesh that is made for the view, or of values that are gathered for the picture.
 
 use std::borrow::Cow;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use patchlight::mesh::LitMesh;
 use patchlight::output::{Display, ImageFormat, Look, Provenance, Quantity, write_display, write_hdr};
@@ -28,8 +28,7 @@ pub struct Limits {
 impl Limits {
     /// What is left of those of a run that began at some time.
     pub fn of(run: RunOptions, start: Instant) -> Self {
-        let end = run.time_s.and_then(|seconds| start.checked_add(Duration::from_secs_f64(seconds)));
-        Self { end, run }
+        Self { end: run.deadline_from(start), run }
     }
 
     /// The same with a part of the time that is left.

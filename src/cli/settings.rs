@@ -102,7 +102,7 @@ pub fn limit(run: &mut RunOptions, time: Option<&str>, memory: Option<&str>) -> 
     if let Some(value) = memory {
         run.memory_bytes = Some((positive("memory", value, "GB")? * 1e9) as u64);
     }
-    Ok(())
+    run.validate().map_err(Failure::usage)
 }
 
 /// No more threads than four for each core: more of them only wait for each other. The answer is the same.

@@ -1,6 +1,6 @@
 //! The local pass: first meshes of indirect light, then of all light, along lines where light jumps or nearly so (Lischinski 1994, chapter 4).
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use rayon::prelude::*;
 
@@ -79,7 +79,7 @@ impl MeshBuilder<'_> {
             let wanted = rays_of_nodes(self.error * INDIRECT_PART.sqrt(), noise_sq, self.seen.is_some());
             // What takes as many rays each: nodes and their tests, and judging, twice at each point.
             let gathers = 2 * (nodes(&growing) + JUDGED);
-            let work = of_gathers(begun, gathers).mul_f64(wanted / PILOT_RAYS);
+            let work = seconds_of_gathers(begun, gathers) * (wanted / PILOT_RAYS);
             light.rays = (wanted * self.limits.affordable_part(work)).max(RAYS.0);
             light.noise_scale = if told > 0.0 { noise_sq / told } else { 1.0 };
         }
@@ -112,7 +112,7 @@ impl MeshBuilder<'_> {
         let begun = Instant::now();
         self.grower(light, 1.0, 1.0).sampled_noise_sq(growing, PILOT_POINTS);
         // They are taken when elements are tested first, and again when these are judged.
-        self.limits.affordable_part(of_gathers(begun, nodes(growing) + 2 * tests as usize))
+        self.limits.affordable_part(seconds_of_gathers(begun, nodes(growing) + 2 * tests as usize))
     }
 
     /// What all surfaces weigh.
@@ -189,7 +189,7 @@ fn nodes(growing: &[Growing]) -> usize {
     growing.iter().map(|of| of.triangles.nodes.len()).sum()
 }
 
-/// What so many gathers take, as long as each of a pilot that began at some time.
-fn of_gathers(begun: Instant, count: usize) -> Duration {
-    begun.elapsed().mul_f64(count as f64 / (2 * PILOT_POINTS) as f64)
+/// What so many gathers take in seconds, as long as each of a pilot that began at some time.
+fn seconds_of_gathers(begun: Instant, count: usize) -> f64 {
+    begun.elapsed().as_secs_f64() * count as f64 / (2 * PILOT_POINTS) as f64
 }

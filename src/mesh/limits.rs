@@ -1,7 +1,7 @@
 //! What ends the refinement of a function before it is as good as asked for.
 
 use std::sync::OnceLock;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Elements are not refined beyond so many: about a gigabyte.
 const MOST_ELEMENTS: usize = 1 << 20;
@@ -61,15 +61,15 @@ impl<'a> MeshLimits<'a> {
         self.deadline.is_some()
     }
 
-    /// The part of some work for which there is time, where all of it takes so long: half of what is left is for it.
-    pub(super) fn affordable_part(&self, work: Duration) -> f64 {
+    /// The part of some work for which there is time, where all of it takes so many seconds: half of what is left is for it.
+    pub(super) fn affordable_part(&self, work_s: f64) -> f64 {
         let Some(deadline) = self.deadline else { return 1.0 };
-        let left = deadline.saturating_duration_since(Instant::now()) / 2;
-        if left >= work {
+        let left_s = deadline.saturating_duration_since(Instant::now()).as_secs_f64() / 2.0;
+        if left_s >= work_s {
             return 1.0;
         }
         self.reached.get_or_init(|| MeshLimit::Time);
-        left.as_secs_f64() / work.as_secs_f64()
+        left_s / work_s
     }
 
     /// Begins to refine a function. Half of the time that is left is for it; the rest is for judging, and for what comes after it.
@@ -101,11 +101,11 @@ mod tests {
 
     #[test]
     fn work_for_which_there_is_no_time_is_done_in_part() {
-        let hour = Duration::from_secs(3600);
+        let hour = 3600.0;
         assert_eq!(MeshLimits::none().affordable_part(hour), 1.0);
-        let limits = MeshLimits::new(&|_| true, Some(Instant::now() + hour));
-        assert_eq!((limits.affordable_part(hour / 3), limits.reached()), (1.0, None));
-        assert!((limits.affordable_part(2 * hour) - 0.25).abs() < 1e-3);
+        let limits = MeshLimits::new(&|_| true, Some(Instant::now() + Duration::from_secs_f64(hour)));
+        assert_eq!((limits.affordable_part(hour / 3.0), limits.reached()), (1.0, None));
+        assert!((limits.affordable_part(2.0 * hour) - 0.25).abs() < 1e-3);
         assert_eq!(limits.reached(), Some(MeshLimit::Time));
         assert_eq!(MeshLimits::new(&|_| true, Some(Instant::now())).affordable_part(hour), 0.0);
     }

@@ -92,7 +92,7 @@ impl Evaluator {
     ) -> Result<ViewMesh, PipelineError> {
         run.validate()?;
         let (through, scene, size) = (camera.rays()?, self.solution.scene(), [camera.width, camera.height]);
-        let (rays, deadline) = (Rays::new(&*self.visibility, scene), run.deadline());
+        let (rays, deadline) = (Rays::new(&*self.visibility, scene), run.deadline_from(Instant::now()));
         if !self.solution.has_room_for_view(size[0] as usize * size[1] as usize, run) {
             return Ok(ViewMesh { mesh: None, stopped_by: StoppedBy::Memory });
         }

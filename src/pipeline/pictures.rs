@@ -43,7 +43,7 @@ impl Evaluator {
         observer: &dyn Observer,
     ) -> Result<Option<(Image, f64)>, PipelineError> {
         run.validate()?;
-        self.render_shown(Shown::Radiance, camera, run.deadline(), observer)
+        self.render_shown(Shown::Radiance, camera, run.deadline_from(Instant::now()), observer)
     }
 
     /// The same of irradiance over pi.
@@ -57,7 +57,7 @@ impl Evaluator {
         observer: &dyn Observer,
     ) -> Result<Option<(Image, f64)>, PipelineError> {
         run.validate()?;
-        self.render_shown(Shown::Irradiance, camera, run.deadline(), observer)
+        self.render_shown(Shown::Irradiance, camera, run.deadline_from(Instant::now()), observer)
     }
 
     /// A picture from the values at what its pixels see, and the part of the pixels that were taken by a deadline.

@@ -32,7 +32,7 @@ impl<'a> Job<'a> {
         rays: &'a Rays<'a>,
         observer: &'a dyn Observer,
     ) -> Self {
-        let deadline = run.deadline();
+        let deadline = run.deadline_from(Instant::now());
         let memory = MemoryLedger::new(scene, run.backend, run.memory_bytes);
         Self { scene, kept_channels, options, run, deadline, memory, rays, observer }
     }

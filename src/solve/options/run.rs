@@ -20,9 +20,10 @@ pub struct RunOptions {
 }
 
 impl RunOptions {
-    /// When the time is over that begins now, if there is a limit.
-    pub(crate) fn deadline(&self) -> Option<Instant> {
-        self.time_s.and_then(|seconds| Instant::now().checked_add(Duration::from_secs_f64(seconds)))
+    /// When the time is over that began at `start`; `None` if there is no limit, or one beyond what the clock of the machine can tell.
+    pub fn deadline_from(&self, start: Instant) -> Option<Instant> {
+        let time = Duration::try_from_secs_f64(self.time_s?.max(0.0)).ok()?;
+        start.checked_add(time)
     }
 
     /// Rejects values outside their range; never clamps.
@@ -34,7 +35,7 @@ impl RunOptions {
         match self.time_s {
             Some(seconds) if !(0.0..MILLION_YEARS_S).contains(&seconds) => Err(OptionsError::OutOfRange {
                 option: "time",
-                value: seconds.to_string(),
+                value: format!("{seconds:?}"),
                 range: "seconds, not negative, below 3.2e13".to_owned(),
             }),
             _ => Ok(()),
