@@ -20,6 +20,8 @@ pub(crate) struct Refinement<'a> {
     linked: Vec<(NodeId, Link)>,
     dormant: Vec<Pair>,
     dropped: &'a mut Dropped,
+    /// The most links and other pairs that there were at a time.
+    most: usize,
 }
 
 /// Pairs that were dropped, by reason.
@@ -45,12 +47,13 @@ impl<'a> Refinement<'a> {
     /// Takes links apart; what is dropped is added to `dropped`.
     pub fn of(links: LinkSet, dropped: &'a mut Dropped) -> Self {
         let (linked, dormant) = links.into_parts();
-        Self { linked, dormant, dropped }
+        let most = linked.len() + dormant.len();
+        Self { linked, dormant, dropped, most }
     }
 
-    /// Links and dormant pairs.
-    pub fn len(&self) -> usize {
-        self.linked.len() + self.dormant.len()
+    /// The most links, dormant pairs and pairs that waited to be decided that there were at a time.
+    pub fn most_pairs(&self) -> usize {
+        self.most
     }
 
     /// The links by receiver.
@@ -68,6 +71,7 @@ impl<'a> Refinement<'a> {
     ) -> RefineEnd {
         let (mut wave, mut end) = self.reopen(hierarchy, splits, context, limits);
         while !wave.is_empty() {
+            self.most = self.most.max(self.linked.len() + self.dormant.len() + wave.len());
             if end == RefineEnd::Content {
                 end = limits.says_end(hierarchy, self.linked.len() + wave.len(), self.dormant.len()).unwrap_or(end);
             }

@@ -74,7 +74,12 @@ fn a_picture_tells_what_is_claimed_of_it() {
 #[test]
 fn limits_hold_for_pictures_and_the_picture_says_so() {
     let place = Place::new();
-    for (limit, word) in [("--time 0", "time is '0'"), ("--memory 0", "memory is '0'"), ("--time 1e300", "time is 1e300"), ("--time soon", "time is 'soon'")] {
+    for (limit, word) in [
+        ("--time 0", "time is '0'"),
+        ("--memory 0", "memory is '0'"),
+        ("--time 1e300", "time is 1e300"),
+        ("--time soon", "time is 'soon'"),
+    ] {
         place.run(&format!("render room.solution -o a.png {limit}")).failed(2, &[word]);
     }
     place.run("solve room.obj --error 0.1 -o s.solution").succeeded();
