@@ -237,7 +237,6 @@ fn wrong_usage_ends_with_2_and_says_what_is_wrong() {
         ("solve room.obj --set strategy=lazy94 --bounds guaranteed", &["bounds is guaranteed"]),
         ("solve room.obj --time 0", &["time is '0'", "seconds"]),
         ("solve room.obj --time -1", &["-1"]),
-        ("solve room.obj --time 1e300", &["time", "1e300", "seconds"]),
         ("solve room.obj --memory inf", &["memory is 'inf'"]),
         ("solve room.obj --set error", &["--set error", "key=value"]),
         ("solve room.obj --set colour=red", &["unknown option 'colour'"]),
