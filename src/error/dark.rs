@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::estimate::{ErrorEstimate, ErrorSamples};
 use super::norm::{Lit, least_light};
-use super::replicates::{ReplicateGather, Replication};
+use super::replicates::{ReplicateGather, Replication, Searched};
 use crate::geometry::{sampling, streams};
 use crate::paths::{PathScratch, Place};
 use crate::progress::Stop;
@@ -26,15 +26,6 @@ const BOUNCES: u32 = 8;
 
 /// It is searched where dark area would make the claim so many times as large if it counted as lit.
 const MATTERS: f64 = 1.02;
-
-/// What the paths of a search found at a point.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Searched {
-    /// What is reflected there, in W/m^2; 0 where no light was found.
-    light: f64,
-    /// Whether the first round had found none.
-    is_late: bool,
-}
 
 impl ErrorSamples {
     /// The error in the local norm by `estimate`, over all area that light may come to; unknown where it cannot be told. `lit` is what values and
@@ -67,15 +58,16 @@ impl ErrorSamples {
         self.search(lit, least, with, stop)?;
         self.add_searched(lit);
         let found = estimate(self, lit);
-        let may_be_missed = self.searched.iter().flatten().any(|searched| searched.light > 0.0 && searched.is_late);
+        let may_be_missed =
+            self.samples.iter().filter_map(|sample| sample.searched).any(|searched| searched.light > 0.0 && searched.is_late);
         Some(if may_be_missed { worse(found, estimate(self, &counted(lit))) } else { found.unwrap_or(ErrorEstimate::UNKNOWN) })
     }
 
     /// Marks the points where a search has found light.
     fn add_searched(&self, lit: &mut [Lit]) {
         let least = least_light(lit);
-        for (point, searched) in lit.iter_mut().zip(&self.searched).filter(|(point, _)| point.light <= least) {
-            if let Some(searched) = searched.filter(|searched| searched.light > 0.0) {
+        for (point, sample) in lit.iter_mut().zip(&self.samples).filter(|(point, _)| point.light <= least) {
+            if let Some(searched) = sample.searched.filter(|searched| searched.light > 0.0) {
                 (point.is_reached, point.missed) = (true, searched.light);
             }
         }
@@ -83,11 +75,9 @@ impl ErrorSamples {
 
     /// Looks for light at the points that are dark, each once. `None` if stopped.
     fn search(&mut self, lit: &[Lit], least: f64, with: &Replication<'_>, stop: Stop<'_>) -> Option<()> {
-        self.searched.resize(self.samples.len(), None);
-        let of_points = self.searched.par_iter_mut().zip(&self.samples).zip(lit);
-        of_points.for_each_init(PathScratch::default, |scratch, ((searched, sample), point)| {
-            if searched.is_none() && point.light <= least && !stop() {
-                *searched = Some(searched_from(sample.place, least, with, scratch));
+        self.samples.par_iter_mut().zip(lit).for_each_init(PathScratch::default, |scratch, (sample, point)| {
+            if sample.searched.is_none() && point.light <= least && !stop() {
+                sample.searched = Some(searched_from(sample.place, least, with, scratch));
             }
         });
         (!stop()).then_some(())

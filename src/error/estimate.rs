@@ -31,7 +31,6 @@ use serde::{Deserialize, Serialize};
 
 use super::claim::{Doubts, FEW_REPLICATES, claim};
 use super::compared::{by_other_rays, compared, is_taken_twice, judged, lit, values_at};
-use super::dark::Searched;
 use super::norm::{ErrorNorm, Lit, NormWeights, lit_points};
 use super::pairs::{PairProducts, mean_and_variance, variance_by_noise};
 use super::points::{ErrorPoint, Surroundings};
@@ -141,13 +140,11 @@ pub(crate) struct ErrorSamples {
     pub(super) samples: Vec<ErrorSample>,
     /// By sample, the value that a user gets there; two independent ones where they are taken twice, else equal ones.
     pub(super) values: Vec<[Gathered; 2]>,
-    /// By sample, what a search for light found; none where there was none.
-    pub(super) searched: Vec<Option<Searched>>,
 }
 
 impl ErrorSamples {
     pub fn new(norm: ErrorNorm) -> Self {
-        Self { norm, samples: Vec::new(), values: Vec::new(), searched: Vec::new() }
+        Self { norm, samples: Vec::new(), values: Vec::new() }
     }
 
     /// Bytes that a point takes: what replicates found, two values, and what estimates make of them.
@@ -156,8 +153,7 @@ impl ErrorSamples {
         const ALLOCATION: usize = 24;
         let numbers = channels * size_of::<f64>() + ALLOCATION;
         let values = 2 * (size_of::<Gathered>() + 3 * numbers);
-        let of_norm = 2 * size_of::<Lit>() + size_of::<Option<Searched>>();
-        (size_of::<ErrorSample>() + REPLICATES * numbers + values + of_norm + 16 * size_of::<ErrorPoint>()) as u64
+        (size_of::<ErrorSample>() + REPLICATES * numbers + values + 2 * size_of::<Lit>() + 16 * size_of::<ErrorPoint>()) as u64
     }
 
     pub fn is_empty(&self) -> bool {
@@ -168,7 +164,6 @@ impl ErrorSamples {
     pub fn clear(&mut self) {
         self.samples.clear();
         self.values.clear();
-        self.searched.clear();
     }
 
     /// Forgets the values, because they have changed.
@@ -202,6 +197,7 @@ impl ErrorSamples {
             rays: 0,
             noise: 0.0,
             noisiness: weights.as_ref().map_or(1.0, |weights| weights.by_point[number]),
+            searched: None,
         };
         self.samples.extend(points.into_iter().enumerate().map(untaken));
 

@@ -37,6 +37,11 @@ impl HardScene {
 
 /// All of them.
 pub fn all() -> Vec<HardScene> {
+    with_gaps().into_iter().chain(with_rare_light()).collect()
+}
+
+/// Those in which things stand close, or black things around.
+fn with_gaps() -> Vec<HardScene> {
     let new = HardScene::new;
     vec![
         new("comb_5mm", || comb::comb(0.005), "100 plates 5 mm apart below a lamp", "nearly all light is at the upper edges"),
@@ -59,6 +64,13 @@ pub fn all() -> Vec<HardScene> {
         ),
         new("gap_30um", || gaps::gaps(3e-5), "the same with gaps of 30 um", "gaps as narrow as planes are told apart"),
         new("gap_1um", || gaps::gaps(1e-6), "the same with gaps of 1 um", "gaps narrower than f32 resolves in the hall"),
+    ]
+}
+
+/// Those in which light is rare, small, many times reflected or on many small things.
+fn with_rare_light() -> Vec<HardScene> {
+    let new = HardScene::new;
+    vec![
         new(
             "snoot",
             snoot::snoot,
