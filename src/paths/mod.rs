@@ -16,6 +16,7 @@ mod particles;
 mod place;
 mod reflector_rays;
 mod reflectors;
+mod source_group;
 mod spots;
 mod trace;
 

@@ -3,13 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
 use patchlight::output::{Points, Provenance};
 use patchlight::pipeline::{self, Workers};
-use patchlight::solve::{SolveOptions, SolveReport};
+use patchlight::solve::{RunOptions, SolveOptions, SolveReport};
 
 use super::super::exit::{Exit, Failure};
 use super::super::files;
+use super::super::pictures::Limits;
 use super::super::progress::{Voice, Watcher};
 use super::super::solve::{Ending, stopped_by_name, within_limits, write_results};
 use super::changes::changed;
@@ -58,6 +60,7 @@ impl<'a> Ready<'a> {
     /// Solves it and writes its results; `None` if interrupted.
     pub fn work(&self, workers: &Workers, results: &Path) -> Result<Option<Record>, Failure> {
         let Self { task: Task { job, request, .. }, options, .. } = self;
+        let start = Instant::now();
 
         // The solve, over the geometry that all jobs of this scene share.
         let scene = changed(&self.scene.scene, &job.changes)?;
@@ -72,7 +75,9 @@ impl<'a> Ready<'a> {
 
         // What is asked for.
         let mut ending = Ending::new(exit);
-        let values = write_results(request, &evaluator, self.points.as_ref(), &Provenance::new(options), &mut ending);
+        let limits = Limits::of(RunOptions { time_s: request.run.time_s, ..run }, start);
+        let provenance = Provenance::new(options);
+        let values = write_results(request, &evaluator, self.points.as_ref(), (&provenance, &limits), &mut ending);
         let exit = ending.finish()?;
         if exit == Exit::Cancelled {
             return Ok(None);
