@@ -6,7 +6,7 @@
 //! was found there counts as missed by values. As long as some points are found late, others may be that were not found at all: the error is
 //! taken with these and without, whichever is larger. Where not even the median is known then, nothing can be said.
 //!
-//! It does not see light that comes to fewer than about one in half a thousand paths, times the number of dark points.
+//! It may miss light that less than one path in a hundred thousand finds: some five hundred leave each dark point.
 
 use rayon::prelude::*;
 
