@@ -5,7 +5,7 @@ mod rooms;
 #[path = "support/triangles.rs"]
 mod triangles;
 
-use patchlight::scene::SurfacePoint;
+use patchlight::scene::{Scene, SurfacePoint};
 use patchlight::solve::{SolveOptions, Solver};
 use rooms::{Room, solve, straight, values};
 
@@ -134,5 +134,43 @@ fn the_foot_of_a_box_that_hovers_sees_the_lit_floor() {
         // Asked for 5% over all surfaces; here it may be twice that.
         let found = mean(Solver::Links, 0.05, seed);
         assert!((found / expected - 1.0).abs() < 0.1, "seed {seed}: {found} instead of {expected}");
+    }
+}
+
+/// A room of 6 x 2 x 2 m that a thin wall divides: a lamp in the smaller part, 62% of the area beyond, and a square hole of this side.
+fn divided_room(hole: f64) -> Scene {
+    let mut room = Room::default();
+    let (grey, lamp) = (room.material(&[0.7], &[0.0]), room.material(&[0.0], &[10.0]));
+    room.cuboid([0.0; 3], straight(6.0, 2.0, 2.0), true, |_, _| grey);
+    room.quad([0.5, 0.5, 1.9], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], lamp);
+    let (low, high) = (1.0 - 0.5 * hole, 1.0 + 0.5 * hole);
+    let pieces = if hole > 0.0 {
+        vec![([0.0, 0.0], [low, 2.0]), ([high, 0.0], [2.0, 2.0]), ([low, 0.0], [high, low]), ([low, high], [high, 2.0])]
+    } else {
+        vec![([0.0, 0.0], [2.0, 2.0])]
+    };
+    for ([y, z], [far_y, far_z]) in pieces {
+        room.sheet(&[[2.0, y, z], [2.0, far_y, z], [2.0, far_y, far_z], [2.0, y, far_z]], grey);
+    }
+    room.scene()
+}
+
+#[test]
+fn light_through_a_small_hole_is_not_taken_for_none() {
+    // So little light comes through that most paths find none: values are as good as 0 on most of the area, or noise. `max_links` ends the solve
+    // at its first estimate.
+    let solved = |hole: f64, solver, error, seed| {
+        solve(divided_room(hole), &SolveOptions { max_links: Some(1), ..options(solver, error, seed) }).1
+    };
+    for hole in [0.02, 0.03, 0.05] {
+        for (error, seed) in [(0.1, 0), (0.05, 1), (0.05, 2), (0.02, 3)] {
+            let report = solved(hole, Solver::Cells, error, seed);
+            assert!(report.error.estimate > 0.5 && !report.converged, "{hole} m, {error}, seed {seed}: {:?}", report.error);
+        }
+    }
+    // Where there is no hole, the dark part does not count.
+    for (error, seed) in [(0.1, 0), (0.05, 1)] {
+        let (_, report) = solve(divided_room(0.0), &options(Solver::Cells, error, seed));
+        assert!(report.converged && (0.3..0.45).contains(&report.error.lit), "{:?}", report.error);
     }
 }

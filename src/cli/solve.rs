@@ -281,7 +281,15 @@ const WORTH_TELLING: f64 = 0.99;
 /// The claim, or that there is none: nothing was estimated, or nothing can be.
 fn claim_in_words(error: &ErrorReport, norm: Norm) -> String {
     if !error.estimate.is_finite() {
-        return format!("nothing can be said about it in the {norm} norm: too little was done to estimate it");
+        let why = if norm == Norm::Local && error.lit > 0.0 {
+            format!(
+                "light comes to more than half of the lit area by paths too rare to tell how much; it was found on {:.0}%",
+                100.0 * error.lit
+            )
+        } else {
+            "too little was done to estimate it".to_owned()
+        };
+        return format!("nothing can be said about it in the {norm} norm: {why}");
     }
     let (percent, confidence) = (100.0 * error.estimate, 100.0 * error.confidence);
     let where_lit = if norm == Norm::Local && error.lit < WORTH_TELLING {

@@ -103,5 +103,5 @@ pub(super) fn lit(area: f64, channels: impl Iterator<Item = Compared>, gather: &
     let light = by_values.sqrt().max(by_replicates - slack).min(by_replicates + slack);
     // Over cells truths are told by values, and have the noise of these.
     let light_sq = truth.all - if is_taken_twice(gather) { noise_sq } else { 0.0 };
-    Lit { area, light, light_sq }
+    Lit { area, light, light_sq, is_reached: false, missed: 0.0 }
 }

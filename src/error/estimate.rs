@@ -83,6 +83,11 @@ impl ErrorEstimate {
         value_noise: None,
         lit: 0.0,
     };
+
+    /// The same with so much more of the square of the error.
+    fn missing(self, sq: f64) -> Self {
+        Self { measured: self.measured.hypot(sq.sqrt()), claimed: self.claimed.hypot(sq.sqrt()), ..self }
+    }
 }
 
 /// Values over cells are taken twice at one of so many points.
@@ -148,7 +153,7 @@ impl ErrorSamples {
         const ALLOCATION: usize = 24;
         let numbers = channels * size_of::<f64>() + ALLOCATION;
         let values = 2 * (size_of::<Gathered>() + 3 * numbers);
-        (size_of::<ErrorSample>() + REPLICATES * numbers + values + size_of::<Lit>() + 16 * size_of::<ErrorPoint>()) as u64
+        (size_of::<ErrorSample>() + REPLICATES * numbers + values + 2 * size_of::<Lit>() + 16 * size_of::<ErrorPoint>()) as u64
     }
 
     pub fn is_empty(&self) -> bool {
@@ -182,7 +187,7 @@ impl ErrorSamples {
         let points = around.sampled_points(self.norm, more, seed, knows_cells.then_some(&reflected as &dyn Fn(&Place) -> f64));
         let lit = |point: &ErrorPoint| {
             let light = if knows_cells { reflected(&point.place) } else { 1.0 };
-            Lit { area: point.stands_for, light, light_sq: light * light }
+            Lit { area: point.stands_for, light, light_sq: light * light, is_reached: false, missed: 0.0 }
         };
         let weights = NormWeights::new(self.norm, &points.iter().map(lit).collect::<Vec<_>>());
         let untaken = |(number, ErrorPoint { place, stands_for, .. })| ErrorSample {
@@ -192,6 +197,7 @@ impl ErrorSamples {
             rays: 0,
             noise: 0.0,
             noisiness: weights.as_ref().map_or(1.0, |weights| weights.by_point[number]),
+            searched: None,
         };
         self.samples.extend(points.into_iter().enumerate().map(untaken));
 
@@ -220,7 +226,8 @@ impl ErrorSamples {
             let channels =
                 || values.radiosity.iter().zip(&again.radiosity).zip(exitance).map(|((value, again), e)| (value - e, again - e));
             let light_sq: f64 = channels().map(|(value, again)| value * again).sum();
-            lit.push(Lit { area: sample.stands_for / samples.len() as f64, light: light_sq.max(0.0).sqrt(), light_sq });
+            let (area, light) = (sample.stands_for / samples.len() as f64, light_sq.max(0.0).sqrt());
+            lit.push(Lit { area, light, light_sq, is_reached: false, missed: 0.0 });
             variances.push(channels().map(|(value, again)| 0.5 * (value - again).powi(2)).sum::<f64>());
         }
         let weights = NormWeights::new(self.norm, &lit)?.by_point;
@@ -252,31 +259,27 @@ impl ErrorSamples {
 
     /// Estimates the error of the values that `gather` gives, 0 if no light is reflected, infinite if
     /// nothing can be said. `None` if stopped.
-    pub fn estimate(&mut self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<ErrorEstimate> {
+    pub fn estimate(&mut self, gather: &Gather<'_>, with: &Replication<'_>, stop: Stop<'_>) -> Option<ErrorEstimate> {
         self.take_values(gather, stop)?;
-        let lit = self.lit(gather, &self.values, judged(gather));
+        let mut lit = self.lit(gather, &self.values, judged(gather));
         if lit.iter().all(|point| point.light == 0.0 && point.light_sq == 0.0) {
             return Some(ErrorEstimate::default());
         }
 
-        let in_norm = |norm| {
-            let weights = NormWeights::new(norm, &lit)?.by_point;
-            let estimate = self.estimate_weighted(gather, &weights, judged(gather));
-            estimate.measured.is_finite().then_some(estimate)
+        let in_norm = |own: &Self, norm, lit: &[Lit]| {
+            let weights = NormWeights::new(norm, lit)?.by_point;
+            let estimate = own.estimate_weighted(gather, &weights, judged(gather));
+            let missed_sq: f64 = lit.iter().zip(&weights).map(|(point, weight)| weight * point.missed * point.missed).sum();
+            estimate.measured.is_finite().then(|| estimate.missing(missed_sq))
         };
-        let estimates = [ErrorNorm::Energy, ErrorNorm::Local].map(in_norm);
-        let [energy, local] = estimates.each_ref().map(|estimate| {
-            estimate
-                .as_ref()
-                .map_or(ErrorFigure::UNKNOWN, |&ErrorEstimate { measured, claimed, .. }| ErrorFigure { measured, claimed })
-        });
-        let [by_energy, locally] = estimates;
+        let by_energy = in_norm(self, ErrorNorm::Energy, &lit).unwrap_or(ErrorEstimate::UNKNOWN);
+        let locally = self.with_dark_area(&mut lit, with, |own, lit| in_norm(own, ErrorNorm::Local, lit), stop)?;
+        let [energy, local] =
+            [&by_energy, &locally].map(|&ErrorEstimate { measured, claimed, .. }| ErrorFigure { measured, claimed });
         let asked = match self.norm {
             ErrorNorm::Energy => by_energy,
             ErrorNorm::Local => locally,
         };
-        let ErrorFigure { measured, claimed } = ErrorFigure::UNKNOWN;
-        let asked = asked.unwrap_or(ErrorEstimate { measured, claimed, ..ErrorEstimate::default() });
         let part = lit_points(&lit).map(|point| point.area).sum::<f64>() / lit.iter().map(|point| point.area).sum::<f64>();
         Some(ErrorEstimate { energy, local, lit: part, ..asked })
     }

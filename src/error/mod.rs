@@ -1,10 +1,11 @@
 //! How wrong values are: an estimate with a confidence, from light paths that share nothing with the values.
 //!
-//! Start with `estimate`: what is estimated; `norm` says relative to what. `points` says where, `replicates` by which rays, `residual` what
+//! Start with `estimate`: what is estimated; `norm` says relative to what, `dark` where light may be that no one found. `points` says where, `replicates` by which rays, `residual` what
 //! replicates estimate where values go over cells. `pairs` combines them, and `claim` tells the confidence limit.
 
 mod claim;
 mod compared;
+mod dark;
 mod error_bars;
 mod estimate;
 mod groups;

@@ -7,7 +7,7 @@
 //!
 //! channels pooled in both. By energy a small bright place outweighs all others. The local norm is relative to the light at each place, and
 //! to typical light where it is darker. What counts as the light at a point is the value there, as far as replicates do not contradict it. A point is
-//! lit if that is more than what roundings let through.
+//! lit if that is more than what roundings let through, or if light comes there by paths too rare for values and replicates (`dark`).
 
 /// In which norm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +29,10 @@ pub(super) struct Lit {
     pub light: f64,
     /// An estimate of its square without bias, which may be negative.
     pub light_sq: f64,
+    /// Whether light comes there, however little.
+    pub is_reached: bool,
+    /// Light that values and replicates do not find, in W/m^2.
+    pub missed: f64,
 }
 
 /// What squares of differences at points count: a factor for each, in m^4/W^2 per m^2 of its area, by which the sum is relative.
@@ -38,7 +42,7 @@ pub(super) struct NormWeights {
 }
 
 impl NormWeights {
-    /// `None` if no light is reflected.
+    /// `None` if no light is reflected, or too little is known of it.
     pub fn new(norm: ErrorNorm, points: &[Lit]) -> Option<Self> {
         let by_point: Vec<f64> = match norm {
             ErrorNorm::Energy => {
@@ -57,22 +61,27 @@ impl NormWeights {
 
 /// The points where light is.
 pub(super) fn lit_points(points: &[Lit]) -> impl Iterator<Item = &Lit> {
-    let area: f64 = points.iter().map(|point| point.area).sum();
-    let least = NONE * points.iter().map(|point| point.area * point.light).sum::<f64>() / area;
-    points.iter().filter(move |point| point.light > least)
+    let least = least_light(points);
+    points.iter().filter(move |point| point.is_reached || point.light > least)
 }
 
-/// The median light over the lit area; `None` if all is dark.
+/// Light of no more than this, in W/m^2, is none.
+pub(super) fn least_light(points: &[Lit]) -> f64 {
+    let area: f64 = points.iter().map(|point| point.area).sum();
+    NONE * points.iter().map(|point| point.area * point.light).sum::<f64>() / area
+}
+
+/// The median light over the lit area; `None` if all is dark, or if half of that area is lit by no one knows how little.
 pub(super) fn median_light(points: &[Lit]) -> Option<f64> {
-    let mut lit: Vec<&Lit> = lit_points(points).collect();
-    lit.sort_by(|a, b| a.light.total_cmp(&b.light));
-    let half = 0.5 * lit.iter().map(|point| point.area).sum::<f64>();
+    let mut lit: Vec<(f64, f64)> = lit_points(points).map(|point| (point.light.max(point.missed), point.area)).collect();
+    lit.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * lit.iter().map(|(_, area)| area).sum::<f64>();
     let mut below = 0.0;
-    let middle = lit.iter().find(|point| {
-        below += point.area;
+    let middle = lit.iter().find(|(_, area)| {
+        below += area;
         below >= half
     });
-    middle.map(|point| point.light)
+    middle.map(|(light, _)| *light).filter(|&light| light > least_light(points))
 }
 
 #[cfg(test)]
@@ -80,7 +89,7 @@ mod tests {
     use super::*;
 
     fn lit(area: f64, light: f64) -> Lit {
-        Lit { area, light, light_sq: light * light }
+        Lit { area, light, light_sq: light * light, is_reached: false, missed: 0.0 }
     }
 
     #[test]
@@ -106,6 +115,10 @@ mod tests {
         let [room, outside] = [lit(1.0, 2.0), lit(1e4, 1e-14)];
         assert_eq!(median_light(&[room, outside]), Some(2.0));
         let weights = |points: &[Lit]| NormWeights::new(ErrorNorm::Local, points).unwrap().by_point;
+        // Unless light is known to come there: then so little of it is known that there is no median.
+        assert_eq!(median_light(&[room, Lit { is_reached: true, ..outside }]), None);
+        assert_eq!(median_light(&[room, Lit { is_reached: true, missed: 0.5, ..outside }]), Some(0.5));
+        assert_eq!(median_light(&[room, Lit { area: 0.5, is_reached: true, ..outside }]), Some(2.0));
         assert_eq!(weights(&[room, outside])[0], weights(&[room])[0]);
         for norm in [ErrorNorm::Energy, ErrorNorm::Local] {
             assert!(NormWeights::new(norm, &[lit(1.0, 0.0)]).is_none());

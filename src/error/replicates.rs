@@ -50,6 +50,17 @@ pub(super) struct ErrorSample {
     pub noise: f64,
     /// How much that matters in the norm, relative to other points.
     pub noisiness: f64,
+    /// Where it was searched for light.
+    pub searched: Option<Searched>,
+}
+
+/// What the paths of a search for light found at a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Searched {
+    /// What is reflected there, in W/m^2; 0 where no light was found.
+    pub light: f64,
+    /// Whether the first round had found none.
+    pub is_late: bool,
 }
 
 impl ReplicateGather<'_> {
@@ -132,6 +143,7 @@ mod tests {
             rays: 0,
             noise: 0.0,
             noisiness,
+            searched: None,
         };
         let samples: Vec<ErrorSample> = [1.0, 8.0, 0.0, 1e9].map(sample).into();
         let shares = RayShares::new(&samples[..2]);

@@ -93,6 +93,8 @@ pub(crate) const CONTROL_GATHERS: u64 = kind(9);
 pub(crate) const REPLICATE_PILOT: u64 = kind(10);
 /// Whether a path of little weight goes on.
 pub(crate) const ROULETTE: u64 = kind(11);
+/// Paths that look for light at a point of the error estimate; add the round.
+pub(crate) const SEARCH: u64 = kind(102);
 
 /// Rays to lights that are no surfaces. Of what that gives, the light or the ray picks the stream.
 pub(crate) const LIGHTS: u64 = kind(100);

@@ -85,7 +85,7 @@ impl<'a> Judge<'a> {
             pilot.iter().for_each(|pilot| plan.fit_rays(pilot));
         }
         if is_spread && samples.take_replicates(plan.replicate_rays(), &with, &stop) {
-            *error = samples.estimate(&gather(plan.point_rays()), &stop);
+            *error = samples.estimate(&gather(plan.point_rays()), &with, &stop);
         }
 
         // Light that no point has found is somewhere all the same.

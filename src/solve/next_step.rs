@@ -42,6 +42,11 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64) ->
         let more = Choice { points: 1.5, ..Choice::NOTHING };
         return if plan.may_know_closer(&more) { NextStep::MorePoints } else { NextStep::Exhausted };
     }
+    if !error.claimed.is_finite() {
+        // Half of the lit area has so little light that no replicate has found it: more of their rays may.
+        let more = Choice { replicate_rays: 2.0, ..Choice::NOTHING };
+        return if plan.may_know_closer(&more) { NextStep::MoreReplicateRays } else { NextStep::Exhausted };
+    }
 
     // The least work that should do. Where nothing is known of the work of better links, replicates are worth some.
     let doubtful = Doubtful::new(error, value_noise, plan.has_cells());

@@ -83,8 +83,8 @@ pub struct ErrorReport {
     pub energy: ErrorFigure,
     /// Both in the local norm.
     pub local: ErrorFigure,
-    /// The part of the area of reflecting surfaces, 0 to 1, where light was found: the local norm is over it. Where it is too rare to be found
-    /// by some hundred paths from a point, a surface counts as dark.
+    /// The part of the area of reflecting surfaces, 0 to 1, where light was found, by values, replicates or, where it is rare, by a search of
+    /// its own: the local norm is over it. What one in a hundred thousand paths brings may be missed.
     pub lit: f64,
     /// [`Energy::held_back`] as a part of the power that the elements reflect.
     pub skipped: f64,

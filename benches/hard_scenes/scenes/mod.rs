@@ -37,10 +37,16 @@ impl HardScene {
 
 /// All of them.
 pub fn all() -> Vec<HardScene> {
+    with_gaps().into_iter().chain(with_rare_light()).collect()
+}
+
+/// Those in which things stand close, or black things around.
+fn with_gaps() -> Vec<HardScene> {
     let new = HardScene::new;
     vec![
         new("comb_5mm", || comb::comb(0.005), "100 plates 5 mm apart below a lamp", "nearly all light is at the upper edges"),
         new("comb_20mm", || comb::comb(0.02), "the same, 20 mm apart", "light falls off steeply along every plate"),
+        new("comb_50mm", || comb::comb(0.05), "the same, 50 mm apart", "light reaches the feet of the plates, hardly"),
         new("louvres", louvres::louvres, "a room behind a window with 41 slats 5 cm apart", "a room full of stripes of light"),
         new("bookcase", bookcase::bookcase, "250 books 1 to 30 mm apart", "much area lies in narrow gaps"),
         new("black_shell", around::black_shell, "two rooms in a closed black box", "half of the area is black"),
@@ -58,6 +64,13 @@ pub fn all() -> Vec<HardScene> {
         ),
         new("gap_30um", || gaps::gaps(3e-5), "the same with gaps of 30 um", "gaps as narrow as planes are told apart"),
         new("gap_1um", || gaps::gaps(1e-6), "the same with gaps of 1 um", "gaps narrower than f32 resolves in the hall"),
+    ]
+}
+
+/// Those in which light is rare, small, many times reflected or on many small things.
+fn with_rare_light() -> Vec<HardScene> {
+    let new = HardScene::new;
+    vec![
         new(
             "snoot",
             snoot::snoot,
@@ -66,9 +79,21 @@ pub fn all() -> Vec<HardScene> {
         ),
         new(
             "pinhole",
-            pinhole::pinhole,
+            || pinhole::pinhole(0.05),
             "a dark room that a white, lit chamber lights through a hole of 5 cm",
             "a ten-thousandth of the light, on more than half of the area",
+        ),
+        new(
+            "pinhole_20mm",
+            || pinhole::pinhole(0.02),
+            "the same with a hole of 2 cm",
+            "a path in fifty thousand finds the light of more than half of the area",
+        ),
+        new(
+            "pinhole_150mm",
+            || pinhole::pinhole(0.15),
+            "the same with a hole of 15 cm",
+            "some paths find the light of more than half of the area, most do not",
         ),
         new("tiny_lamps", lamps::many, "10,000 lamps of 5 mm behind grids", "from every point most lamps are hidden"),
         new("one_lamp", lamps::one, "one lamp of a millionth of the area, and boxes", "shadows without penumbra, a huge exitance"),

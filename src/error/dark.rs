@@ -1,0 +1,110 @@
+//! Whether light comes to points where none was found.
+//!
+//! The local norm is over all area that light comes to, however little of it, and relative to the median over that area. Where values and
+//! replicates find none, behind a small hole or deep in a slot, it may be rare: left out, that area would make the median too bright and the error too
+//! small. So longer paths look for light there, unless it would change nothing. A point from which one finds some counts as lit, and all that
+//! was found there counts as missed by values. As long as some points are found late, others may be that were not found at all: the error is
+//! taken with these and without, whichever is larger. Where not even the median is known then, nothing can be said.
+//!
+//! It may miss light that less than one path in a hundred thousand finds: some five hundred leave each dark point.
+
+use rayon::prelude::*;
+
+use super::estimate::{ErrorEstimate, ErrorSamples};
+use super::norm::{Lit, least_light};
+use super::replicates::{ReplicateGather, Replication, Searched};
+use crate::geometry::{sampling, streams};
+use crate::paths::{PathScratch, Place};
+use crate::progress::Stop;
+use crate::values::FinalGather;
+
+/// The paths of each round of a search.
+const ROUNDS: [u32; 4] = [64, 64, 128, 256];
+
+/// Bounces before such a path may end in a cell: cells that no light has found tell nothing.
+const BOUNCES: u32 = 8;
+
+/// It is searched where dark area would make the claim so many times as large if it counted as lit.
+const MATTERS: f64 = 1.02;
+
+impl ErrorSamples {
+    /// The error in the local norm by `estimate`, over all area that light may come to; unknown where it cannot be told. `lit` is what values and
+    /// replicates tell; where the search finds light it is added to that. `None` if stopped.
+    pub(super) fn with_dark_area(
+        &mut self,
+        lit: &mut [Lit],
+        with: &Replication<'_>,
+        estimate: impl Fn(&Self, &[Lit]) -> Option<ErrorEstimate>,
+        stop: Stop<'_>,
+    ) -> Option<ErrorEstimate> {
+        let least = least_light(lit);
+        let counted = |lit: &[Lit]| lit.iter().map(|&point| Lit { is_reached: true, ..point }).collect::<Vec<_>>();
+        let worse = |without: Option<ErrorEstimate>, with: Option<ErrorEstimate>| match (without, with) {
+            (Some(without), Some(with)) => {
+                if with.claimed > without.claimed {
+                    with
+                } else {
+                    without
+                }
+            }
+            _ => ErrorEstimate::UNKNOWN,
+        };
+        let (apart, all) = (estimate(self, lit), estimate(self, &counted(lit)));
+        let claimed = |of: &Option<ErrorEstimate>| of.as_ref().map_or(f64::INFINITY, |of| of.claimed);
+        if claimed(&all) <= MATTERS * claimed(&apart) {
+            return Some(worse(apart, all));
+        }
+
+        self.search(lit, least, with, stop)?;
+        self.add_searched(lit);
+        let found = estimate(self, lit);
+        let may_be_missed =
+            self.samples.iter().filter_map(|sample| sample.searched).any(|searched| searched.light > 0.0 && searched.is_late);
+        Some(if may_be_missed { worse(found, estimate(self, &counted(lit))) } else { found.unwrap_or(ErrorEstimate::UNKNOWN) })
+    }
+
+    /// Marks the points where a search has found light.
+    fn add_searched(&self, lit: &mut [Lit]) {
+        let least = least_light(lit);
+        for (point, sample) in lit.iter_mut().zip(&self.samples).filter(|(point, _)| point.light <= least) {
+            if let Some(searched) = sample.searched.filter(|searched| searched.light > 0.0) {
+                (point.is_reached, point.missed) = (true, searched.light);
+            }
+        }
+    }
+
+    /// Looks for light at the points that are dark, each once. `None` if stopped.
+    fn search(&mut self, lit: &[Lit], least: f64, with: &Replication<'_>, stop: Stop<'_>) -> Option<()> {
+        self.samples.par_iter_mut().zip(lit).for_each_init(PathScratch::default, |scratch, (sample, point)| {
+            if sample.searched.is_none() && point.light <= least && !stop() {
+                sample.searched = Some(searched_from(sample.place, least, with, scratch));
+            }
+        });
+        (!stop()).then_some(())
+    }
+}
+
+/// Looks for more light than `least` at a place, round by round, by paths of one replicate after the other.
+fn searched_from(place: Place, least: f64, with: &Replication<'_>, scratch: &mut PathScratch) -> Searched {
+    let reflectance = &with.scene.material_of(place.surface).reflectance[..with.scene.deciding()];
+    let mut found = vec![0.0; with.scene.channels()];
+    let mut cast = 0;
+    for (round, (rays, gather)) in ROUNDS.into_iter().zip(&with.gathers).enumerate() {
+        let place = Place { seed: sampling::hash(place.seed, streams::SEARCH + round as u64), ..place };
+        long_paths(gather).sampled_irradiance(&[place], rays, scratch, &mut found);
+        cast += rays;
+        let sum_sq: f64 = found.iter().zip(reflectance).map(|(h, rho)| (rho * h).powi(2)).sum();
+        let light = sum_sq.sqrt() * f64::from(rays) / f64::from(cast);
+        if light > least {
+            return Searched { light, is_late: round > 0 };
+        }
+    }
+    Searched { light: 0.0, is_late: false }
+}
+
+fn long_paths<'a>(gather: &ReplicateGather<'a>) -> FinalGather<'a> {
+    match gather {
+        ReplicateGather::Truth(gather) => FinalGather { bounces: BOUNCES, ..*gather },
+        ReplicateGather::Residual(gather) => FinalGather { paths: gather.paths, radiosities: gather.onward, bounces: BOUNCES },
+    }
+}
