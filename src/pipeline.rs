@@ -18,8 +18,10 @@ use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceB
 use crate::mesh::MeshIndex;
 use crate::picture::{self, Camera, Image, Shown};
 use crate::progress::Observer;
-use crate::scene::{Light, LightGroupError, Scene, SurfacePoint};
-use crate::solve::{self, Bounds, InitialImportance, Interest, RunOptions, Solution, SolveOptions, SolveReport, Strategy};
+use crate::scene::{Light, LightGroupError, Material, Scene, SurfacePoint};
+use crate::solve::{
+    self, Bounds, ErrorReport, InitialImportance, Interest, OtherMaterialsError, RunOptions, Solution, SolveOptions, SolveReport, Strategy,
+};
 use crate::sweep::Importance;
 use crate::transmittance::Rays;
 use crate::values::{self, ShadingMethod, Values};
@@ -106,6 +108,19 @@ pub fn solve_asking_on(
     solve_in(pool, visibility, scene, options, run, observer)
 }
 
+/// [`Solution::with_materials`] on these threads.
+///
+/// # Errors
+/// See [`OtherMaterialsError`].
+pub fn with_materials_on(
+    pool: &Workers,
+    solution: &Solution,
+    materials: Vec<Material>,
+    observer: &dyn Observer,
+) -> Result<Option<(Solution, ErrorReport)>, OtherMaterialsError> {
+    pool.install(|| solution.with_materials(materials, observer))
+}
+
 fn solve_in(
     pool: Workers,
     visibility: Box<dyn Visibility>,
@@ -137,7 +152,7 @@ fn solve_in(
 fn check(scene: &Scene, options: &SolveOptions, run: &RunOptions) -> Result<(), PipelineError> {
     options.validate()?;
     run.validate()?;
-    let knows_groups = options.strategy == Strategy::Default && options.bounds != Bounds::Guaranteed;
+    let knows_groups = options.strategy == Strategy::Default && options.bounds != Bounds::Guaranteed && !options.keep_transport;
     if scene.light_groups().is_some() && !knows_groups {
         return Err(LightGroupError::Options.into());
     }

@@ -15,6 +15,7 @@
 use glam::DVec3;
 
 use super::grid::NO_CELL;
+use super::trail::Trail;
 
 /// A path whose weight falls below this goes on with this weight, or ends. At most 1; the less, the longer paths get, and the less noisy.
 const LITTLE: f64 = 0.25;
@@ -44,6 +45,8 @@ pub(crate) struct Ends {
     pub seen: Vec<(usize, u32)>,
     /// By entry of `seen` and channel: it brings `weight * B`, B being the radiosity of the cell.
     pub seen_weight: Vec<f64>,
+    /// Off what paths are reflected, where somebody asks.
+    pub trail: Option<Trail>,
 }
 
 /// A path that went on from where its first ray arrived.
@@ -70,7 +73,9 @@ impl Ends {
             if let Some(cell) = cell {
                 self.seen.push((continuation, cell));
                 self.seen_weight.extend(weights.iter().map(|weight| weight * (1.0 - 1.0 / chance)));
+                self.trail.iter_mut().for_each(|trail| trail.see(continuation, 1.0 - 1.0 / chance));
             }
+            self.trail.iter_mut().for_each(|trail| trail.weigh(continuation, 1.0 / chance));
             weights.iter_mut().for_each(|weight| *weight /= chance);
         }
         true
@@ -87,5 +92,6 @@ impl Ends {
         self.continued.clear();
         self.seen.clear();
         self.seen_weight.clear();
+        self.trail.iter_mut().for_each(Trail::clear);
     }
 }

@@ -233,7 +233,9 @@ impl<'a> LightPaths<'a> {
         ends.weight.clear();
         ends.weight.resize(ends.continued.len() * channels, 1.0);
         for (continuation, direction) in scratch.into_sky.drain(..) {
-            self.scene.add_sky_radiosity(direction, 1.0, &mut ends.constant[continuation * channels..][..channels]);
+            let constant = &mut ends.constant[continuation * channels..][..channels];
+            self.scene.add_sky_radiosity(direction, 1.0, constant);
+            ends.trail.iter_mut().for_each(|trail| trail.collect(continuation, constant));
         }
         for bounce in 1..=MAX_BOUNCES {
             if scratch.heads.is_empty() {
@@ -271,6 +273,7 @@ impl<'a> LightPaths<'a> {
                 Arrival::Nothing => {}
                 Arrival::Sky(direction) => {
                     into_sky.push((ends.continued.len(), direction));
+                    ends.trail.iter_mut().for_each(|trail| trail.goes_on(path / count as usize));
                     ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: NO_CELL, is_of_sky: true });
                 }
                 Arrival::Cell(cell, point, surface) => {
@@ -280,6 +283,7 @@ impl<'a> LightPaths<'a> {
                 }
                 Arrival::Onward(point, surface, small) => {
                     let (place, ray) = (path / count as usize, path % count as usize);
+                    ends.trail.iter_mut().for_each(|trail| trail.goes_on(place));
                     ends.surface[path] = surface.0;
                     let seed = sampling::hash(places[place].receiver(self.scene).seed, streams::PATHS_ONWARD + ray as u64);
                     heads.push(Place { point, surface, seed });
@@ -320,6 +324,14 @@ impl<'a> LightPaths<'a> {
                 ends.constant[index] += ends.weight[index] * (own + rho * irradiance[channel]);
                 ends.weight[index] *= rho;
             }
+            if let Some(trail) = &mut ends.trail {
+                let number = self.scene.surface(head.surface).material;
+                if exitance.is_some() {
+                    trail.collect_exitance(continuation, number);
+                }
+                trail.reflect(continuation, number);
+                trail.collect(continuation, irradiance);
+            }
         }
 
         // Bright reflectors, whose radiosities are not known here.
@@ -329,6 +341,7 @@ impl<'a> LightPaths<'a> {
             ends.seen.push((continuation, seen.cell));
             let left = &ends.weight[continuation * channels..][..channels];
             ends.seen_weight.extend(left.iter().map(|left| left * seen.weight));
+            ends.trail.iter_mut().for_each(|trail| trail.see(continuation, seen.weight));
         }
     }
 
@@ -354,6 +367,7 @@ impl<'a> LightPaths<'a> {
                         let index = continuation * channels + channel;
                         ends.constant[index] += ends.weight[index] * brought;
                     }
+                    ends.trail.iter_mut().for_each(|trail| trail.collect(continuation, &brought));
                 }
                 Arrival::Cell(cell, ..) => ends.continued[continuation].cell = cell,
                 Arrival::Onward(point, surface, _) => {

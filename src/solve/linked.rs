@@ -9,10 +9,12 @@ use rayon::prelude::*;
 
 use super::cuts::cut_along_discontinuities;
 use super::job::Job;
+use super::judge::Judge;
 use super::memory::{CellDemand, Holdings, LINK_AT_WORK};
 use super::options::{Subdivision, Sweep};
 use super::plan::{COARSE_TOLERANCE, Plan};
 use super::report::SolveReport;
+use super::transport::Transport;
 use crate::direct::{Lights, SharedBlockers};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
@@ -27,7 +29,7 @@ use crate::transmittance::maps::Maps;
 use crate::values::{Gather, Gathered, LinkGather, Over, RayBudget, Scratch};
 
 /// No solve sweeps more often in a row: at reflectance 0.999 the change has fallen by e^-20 by then.
-const MAX_SWEEPS: u32 = 20_000;
+pub(super) const MAX_SWEEPS: u32 = 20_000;
 
 /// Hierarchy, links and radiosities, and what was told of them so far.
 pub(super) struct Linked<'a> {
@@ -360,6 +362,18 @@ impl<'a> Linked<'a> {
         }
         let Some(demand) = self.cell_demand(plan) else { return false };
         let bytes = self.job.memory.kept(self.holdings()) + demand.bytes(self.job.scene);
+        let is_allowed = self.job.memory.allows(bytes) && self.job.observer.allows_memory(bytes);
+        if is_allowed {
+            self.account(bytes);
+        }
+        is_allowed
+    }
+
+    /// Whether the transport of the cells of a plan can be recorded and kept within the memory.
+    pub fn has_room_for_transport(&mut self, plan: &Plan, judge: &Judge<'_>) -> bool {
+        let Some(demand) = self.cell_demand(plan) else { return false };
+        let of_cells = demand.bytes(self.job.scene);
+        let bytes = self.job.memory.kept(self.holdings()) + of_cells + Transport::estimate_bytes(demand.cells, plan, judge);
         let is_allowed = self.job.memory.allows(bytes) && self.job.observer.allows_memory(bytes);
         if is_allowed {
             self.account(bytes);

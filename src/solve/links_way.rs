@@ -142,7 +142,7 @@ impl<'a> Way<'a> for LinksWay<'a> {
                 (judge.error, rays, known)
             }
         };
-        finish(linked, Outcome { known, error, stopped_by, point_rays, resolution: plan.resolution(), radiosities: None })
+        finish(linked, Outcome { known, error, stopped_by, point_rays, resolution: plan.resolution(), radiosities: None, transport: None })
     }
 }
 

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::bounds::{BoundsReport, Certainty};
+use crate::error::{self, CONFIDENCE, ErrorEstimate};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::scene::{Scene, SurfaceId};
@@ -86,8 +87,25 @@ pub struct ErrorReport {
     /// The part of the area of reflecting surfaces, 0 to 1, where light was found: the local norm is over it. Where it is too rare to be found
     /// by some hundred paths from a point, a surface counts as dark.
     pub lit: f64,
-    /// [`Energy::held_back`] as a part of the power that the elements reflect.
+    /// [`Energy::held_back`] as a part of the power that the elements reflect; NaN where it is not known.
     pub skipped: f64,
+}
+
+impl ErrorReport {
+    /// As far as an estimate tells; `None` where there was none.
+    pub(super) fn of_estimate(error: Option<&ErrorEstimate>) -> Self {
+        let figure = |of: error::ErrorFigure| ErrorFigure { estimate: of.claimed, measured: of.measured };
+        Self {
+            requested: f64::NAN,
+            estimate: error.map_or(f64::INFINITY, |error| error.claimed),
+            confidence: CONFIDENCE,
+            measured: error.map_or(f64::INFINITY, |error| error.measured),
+            energy: error.map_or_else(ErrorFigure::default, |error| figure(error.energy)),
+            local: error.map_or_else(ErrorFigure::default, |error| figure(error.local)),
+            lit: error.map_or(0.0, |error| error.lit),
+            skipped: f64::NAN,
+        }
+    }
 }
 
 /// Where the power goes, in W, all channels added, by the links and the radiosities of the elements, which over cells are those of a coarse
@@ -174,6 +192,8 @@ pub struct StageTimes {
     pub resolve: f64,
     /// Estimating the error.
     pub error: f64,
+    /// Keeping what paths bring.
+    pub transport: f64,
     /// Making the lit mesh.
     pub mesh: f64,
     /// Bounding it.
@@ -271,6 +291,19 @@ pub struct LightGroupReport {
     pub lit_mesh: Option<ErrorFigure>,
 }
 
+/// What is stored to solve again for other materials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct TransportReport {
+    /// Cells of values; replicates have as many each.
+    pub cells: u64,
+    /// Terms of all paths: a weight, a product of reflectances, and a radiosity or an emission.
+    pub terms: u64,
+    /// Products of reflectances that differ.
+    pub products: u64,
+    /// Bytes in memory; files are smaller.
+    pub bytes: u64,
+}
+
 /// What a solve tells about itself: everything that is not the answer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SolveReport {
@@ -286,6 +319,8 @@ pub struct SolveReport {
     pub lit_mesh: Option<LitMeshReport>,
     /// What is known of light groups, if the scene has any.
     pub light_groups: Option<LightGroupsReport>,
+    /// What is stored to solve again for other materials, if that was asked for and there is some.
+    pub transport: Option<TransportReport>,
     /// What is proved about the answer, if that was asked for.
     pub bounds: Option<BoundsReport>,
     /// How wrong radiosities may be by the links, for error-driven refinement.
