@@ -20,7 +20,8 @@ use crate::picture::{self, Camera, Image, Shown};
 use crate::progress::Observer;
 use crate::scene::{Light, LightGroupError, Material, Scene, SurfacePoint};
 use crate::solve::{
-    self, Bounds, ErrorReport, InitialImportance, Interest, OtherMaterialsError, RunOptions, Solution, SolveOptions, SolveReport, Strategy,
+    self, Bounds, ErrorReport, InitialImportance, Interest, OtherMaterialsError, RunOptions, Solution, SolveOptions, SolveReport,
+    Strategy,
 };
 use crate::sweep::Importance;
 use crate::transmittance::Rays;

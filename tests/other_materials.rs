@@ -13,7 +13,9 @@ use patchlight::output::{Provenance, read_solution_from, write_solution};
 use patchlight::pipeline::{Evaluator, PipelineError, solve};
 use patchlight::progress::{Observer, Progress, Silent};
 use patchlight::scene::{LightGrouping, Material, Scene, SceneError, SurfacePoint};
-use patchlight::solve::{Bounds, ErrorReport, Norm, OtherMaterialsError, RunOptions, Solution, SolveOptions, SolveReport, Solver, Strategy};
+use patchlight::solve::{
+    Bounds, ErrorReport, Norm, OtherMaterialsError, RunOptions, Solution, SolveOptions, SolveReport, Solver, Strategy,
+};
 use rooms::{Room, cube, points_of, straight};
 use triangles::Random;
 
@@ -74,7 +76,10 @@ fn off(found: &[f32], truth: &[f32], exitance: &[f64]) -> f64 {
 
 fn exitance_at(scene: &Scene, count: usize) -> Vec<f64> {
     let places = points_of(scene, count, &mut Random(11));
-    places.into_iter().flat_map(|(_, surface)| scene.materials()[scene.surfaces()[surface].material as usize].exitance.clone()).collect()
+    places
+        .into_iter()
+        .flat_map(|(_, surface)| scene.materials()[scene.surfaces()[surface].material as usize].exitance.clone())
+        .collect()
 }
 
 #[test]
@@ -123,7 +128,10 @@ fn other_materials_are_within_their_claim_of_solves_from_scratch() {
         let exitance = exitance_at(truth.solution().scene(), points.len());
         let truth = truth.values_at(&points, &Silent).unwrap().radiosity;
         let off = off(&values(found.clone(), &points), &truth, &exitance);
-        println!("{name}: off by {off:.4}, claimed {:.4}, measured {:.4}; the truth claims {:.4}", error.estimate, error.measured, of_truth.error.estimate);
+        println!(
+            "{name}: off by {off:.4}, claimed {:.4}, measured {:.4}; the truth claims {:.4}",
+            error.estimate, error.measured, of_truth.error.estimate
+        );
         // What the truth is off, and the scatter of 600 points.
         assert!(off <= error.estimate + of_truth.error.estimate + 0.1 * error.estimate, "{name}");
         assert!(error.estimate < 0.3, "{name}: {error:?}");
@@ -136,9 +144,8 @@ fn other_materials_are_within_their_claim_of_solves_from_scratch() {
 
 #[test]
 fn it_is_the_same_for_any_number_of_threads_and_after_storing() {
-    let materials = |solution: &Solution| {
-        changed(solution.scene(), |material| material.reflectance.iter_mut().for_each(|rho| *rho *= 0.8))
-    };
+    let materials =
+        |solution: &Solution| changed(solution.scene(), |material| material.reflectance.iter_mut().for_each(|rho| *rho *= 0.8));
     let stored = |solution: &Solution| {
         let mut file = Cursor::new(Vec::new());
         write_solution(&mut file, solution, &Provenance::new(solution.options())).unwrap();

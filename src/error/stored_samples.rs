@@ -143,9 +143,7 @@ impl SampleRecorder<'_> {
         let (emission, cells) = (self.paths.scene.emission_sources(), self.paths.grids.cells());
         match what {
             Brought::Emission(source) => source,
-            Brought::End(cell) | Brought::Seen(cell) => {
-                (emission + replicate.map_or(0, |number| 1 + number) * cells) as u32 + cell
-            }
+            Brought::End(cell) | Brought::Seen(cell) => (emission + replicate.map_or(0, |number| 1 + number) * cells) as u32 + cell,
         }
     }
 }

@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use crate::direct::Receiver;
-use crate::geometry::sampling;
+use crate::geometry::{Frame, sampling};
 use crate::scene::{Scene, SurfaceId};
+use crate::visibility::Ray;
 
 /// A point on a surface, and the seed of all random numbers of the rays from there.
 #[derive(Clone, Copy, Debug)]
@@ -53,4 +54,14 @@ pub(crate) struct Directions {
 /// A point, with random numbers that depend on it and `seed` alone.
 pub(crate) fn place_at(point: DVec3, surface: SurfaceId, seed: u64) -> Place {
     Place { point, surface, seed: sampling::seed_at(point, seed) }
+}
+
+/// Cosine-distributed rays from a receiver, by the Sobol points of these indices.
+pub(super) fn cosine_rays<I: Iterator<Item = u32>>(receiver: &Receiver, indices: I) -> impl Iterator<Item = Ray> + use<I> {
+    let &Receiver { point, normal, plane: origin_plane, seed } = receiver;
+    let (frame, origin, sobol) = (Frame::around(normal), point.to_array(), sampling::shifted_sobol_2d(seed));
+    indices.map(move |index| {
+        let [u, v] = sobol(index);
+        Ray { origin, direction: frame.sampled_by_cosine(u, v).to_array(), origin_plane }
+    })
 }

@@ -23,11 +23,11 @@ use super::grid::{CellSize, Grid, Grids, NO_CELL};
 use super::next_event::EmitterRays;
 use super::open_parts::OpenParts;
 use super::particles::Landing;
-use super::place::{Directions, Place, Receives};
+use super::place::{Directions, Place, Receives, cosine_rays};
 use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
 use super::reflectors::Brightness;
 use crate::direct::{Blockers, DirectLight, LightRays, Lights, Receiver};
-use crate::geometry::{Frame, sampling, streams};
+use crate::geometry::{sampling, streams};
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::{Hit, NO_PLANE, Ray, Segment};
@@ -400,14 +400,4 @@ impl<'a> LightPaths<'a> {
             small => Arrival::Onward(point, surface, small),
         }
     }
-}
-
-/// Cosine-distributed rays from a receiver, by the Sobol points of these indices.
-fn cosine_rays<I: Iterator<Item = u32>>(receiver: &Receiver, indices: I) -> impl Iterator<Item = Ray> + use<I> {
-    let &Receiver { point, normal, plane: origin_plane, seed } = receiver;
-    let (frame, origin, sobol) = (Frame::around(normal), point.to_array(), sampling::shifted_sobol_2d(seed));
-    indices.map(move |index| {
-        let [u, v] = sobol(index);
-        Ray { origin, direction: frame.sampled_by_cosine(u, v).to_array(), origin_plane }
-    })
 }

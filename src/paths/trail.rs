@@ -161,7 +161,8 @@ impl Products {
 
     /// Whether each is made of an earlier one, and of one of so many materials.
     pub fn are_valid(&self, materials: usize) -> bool {
-        let is_made = |(index, &[before, material]): (usize, &[u32; 2])| before as usize <= index && (material as usize) < materials;
+        let is_made =
+            |(index, &[before, material]): (usize, &[u32; 2])| before as usize <= index && (material as usize) < materials;
         self.steps.len() < u32::MAX as usize && self.steps.iter().enumerate().all(is_made)
     }
 }
@@ -182,7 +183,10 @@ mod tests {
         assert_eq!(numbers.of_trail(&[[0, 0], [0, 1], [2, 1]]), [0, 3, 1, 4]);
         let products = numbers.finish();
         assert!(products.are_valid(2) && !products.are_valid(1));
-        assert_eq!(products.of(&[material(0.5), material(0.8)], 2), [1.0, 1.0, 0.8, 0.4, 0.4, 0.1, 0.5, 0.25, 0.8 * 0.8, 0.4 * 0.4]);
+        assert_eq!(
+            products.of(&[material(0.5), material(0.8)], 2),
+            [1.0, 1.0, 0.8, 0.4, 0.4, 0.1, 0.5, 0.25, 0.8 * 0.8, 0.4 * 0.4]
+        );
         assert!(!Products { steps: vec![[1, 0]] }.are_valid(2));
     }
 }

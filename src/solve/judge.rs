@@ -7,7 +7,8 @@ use super::linked::Linked;
 use super::plan::Plan;
 use crate::cells::SolvedCells;
 use crate::error::{
-    ErrorEstimate, ErrorNorm, ErrorSamples, KnownErrors, Pilot, REPLICATES, ReplicateGather, Replication, SampleRecorder, StoredSamples,
+    ErrorEstimate, ErrorNorm, ErrorSamples, KnownErrors, Pilot, REPLICATES, ReplicateGather, Replication, SampleRecorder,
+    StoredSamples,
 };
 use crate::geometry::{sampling, streams};
 use crate::paths::{LightPaths, ProductNumbers, Resolution};

@@ -27,7 +27,9 @@ pub enum OtherMaterialsError {
     )]
     NotFollowed(String),
     /// Surfaces were dark, so that elements have no links from them.
-    #[error("light comes from surfaces that sent none as they were solved, and what elements get of it is not stored: solve the scene anew")]
+    #[error(
+        "light comes from surfaces that sent none as they were solved, and what elements get of it is not stored: solve the scene anew"
+    )]
     WasDark,
 }
 

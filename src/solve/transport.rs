@@ -67,9 +67,8 @@ impl Transport {
             is_sampled[scene.surface(surface).material as usize] = true;
         }
         let materials = job.scene.materials().iter().zip(&is_sampled);
-        let is_followed = materials.map(|(material, is_sampled)| {
-            material.reflectance.iter().any(|&rho| rho > 0.0) || (material.emits() && !is_sampled)
-        });
+        let is_followed = materials
+            .map(|(material, is_sampled)| material.reflectance.iter().any(|&rho| rho > 0.0) || (material.emits() && !is_sampled));
         let reflected = surfaces().map(|surface| linked.radiosity.reflected(job.scene, &linked.hierarchy, surface));
         let (is_followed, reflected) = (is_followed.collect(), reflected.collect());
         Some(Self { products: numbers.finish(), is_followed, is_sampled, reflected, rows, samples })
@@ -101,7 +100,12 @@ impl Transport {
     pub fn report(&self) -> TransportReport {
         let cells = self.rows.first().map_or(0, StoredRows::cells);
         let terms = self.rows.iter().map(StoredRows::terms).sum::<usize>() + self.samples.terms();
-        TransportReport { cells: cells as u64, terms: terms as u64, products: self.products.len() as u64, bytes: self.memory_bytes() }
+        TransportReport {
+            cells: cells as u64,
+            terms: terms as u64,
+            products: self.products.len() as u64,
+            bytes: self.memory_bytes(),
+        }
     }
 
     /// Bytes that this takes.

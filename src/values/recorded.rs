@@ -18,7 +18,8 @@ impl GatherRecorder<'_> {
     /// Visits the terms of the irradiance at a place that [`FinalGather`](super::FinalGather) finds for values, by `rays` paths.
     pub fn irradiance_of_value(&self, place: Place, rays: u32, scratch: &mut PathScratch, visit: Visit<'_>) {
         let (places, direct) = ([place], emitter_rays(rays));
-        let add_direct = |scratch: &mut PathScratch, sums: &mut BatchSums<'_>| self.paths.add_direct(&places, direct, scratch, sums);
+        let add_direct =
+            |scratch: &mut PathScratch, sums: &mut BatchSums<'_>| self.paths.add_direct(&places, direct, scratch, sums);
         self.irradiance(&places, (Vec::new(), rays.max(1)), add_direct, scratch, visit);
     }
 

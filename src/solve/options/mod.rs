@@ -74,7 +74,11 @@ impl SolveOptions {
             return reject("keep_transport", &true, "false over links, and with a strategy: what paths bring is kept over cells");
         }
         if self.keep_transport && (self.lit_mesh || self.bounds == Bounds::Guaranteed) {
-            return reject("keep_transport", &true, "false with a lit mesh, and with guaranteed bounds, which are not solved again");
+            return reject(
+                "keep_transport",
+                &true,
+                "false with a lit mesh, and with guaranteed bounds, which are not solved again",
+            );
         }
         Ok(())
     }
