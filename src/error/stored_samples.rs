@@ -192,7 +192,8 @@ impl StoredSamples {
 
         // Light that no point has found may be somewhere all the same.
         let is_lit = with.emission.iter().any(|&emission| emission > 0.0);
-        if is_lit && found.lit == 0.0 { ErrorEstimate::UNKNOWN } else { found }
+        let is_reflected = is_lit && scene.materials().iter().any(|material| material.reflectance.iter().any(|&rho| rho > 0.0));
+        if (is_reflected && found.lit == 0.0) || found.claimed.is_nan() { ErrorEstimate::UNKNOWN } else { found }
     }
 
     /// How many terms there are.

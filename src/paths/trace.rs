@@ -326,11 +326,7 @@ impl<'a> LightPaths<'a> {
             }
             if let Some(trail) = &mut ends.trail {
                 let number = self.scene.surface(head.surface).material;
-                if exitance.is_some() {
-                    trail.collect_exitance(continuation, number);
-                }
-                trail.reflect(continuation, number);
-                trail.collect(continuation, irradiance);
+                trail.reflect(continuation, number, exitance.is_some(), irradiance);
             }
         }
 

@@ -80,15 +80,14 @@ impl Trail {
         }));
     }
 
-    /// A continuation brings the exitance of the surface where it is.
-    pub(super) fn collect_exitance(&mut self, continuation: usize, material: u32) {
+    /// A continuation is reflected at a surface whose exitance it brings, if paths do, and so much irradiance that arrives there by channel.
+    pub(super) fn reflect(&mut self, continuation: usize, material: u32, brings_exitance: bool, irradiance: &[f64]) {
         let (product, weight) = self.at[continuation];
-        self.collected.push(Collected { continuation, product, source: material, weight });
-    }
-
-    /// A continuation is reflected.
-    pub(super) fn reflect(&mut self, continuation: usize, material: u32) {
-        self.at[continuation].0 = self.times(self.at[continuation].0, material);
+        if brings_exitance {
+            self.collected.push(Collected { continuation, product, source: material, weight });
+        }
+        self.at[continuation].0 = self.times(product, material);
+        self.collect(continuation, irradiance);
     }
 
     /// A continuation sees a cell with so much of what it carries.

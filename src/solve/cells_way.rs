@@ -161,7 +161,7 @@ fn kept_transport(
     stopped_by: StoppedBy,
 ) -> (Option<Transport>, StoppedBy) {
     let Some(judge) = judge.filter(|_| linked.job.options.keep_transport) else { return (None, stopped_by) };
-    if !linked.has_room_for_transport(plan, judge) {
+    if !Transport::has_room(linked, plan, judge) {
         return (None, StoppedBy::Memory);
     }
     let start = Instant::now();

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use super::grouped_light::GroupedLight;
 use super::linked::Linked;
-use super::report::{Counts, Energy, ErrorReport, Powers, SkippedWork, SolveReport, StoppedBy};
+use super::report::{Counts, Energy, ErrorFigure, ErrorReport, Powers, SkippedWork, SolveReport, StoppedBy};
 use super::solution::Solution;
 use super::transport::Transport;
 use crate::bounds::{Light, bound_held_back};
 use crate::cells::CellRadiosities;
-use crate::error::{ErrorEstimate, KnownErrors};
+use crate::error::{self, CONFIDENCE, ErrorEstimate, KnownErrors};
 use crate::links::Pair;
 use crate::paths::Resolution;
 use crate::scene::SurfaceId;
@@ -38,7 +38,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     report.error = ErrorReport {
         requested: linked.job.options.error,
         skipped: if reflected > 0.0 { energy.held_back / reflected } else { 0.0 },
-        ..ErrorReport::of_estimate(error.as_ref())
+        ..error_report(error.as_ref())
     };
     report.counts = Counts {
         surfaces: scene.surfaces().len() as u64,
@@ -79,6 +79,21 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     report.transport = solution.transport();
     report.memory_bytes = solution.memory_bytes();
     (solution, report)
+}
+
+/// What is told of an error as far as an estimate tells; `None` where there was none.
+pub(super) fn error_report(error: Option<&ErrorEstimate>) -> ErrorReport {
+    let figure = |of: error::ErrorFigure| ErrorFigure { estimate: of.claimed, measured: of.measured };
+    ErrorReport {
+        requested: 0.0,
+        estimate: error.map_or(f64::INFINITY, |error| error.claimed),
+        confidence: CONFIDENCE,
+        measured: error.map_or(f64::INFINITY, |error| error.measured),
+        energy: error.map_or_else(ErrorFigure::default, |error| figure(error.energy)),
+        local: error.map_or_else(ErrorFigure::default, |error| figure(error.local)),
+        lit: error.map_or(0.0, |error| error.lit),
+        skipped: 0.0,
+    }
 }
 
 /// Where the power goes, and what pairs without a link hold back of it.

@@ -9,12 +9,10 @@ use rayon::prelude::*;
 
 use super::cuts::cut_along_discontinuities;
 use super::job::Job;
-use super::judge::Judge;
 use super::memory::{CellDemand, Holdings, LINK_AT_WORK};
 use super::options::{Subdivision, Sweep};
 use super::plan::{COARSE_TOLERANCE, Plan};
 use super::report::SolveReport;
-use super::transport::Transport;
 use crate::direct::{Lights, SharedBlockers};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
@@ -369,20 +367,8 @@ impl<'a> Linked<'a> {
         is_allowed
     }
 
-    /// Whether the transport of the cells of a plan can be recorded and kept within the memory.
-    pub fn has_room_for_transport(&mut self, plan: &Plan, judge: &Judge<'_>) -> bool {
-        let Some(demand) = self.cell_demand(plan) else { return false };
-        let of_cells = demand.bytes(self.job.scene);
-        let bytes = self.job.memory.kept(self.holdings()) + of_cells + Transport::estimate_bytes(demand.cells, plan, judge);
-        let is_allowed = self.job.memory.allows(bytes) && self.job.observer.allows_memory(bytes);
-        if is_allowed {
-            self.account(bytes);
-        }
-        is_allowed
-    }
-
     /// The cells that a plan asks for; `None` if they are more than can be counted.
-    fn cell_demand(&self, plan: &Plan) -> Option<CellDemand> {
+    pub fn cell_demand(&self, plan: &Plan) -> Option<CellDemand> {
         let (resolution, replicates) = (plan.resolution(), plan.replicate_resolution());
         let are_of_values = plan.has_cells();
         let rays = if are_of_values { resolution.rays.max(replicates.rays) } else { replicates.rays };
@@ -390,7 +376,7 @@ impl<'a> Linked<'a> {
         Some(CellDemand { cells, channels: self.job.kept_channels, rays, are_of_values, error_points: plan.error_points() })
     }
 
-    fn holdings(&self) -> Holdings<'_> {
+    pub fn holdings(&self) -> Holdings<'_> {
         Holdings { hierarchy: &self.hierarchy, links: &self.links, channels: self.job.kept_channels }
     }
 

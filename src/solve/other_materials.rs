@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::finish::error_report;
 use super::linked::MAX_SWEEPS;
 use super::report::{ErrorReport, TransportReport};
 use super::solution::Solution;
@@ -31,6 +32,9 @@ pub enum OtherMaterialsError {
         "light comes from surfaces that sent none as they were solved, and what elements get of it is not stored: solve the scene anew"
     )]
     WasDark,
+    /// Radiosities are larger than can be stored.
+    #[error("with these materials it is too bright: radiosities are larger than 3.4e38 W/m^2")]
+    TooBright,
 }
 
 impl Solution {
@@ -55,12 +59,12 @@ impl Solution {
         observer: &dyn Observer,
     ) -> Result<Option<(Self, ErrorReport)>, OtherMaterialsError> {
         let transport = self.transport.as_ref().ok_or(OtherMaterialsError::NoTransport)?;
-        for (number, material) in materials.iter().enumerate().take(self.scene.materials().len()) {
+        let is_anew = |(number, material): &(usize, &Material)| {
             let reflects = material.reflectance.iter().any(|&rho| rho > 0.0);
-            let shines_anew = material.emits() && !self.scene.emitted_as_solved(number);
-            if !transport.follows(number) && (reflects || shines_anew) {
-                return Err(OtherMaterialsError::NotFollowed(material.name.clone()));
-            }
+            !transport.follows(*number) && (reflects || (material.emits() && !self.scene.emitted_as_solved(*number)))
+        };
+        if let Some((_, material)) = materials.iter().enumerate().take(self.scene.materials().len()).find(is_anew) {
+            return Err(OtherMaterialsError::NotFollowed(material.name.clone()));
         }
         let scene = self.scene.with_materials_after_solve(materials)?;
         let stop = || observer.cancelled();
@@ -76,7 +80,10 @@ impl Solution {
         if stop() {
             return Ok(None);
         }
-        let error = ErrorReport { requested: self.options.error, ..ErrorReport::of_estimate(Some(&error)) };
+        if !radiosity.is_in_range() || !cells.is_valid(cells.cells(), scene.channels()) {
+            return Err(OtherMaterialsError::TooBright);
+        }
+        let error = ErrorReport { requested: self.options.error, ..error_report(Some(&error)) };
         let solution = Self {
             scene,
             options: self.options.clone(),

@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use crate::bounds::{BoundsReport, Certainty};
-use crate::error::{self, CONFIDENCE, ErrorEstimate};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::scene::{Scene, SurfaceId};
@@ -87,25 +86,8 @@ pub struct ErrorReport {
     /// The part of the area of reflecting surfaces, 0 to 1, where light was found: the local norm is over it. Where it is too rare to be found
     /// by some hundred paths from a point, a surface counts as dark.
     pub lit: f64,
-    /// [`Energy::held_back`] as a part of the power that the elements reflect; NaN where it is not known.
+    /// [`Energy::held_back`] as a part of the power that the elements reflect; 0 where that is not known.
     pub skipped: f64,
-}
-
-impl ErrorReport {
-    /// As far as an estimate tells; `None` where there was none.
-    pub(super) fn of_estimate(error: Option<&ErrorEstimate>) -> Self {
-        let figure = |of: error::ErrorFigure| ErrorFigure { estimate: of.claimed, measured: of.measured };
-        Self {
-            requested: f64::NAN,
-            estimate: error.map_or(f64::INFINITY, |error| error.claimed),
-            confidence: CONFIDENCE,
-            measured: error.map_or(f64::INFINITY, |error| error.measured),
-            energy: error.map_or_else(ErrorFigure::default, |error| figure(error.energy)),
-            local: error.map_or_else(ErrorFigure::default, |error| figure(error.local)),
-            lit: error.map_or(0.0, |error| error.lit),
-            skipped: f64::NAN,
-        }
-    }
 }
 
 /// Where the power goes, in W, all channels added, by the links and the radiosities of the elements, which over cells are those of a coarse

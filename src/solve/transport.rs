@@ -36,11 +36,18 @@ pub(crate) struct Transport {
 const BYTES_OF_PATH: u64 = 3 * (24 + 12);
 
 impl Transport {
-    /// About how many bytes it takes to record it.
-    pub(super) fn estimate_bytes(cells: usize, plan: &Plan, judge: &Judge<'_>) -> u64 {
-        let of_cells = u64::from(plan.resolution().rays) + REPLICATES as u64 * u64::from(plan.replicate_resolution().rays);
+    /// Whether there is memory to record it, and to keep it.
+    pub(super) fn has_room(linked: &mut Linked<'_>, plan: &Plan, judge: &Judge<'_>) -> bool {
+        let (job, Some(demand)) = (linked.job, linked.cell_demand(plan)) else { return false };
+        let of_cell = u64::from(plan.resolution().rays) + REPLICATES as u64 * u64::from(plan.replicate_resolution().rays);
         let of_points = judge.replicate_rays() + 2 * plan.error_points() as u64 * u64::from(plan.point_rays());
-        (cells as u64 * of_cells + of_points) * BYTES_OF_PATH
+        let recorded = (demand.cells as u64 * of_cell + of_points) * BYTES_OF_PATH;
+        let bytes = job.memory.kept(linked.holdings()) + demand.bytes(job.scene) + recorded;
+        let is_allowed = job.memory.allows(bytes) && job.observer.allows_memory(bytes);
+        if is_allowed {
+            linked.account(bytes);
+        }
+        is_allowed
     }
 
     /// Follows all paths of the solve again, and keeps what they bring; `None` if stopped before.

@@ -57,9 +57,7 @@ impl Transports {
             Ok(Some((solution, error))) if error.estimate <= options.error => Shared::Good(Box::new(solution), error),
             Ok(Some(_)) | Err(OtherMaterialsError::NotFollowed(_) | OtherMaterialsError::WasDark) => Shared::FromScratch,
             Ok(None) => Shared::Cancelled,
-            Err(error @ (OtherMaterialsError::NoTransport | OtherMaterialsError::Materials(_))) => {
-                return Err(Failure::bad_input(error));
-            }
+            Err(error) => return Err(Failure::bad_input(error)),
         })
     }
 }
