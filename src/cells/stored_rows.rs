@@ -59,6 +59,28 @@ impl BatchTerms {
         };
         terms.push(RowTerm { row: row as u32, product, source, weight });
     }
+
+    /// Casts so many next-event rays from each of the starts, of which each cell has `of_cell`, and adds their mean.
+    fn add_next_event(
+        &mut self,
+        paths: &LightPaths<'_>,
+        apart: &EmissionApart,
+        (cells, starts): (&[usize], &[Place]),
+        (of_cell, rays): (usize, u32),
+        scratch: &mut PathScratch,
+    ) {
+        let (channels, part) = (paths.scene.channels(), 1.0 / of_cell as f64);
+        let mut irradiance = vec![0.0; starts.len() * channels];
+        paths.add_next_event(starts, of_cell, rays, scratch, &mut BatchSums::whole(channels, &mut irradiance));
+        for (number, irradiance) in irradiance.chunks(channels).enumerate() {
+            for (source, weight) in apart.sources_of(irradiance) {
+                self.add(cells[number / of_cell], UNREFLECTED, Brought::Emission(source), part * weight);
+            }
+        }
+        for seen in &scratch.seen {
+            self.add(cells[seen.by / of_cell], UNREFLECTED, Brought::Seen(seen.cell), part * seen.weight);
+        }
+    }
 }
 
 impl StoredRows {
@@ -98,25 +120,12 @@ impl StoredRows {
         // Next-event estimation from view points.
         let of_cell = view_point_count(count);
         let points = view_points(cells.len(), of_cell, arrivals, sampling::hash(seed, streams::VIEW_POINTS));
-        let rays = count.div_ceil(of_cell) as u32;
         let all = batches.par_iter_mut().zip(cells.par_chunks(BATCH)).zip(points.par_chunks(BATCH));
         all.for_each_init(PathScratch::default, |scratch, ((terms, batch), points)| {
             if !stop() {
-                let Positions { cells, places, .. } = &Positions::of(batch, paths, count);
-                let starts = starts(paths, (cells, places), points, of_cell);
-                let channels = paths.scene.channels();
-                let mut irradiance = vec![0.0; starts.len() * channels];
-                let mut sums = BatchSums::whole(channels, &mut irradiance);
-                paths.add_next_event(&starts, of_cell, rays, scratch, &mut sums);
-                let part = 1.0 / of_cell as f64;
-                for (number, irradiance) in irradiance.chunks(channels).enumerate() {
-                    for (source, weight) in apart.sources_of(irradiance) {
-                        terms.add(cells[number / of_cell], UNREFLECTED, Brought::Emission(source), part * weight);
-                    }
-                }
-                for seen in &scratch.seen {
-                    terms.add(cells[seen.by / of_cell], UNREFLECTED, Brought::Seen(seen.cell), part * seen.weight);
-                }
+                let from = Positions::of(batch, paths, count);
+                let starts = starts(paths, (&from.cells, &from.places), points, of_cell);
+                terms.add_next_event(paths, apart, (&from.cells, &starts), (of_cell, count.div_ceil(of_cell) as u32), scratch);
             }
         });
         if stop() {
