@@ -9,24 +9,26 @@ mod vertices;
 mod workers;
 
 pub use error::PipelineError;
+pub use of_mesh::ViewMesh;
 pub use workers::Workers;
 
 use std::sync::OnceLock;
 use std::time::Instant;
 
 use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceBounds, PointBounds, RadiosityBounds};
+use crate::hierarchy::Hierarchy;
 use crate::mesh::MeshIndex;
 use crate::picture::{self, Camera, Image, Shown};
-use crate::progress::Observer;
+use crate::progress::{Observer, Progress, Stage};
 use crate::scene::{Light, LightGroupError, Material, Scene, SurfacePoint};
 use crate::solve::{
-    self, Bounds, ErrorReport, InitialImportance, Interest, OtherMaterialsError, RunOptions, Solution, SolveOptions, SolveReport,
-    Strategy,
+    self, Beginning, Bounds, ErrorReport, InitialImportance, Interest, OtherMaterialsError, RunOptions, Solution, SolveOptions,
+    SolveReport, Strategy,
 };
 use crate::sweep::Importance;
 use crate::transmittance::Rays;
 use crate::values::{self, ShadingMethod, Values};
-use crate::visibility::{self, Backend, Visibility};
+use crate::visibility::{self, Backend, OccluderMesh, Visibility, VisibilityError};
 
 /// A solution with what is needed to look at it: visibility and a pool of threads.
 pub struct Evaluator {
@@ -64,14 +66,17 @@ pub fn solve_on(
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
     check(&scene, options, run)?;
     let start = Instant::now();
-    let mesh = visibility::OccluderMesh::of_scene(&scene);
-    let visibility = pool.install(|| visibility::build(run.backend, &mesh))?;
-    let triangles = mesh.triangles.len() as u64;
-    drop(mesh);
+    // Visibility is built on one thread: meanwhile others build the hierarchy.
+    let see = || -> Result<_, VisibilityError> {
+        let mesh = OccluderMesh::of_scene(&scene);
+        Ok((visibility::build(run.backend, &mesh)?, mesh.triangles.len() as u64))
+    };
+    let (seen, hierarchy) = pool.install(|| rayon::join(see, || clusters(&scene, run, observer)));
+    let (visibility, triangles) = seen?;
     let build = start.elapsed().as_secs_f64();
 
     let run = &RunOptions { time_s: run.time_s.map(|seconds| (seconds - build).max(0.0)), ..run.clone() };
-    let (evaluator, mut report) = solve_in(pool, visibility, scene, options, run, observer)?;
+    let (evaluator, mut report) = solve_in(pool, (visibility, hierarchy), scene, options, run, observer)?;
     report.time_s.build += build;
     report.counts.triangles = triangles;
     Ok((evaluator, report))
@@ -106,7 +111,21 @@ pub fn solve_asking_on(
     observer: &dyn Observer,
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
     check(&scene, options, run)?;
-    solve_in(pool, visibility, scene, options, run, observer)
+    let start = Instant::now();
+    let hierarchy = pool.install(|| clusters(&scene, run, observer));
+    let build = start.elapsed().as_secs_f64();
+    let run = &RunOptions { time_s: run.time_s.map(|seconds| (seconds - build).max(0.0)), ..run.clone() };
+    let (evaluator, mut report) = solve_in(pool, (visibility, hierarchy), scene, options, run, observer)?;
+    report.time_s.build += build;
+    Ok((evaluator, report))
+}
+
+/// The hierarchy that a solve begins with; where its time is over, of clusters as they come.
+fn clusters(scene: &Scene, run: &RunOptions, observer: &dyn Observer) -> Hierarchy {
+    let (start, elements) = (Instant::now(), scene.surfaces().len() as u64);
+    observer.progress(&Progress { stage: Stage::Build, round: 0, fraction: None, links: 0, elements, error: None });
+    let is_late = || run.time_s.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds);
+    Hierarchy::new_unless(scene, &|| observer.cancelled() || is_late())
 }
 
 /// [`Solution::with_materials`] on these threads.
@@ -124,7 +143,7 @@ pub fn with_materials_on(
 
 fn solve_in(
     pool: Workers,
-    visibility: Box<dyn Visibility>,
+    (visibility, hierarchy): (Box<dyn Visibility>, Hierarchy),
     scene: Scene,
     options: &SolveOptions,
     run: &RunOptions,
@@ -135,7 +154,8 @@ fn solve_in(
     let rays = Rays::new(&*visibility, &scene);
     let rays = if options.links.skips.rays { rays } else { rays.asking_in_clear_scenes() };
     let rays = if options.links.skips.clear { rays } else { rays.asking_between_clear_planes() };
-    let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, importance, &rays, observer));
+    let beginning = Beginning { hierarchy, importance };
+    let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, beginning, &rays, observer));
     let mut evaluator = Evaluator { solution, visibility, pool, mesh_index: OnceLock::new() };
     if options.bounds == Bounds::Guaranteed {
         let solved = Instant::now();
@@ -179,7 +199,7 @@ impl Evaluator {
     /// # Errors
     /// See [`PipelineError`].
     pub fn new_on(pool: Workers, solution: Solution, backend: Backend) -> Result<Self, PipelineError> {
-        let mesh = visibility::OccluderMesh::of_scene(&solution.scene);
+        let mesh = OccluderMesh::of_scene(&solution.scene);
         let visibility = pool.install(|| visibility::build(backend, &mesh))?;
         Ok(Self::asking_on(pool, visibility, solution))
     }
@@ -290,7 +310,7 @@ impl Evaluator {
     /// # Errors
     /// [`PipelineError::Camera`] if the camera sees nothing, see [`Camera::validate`].
     pub fn render(&self, camera: &Camera, observer: &dyn Observer) -> Result<Option<Image>, PipelineError> {
-        self.render_shown(Shown::Radiance, camera, observer)
+        Ok(self.render_shown(Shown::Radiance, camera, None, observer)?.map(|(image, _)| image))
     }
 
     /// A picture of the width of the bounds, `(upper - lower) / pi`, black where a back or nothing is met. `None` if there are no

@@ -3,7 +3,11 @@
 //! Pictures are taken by Chromium (Debian's `chromium`); where there is none, that test says that it is skipped.
 #![allow(clippy::print_stdout, reason = "a test tells what it skips")]
 
+#[path = "support/rooms.rs"]
+mod rooms;
 mod support;
+#[path = "support/triangles.rs"]
+mod triangles;
 
 use std::collections::HashSet;
 use std::fs;
@@ -13,7 +17,9 @@ use std::process::Command;
 use patchlight::output::{Page, Provenance, write_page};
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
-use patchlight::solve::{RunOptions, SolveOptions};
+use patchlight::scene::{LightGrouping, LightWeight};
+use patchlight::solve::{RunOptions, Solution, SolveOptions};
+use rooms::{Room, straight};
 
 fn solved(channels: usize, lit_mesh: bool) -> Evaluator {
     let options = SolveOptions { error: 0.2, lit_mesh, ..SolveOptions::default() };
@@ -110,6 +116,87 @@ fn a_page_loads_nothing_and_names_do_no_harm() {
     assert_eq!(page_of(&evaluator, "a"), page_of(&evaluator, "a"));
 }
 
+/// A room with two lamps of different colours, a light group each, solved with a mesh.
+fn solved_in_groups() -> Solution {
+    let mut room = Room::default();
+    let walls = room.named_material("wall", &[0.7, 0.6, 0.5], &[0.0; 3]);
+    let lamp = room.named_material("lamp", &[0.2; 3], &[30.0, 28.0, 25.0]);
+    let tube = room.named_material("tube", &[0.0; 3], &[2.0, 5.0, 40.0]);
+    room.cuboid([0.0; 3], straight(4.0, 3.0, 3.0), true, |_, _| walls);
+    room.quad([0.6, 2.98, 1.2], [0.4, 0.0, 0.0], [0.0, 0.0, 0.5], lamp);
+    room.quad([2.9, 2.98, 1.2], [0.4, 0.0, 0.0], [0.0, 0.0, 0.5], tube);
+    let scene = room.scene().with_light_groups(&LightGrouping::Materials).unwrap();
+    let options = SolveOptions { error: 0.2, lit_mesh: true, ..SolveOptions::default() };
+    pipeline::solve(scene, &options, &RunOptions::default(), &Silent).unwrap().0.solution().clone()
+}
+
+fn evaluator(solution: Solution) -> Evaluator {
+    Evaluator::new(solution, &RunOptions::default()).unwrap()
+}
+
+fn relit(solution: &Solution, lamp: f64, tube: f64) -> Solution {
+    let weight = |group: &str, weight: f64| LightWeight { group: group.into(), by_band: vec![weight; 3] };
+    solution.relit(&[weight("lamp", lamp), weight("tube", tube)]).unwrap()
+}
+
+/// Groups stand in the page each alone, so that their sum is the light shown; one that is off as if it were on.
+#[test]
+fn groups_of_a_page_add_up() {
+    let solution = solved_in_groups();
+    for (weights, factors) in [([1.0, 1.0], [1.0, 1.0]), ([0.5, 3.0], [1.0, 1.0]), ([2.0, 0.0], [1.0, 0.0])] {
+        let page = page_of(&evaluator(relit(&solution, weights[0], weights[1])), "room");
+        let facts: serde_json::Value = serde_json::from_str(text_of(&page, "facts-data")).unwrap();
+        let (radiosity, apart) = (floats(text_of(&page, "radiosity")), floats(text_of(&page, "group-radiosity")));
+        assert_eq!(apart.len(), 2 * radiosity.len());
+        for (group, factor) in factors.into_iter().enumerate() {
+            assert_eq!(facts["light_groups"]["groups"][group]["factor"], factor as u64);
+        }
+        let brightest = radiosity.iter().fold(0.0_f32, |most, b| most.max(*b));
+        for (k, b) in radiosity.iter().enumerate() {
+            let sum = factors[0] * f64::from(apart[k]) + factors[1] * f64::from(apart[radiosity.len() + k]);
+            assert!((sum - f64::from(*b)).abs() < 1e-5 * f64::from(brightest), "{k}: {sum} for {b}");
+        }
+        let off: f32 = apart[radiosity.len()..].iter().sum();
+        assert!(off > 0.0);
+    }
+    assert!(text_of(&page_of(&solved(3, true), "room"), "group-radiosity").is_empty());
+}
+
+/// The numbers of a line of text.
+fn numbers_in(line: &str) -> Vec<f64> {
+    line.split([' ', ',']).filter_map(|word| word.parse().ok()).collect()
+}
+
+/// What weights in the address show at a click, and claim, is what the library finds for them.
+#[test]
+fn weights_of_a_page_are_those_of_the_library() {
+    let folder = tempfile::tempdir().unwrap();
+    let solution = solved_in_groups();
+    let of_library = relit(&solution, 0.25, 0.5);
+    fs::write(folder.path().join("page.html"), page_of(&evaluator(solution), "room")).unwrap();
+    let note = |address: &str| {
+        let (dom, said) = browse(folder.path(), address, &["--window-size=1280,800", "--dump-dom"])?;
+        assert!(said.is_empty(), "{address}: {said:?}");
+        Some(dom)
+    };
+    let Some(dom) = note("page.html#weights=0.25,0.5&pick=400,400") else {
+        println!("SKIPPED: there is no Chromium to draw pages with (apt-get install chromium)");
+        return;
+    };
+    let claim = 100.0 * of_library.light_groups_report().unwrap().lit_mesh.unwrap().estimate;
+    let said = format!("error {claim:.2} % claimed by energy; patchlight relight FILE.solution --set lamp=0.25 --set tube=0.5");
+    assert!(dom.contains(&said), "'{said}' is not in the page");
+
+    fs::write(folder.path().join("relit.html"), page_of(&evaluator(of_library), "room")).unwrap();
+    let line = |dom: &str| dom.lines().find(|line| line.starts_with("radiosity ")).map(numbers_in).unwrap();
+    let (weighted, relit) = (line(&dom), line(&note("relit.html#pick=400,400").unwrap()));
+    let plain = line(&note("page.html#pick=400,400").unwrap());
+    assert_eq!(relit.len(), 3);
+    for ((weighted, relit), plain) in weighted.iter().zip(&relit).zip(&plain) {
+        assert!((weighted - relit).abs() <= 1e-3 * relit && (plain - relit).abs() > 0.05 * relit, "{weighted} {relit} {plain}");
+    }
+}
+
 /// Runs Chromium on a page without a network; what it writes to stdout, and what the page says in its console. `None` if there is no Chromium.
 fn browse(folder: &Path, file: &str, flags: &[&str]) -> Option<(String, Vec<String>)> {
     let profile = format!("--user-data-dir={}", folder.join("profile").display());
@@ -161,6 +248,7 @@ fn a_browser_draws_the_page_and_says_nothing() {
     };
     let lux = shown("lux.png", "page.html#show=lux", "1280,800", [800, 600]).unwrap();
     let lines = shown("lines.png", "page.html#show=lux&lines=1", "1280,800", [800, 600]).unwrap();
+    let isolines = shown("isolines.png", "page.html#show=lux&isolines=1", "1280,800", [800, 600]).unwrap();
     let phone = shown("phone.png", "phone.html", "500,900", [280, 350]).unwrap();
 
     // Light has many shades, and the room fills the stage; false colours are others, lines are orange.
@@ -176,6 +264,10 @@ fn a_browser_draws_the_page_and_says_nothing() {
     }
     let differ = light.iter().zip(&lux).filter(|(a, b)| a != b).count();
     assert!(differ > light.len() / 2, "{differ} of {}", light.len());
+    // Lines of equal light are black or white, which false colours are not, and thin.
+    let greys = |picture: &[[u8; 3]]| picture.iter().filter(|[r, g, b]| r == g && g == b && (*r < 10 || *r > 245)).count();
+    let drawn = greys(&isolines) - greys(&lux);
+    assert!((300..isolines.len() / 20).contains(&drawn), "{drawn} of {}", isolines.len());
     let orange = |picture: &[[u8; 3]]| picture.iter().filter(|[r, _, b]| *r > 120 && *b < 90).count();
     assert!(orange(&lines) > 500 + 2 * orange(&lux), "{} {}", orange(&lines), orange(&lux));
 

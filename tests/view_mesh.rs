@@ -13,9 +13,10 @@ use std::f64::consts::PI;
 use kirchhoff::kirchhoff;
 use patchlight::mesh::LitMesh;
 use patchlight::picture::Camera;
-use patchlight::pipeline::Evaluator;
+use patchlight::pipeline::{Evaluator, ViewMesh};
 use patchlight::progress::Silent;
 use patchlight::scene::{Scene, SurfaceId, SurfacePoint};
+use patchlight::solve::{RunOptions, StoppedBy};
 use patchlight::visibility::{Backend, OccluderMesh, build};
 use rooms::{Room, read, solved};
 use triangles::{Random, add, dot, times};
@@ -154,4 +155,61 @@ fn threads_change_nothing_and_a_camera_that_sees_no_front_sees_nothing() {
     assert_eq!((mesh.elements(), mesh.claimed), (0, 0.0));
     let image = evaluator.render_mesh(&mesh, &below, &Silent).unwrap().unwrap();
     assert!(image.radiance.iter().all(|&radiance| radiance == 0.0));
+}
+
+#[test]
+fn limits_end_a_mesh_where_it_is_and_what_is_claimed_of_it_holds() {
+    let (evaluator, _) = solved(read("cornell.obj"), 0.04, 0);
+    let camera = evaluator.default_camera(160, 120);
+    let within = |error: f64, run: RunOptions| evaluator.view_mesh_within(&camera, error, &run, &Silent).unwrap();
+    let gigabytes = |memory: f64| RunOptions { memory_bytes: Some((1e9 * memory) as u64), ..RunOptions::default() };
+    let seconds = |time_s: f64| RunOptions { time_s: Some(time_s), ..RunOptions::default() };
+
+    // Limits that do not act.
+    let ample = RunOptions { time_s: Some(1e4), ..gigabytes(4.0) };
+    let free = evaluator.view_mesh(&camera, 0.04, &Silent).unwrap();
+    assert!(free.is_some() && within(0.04, ample) == ViewMesh { mesh: free, stopped_by: StoppedBy::Error });
+
+    // Those that leave nothing.
+    assert_eq!(within(0.04, seconds(0.0)), ViewMesh { mesh: None, stopped_by: StoppedBy::Time });
+    assert_eq!(within(0.04, gigabytes(0.001)), ViewMesh { mesh: None, stopped_by: StoppedBy::Memory });
+    assert!(evaluator.view_mesh_within(&camera, 0.04, &seconds(f64::NAN), &Silent).is_err());
+
+    // Those that leave some.
+    let ViewMesh { mesh, stopped_by } = within(0.01, gigabytes(0.03));
+    let mesh = mesh.expect("there is room for some elements");
+    assert!(stopped_by == StoppedBy::Memory && mesh.claimed > 0.01, "{stopped_by:?}, {} claimed", mesh.claimed);
+    let (better, _) = solved(read("cornell.obj"), 0.02, 0);
+    let shown = shown_at_random(better.solution().scene(), &camera, 3000);
+    let points: Vec<SurfacePoint> = shown.iter().map(|(point, _)| *point).collect();
+    let of_values = evaluator.values_at(&points, &Silent).unwrap().radiosity;
+    let scene = better.solution().scene();
+    let exitance = |surface: u32| &scene.materials()[scene.surface(SurfaceId(surface)).material as usize].exitance;
+    let emitted: Vec<f32> = shown.iter().flat_map(|&(_, surface)| exitance(surface)).map(|&e| e as f32).collect();
+    let noise = local_error(&of_values, &better.values_at(&points, &Silent).unwrap().radiosity, &emitted);
+    let off = local_error(&evaluator.values_of_mesh(&mesh, &points), &of_values, &emitted);
+    assert!(off <= mesh.claimed.hypot(noise), "{off} off values that are {noise} off, {} claimed", mesh.claimed);
+}
+
+#[test]
+fn pixels_for_which_there_was_no_time_show_one_beside_them() {
+    let (evaluator, _) = solved(read("cornell.obj"), 0.1, 0);
+    let camera = evaluator.default_camera(96, 72);
+    let gathered = evaluator.render(&camera, &Silent).unwrap().unwrap();
+    let within = |time_s| {
+        let run = RunOptions { time_s: Some(time_s), ..RunOptions::default() };
+        evaluator.render_within(&camera, &run, &Silent).unwrap().unwrap()
+    };
+    let (whole, taken) = within(1e4);
+    assert!(taken == 1.0 && whole == gathered);
+    let (image, taken) = within(0.0);
+    assert!(taken > 0.0 && taken < 0.2, "{taken}");
+    let errors = image.standard_error.as_ref().unwrap();
+    let is_own = |pixel: usize| !errors[3 * pixel].is_nan();
+    assert_eq!((0..96 * 72).filter(|&pixel| is_own(pixel)).count(), (taken * 96.0 * 72.0).round() as usize);
+    for pixel in 0..96 * 72 {
+        let beside = (pixel / 96 / 4 * 4) * 96 + pixel % 96 / 4 * 4;
+        let of = |image: &patchlight::picture::Image, pixel: usize| image.radiance[3 * pixel..][..3].to_vec();
+        assert_eq!(of(&image, pixel), of(&gathered, if is_own(pixel) { pixel } else { beside }));
+    }
 }

@@ -1,5 +1,5 @@
 "use strict";
-// The page of a solution: the lit scene in 3D, and what is known of it. Data stand in the elements above, see `output/page.rs`.
+// The page of a solution: the lit scene in 3D, and what is known of it. Data stand in the elements above, see `output/page/mod.rs`.
 (() => {
   const byId = (id) => document.getElementById(id);
   const data = JSON.parse(byId("facts-data").textContent);
@@ -51,11 +51,14 @@
   const shownOf = (h) => seen(h) * data.per_irradiance;
   const shown = new Float32Array(nodeCount);
   const colours = new Float32Array(3 * nodeCount);
-  for (let node = 0; node < nodeCount; node++) {
-    const b = Array.from(radiosity.subarray(channels * node, channels * (node + 1)));
-    shown[node] = shownOf(irradiance(surfaceOfNode[node], b));
-    for (let c = 0; c < 3; c++) colours[3 * node + c] = b[channels === 3 ? c : 0] / Math.PI;
-  }
+  const show = () => {
+    for (let node = 0; node < nodeCount; node++) {
+      const b = Array.from(radiosity.subarray(channels * node, channels * (node + 1)));
+      shown[node] = shownOf(irradiance(surfaceOfNode[node], b));
+      for (let c = 0; c < 3; c++) colours[3 * node + c] = b[channels === 3 ? c : 0] / Math.PI;
+    }
+  };
+  show();
 
   const short = (x) => (x === null || !Number.isFinite(x) ? "not known" : x === 0 ? "0" : Math.abs(x) >= 1e5 || Math.abs(x) < 1e-3 ? x.toExponential(2) : String(Number(x.toPrecision(4))));
   const percent = (x) => (x === null || x === undefined || !Number.isFinite(x) ? "not known" : `${(100 * x).toFixed(2)} %`);
@@ -83,6 +86,9 @@
     exposure: Number(typed.get("exposure") ?? exposure.toFixed(1)),
     scale: Number(typed.get("scale") ?? round(sorted[Math.floor(0.98 * (nodeCount - 1))])),
     lines: typed.get("lines") === "1",
+    isolines: typed.get("isolines") === "1",
+    backs: typed.get("backs") === "1",
+    factors: null,
   };
   if (!Number.isFinite(state.exposure)) state.exposure = 0;
   if (!(state.scale > 0)) state.scale = 1;
@@ -100,7 +106,7 @@
     return linear.map((x) => Math.min(Math.max(x, 0), 1)).map((x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055));
   };
 
-  facts();
+  patchlightFacts(data, byId("facts"), { short, percent });
   byId("title").textContent = data.title;
   document.title = `${data.title} - Patchlight`;
   byId("claim").textContent = data.claim;
@@ -125,7 +131,7 @@
   geometry.setIndex(new THREE.BufferAttribute(index, 1));
   const ramp = Array.from({ length: 65 }, (_, k) => helix(k / 64)).map(([r, g, b]) => new THREE.Vector3(r, g, b));
   const material = new THREE.ShaderMaterial({
-    uniforms: { factor: { value: 1 }, scale: { value: 0 }, ramp: { value: ramp } },
+    uniforms: { factor: { value: 1 }, scale: { value: 0 }, isolines: { value: 0 }, ramp: { value: ramp } },
     polygonOffset: true,
     polygonOffsetFactor: 1,
     polygonOffsetUnits: 1,
@@ -135,14 +141,20 @@
       void main() { light = radiance; value = shown; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }`,
     // The tone curve of output/png.rs: straight up to 0.5, then bent towards white, on the largest channel.
     fragmentShader: `
-      uniform float factor; uniform float scale; uniform vec3 ramp[65];
+      uniform float factor; uniform float scale; uniform float isolines; uniform vec3 ramp[65];
       varying vec3 light; varying float value;
       vec3 encoded(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
       void main() {
         if (scale > 0.0) {
           float at = clamp(value / scale, 0.0, 1.0) * 64.0;
           int below = int(min(floor(at), 63.0));
-          gl_FragColor = vec4(mix(ramp[below], ramp[below + 1], at - float(below)), 1.0);
+          vec3 c = mix(ramp[below], ramp[below + 1], at - float(below));
+          // Lines of equal light are a pixel and a half wide, however fast it changes; where it does not change there are none.
+          float mark = 5.0 * value / scale;
+          float slope = fwidth(mark);
+          float away = abs(mark - max(round(mark), 1.0));
+          if (isolines > 0.0 && slope < 0.5 && away < 0.75 * slope) c = vec3(dot(c, vec3(0.299, 0.587, 0.114)) < 0.5 ? 1.0 : 0.0);
+          gl_FragColor = vec4(c, 1.0);
           return;
         }
         vec3 c = min(max(light * factor, 0.0), 1e6);
@@ -173,6 +185,12 @@
     controls.update();
   };
   toStart();
+
+  // Surfaces are seen from the front alone: where a back is shown, light that lands there is lost.
+  const BACK_SIDE = 1; // three.js has no name for it in the bundle
+  const backs = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ color: 0xc800c8, side: BACK_SIDE }));
+  backs.visible = false;
+  scene.add(backs);
 
   // Lines are made once they are asked for.
   let lines = null;
@@ -241,18 +259,24 @@
     material.uniforms.scale.value = isLux ? state.scale : 0;
     if (state.lines && !lines) makeLines();
     if (lines) lines.visible = state.lines;
+    material.uniforms.isolines.value = state.isolines ? 1 : 0;
+    backs.visible = state.backs;
     byId("show").value = state.show;
     byId("exposure").value = state.exposure;
     byId("ev").textContent = `${Number(state.exposure).toFixed(1)} EV`;
     byId("scale").value = state.scale;
     byId("lines").checked = state.lines;
+    byId("isolines").checked = state.isolines;
+    byId("backs").checked = state.backs;
     byId("exposure-row").hidden = isLux;
-    byId("scale-row").hidden = byId("legend").hidden = !isLux;
+    byId("scale-row").hidden = byId("isolines-row").hidden = byId("legend").hidden = !isLux;
     legend();
     draw();
   };
   const changed = () => {
-    const kept = new URLSearchParams({ show: state.show, exposure: state.exposure, scale: state.scale, lines: state.lines ? 1 : 0 });
+    const kept = new URLSearchParams({ show: state.show, exposure: state.exposure, scale: state.scale });
+    ["lines", "isolines", "backs"].filter((name) => state[name]).forEach((name) => kept.set(name, 1));
+    if (state.factors && state.factors.some((factor, g) => factor !== groups.solved[g])) kept.set("weights", state.factors.join(","));
     history.replaceState(null, "", `#${kept}`);
     update();
   };
@@ -267,6 +291,44 @@
     camera.updateProjectionMatrix();
     draw();
   };
+
+  // Light groups: a slider and a number for each, sums at once, and the claim that follows.
+  const groups = data.light_groups && patchlightGroups(data.light_groups, floats("group-radiosity"));
+  const weigh = (factors) => {
+    state.factors = factors;
+    groups.apply(factors, radiosity, data.materials);
+    show();
+    ["radiance", "shown"].forEach((name) => (geometry.getAttribute(name).needsUpdate = true));
+    const claim = groups.claim(factors);
+    byId("weights-claim").textContent = `error ${percent(claim)} claimed by energy; ${groups.command(factors)}`;
+    byId("weights").querySelectorAll("label").forEach((label, g) => label.querySelectorAll("input").forEach((input) => (input.value = factors[g])));
+  };
+  const makeGroups = () => {
+    byId("groups").hidden = false;
+    groups.names.forEach((name, g) => {
+      const [label, text] = [document.createElement("label"), document.createElement("span")];
+      text.textContent = name;
+      text.className = "name";
+      const inputs = [["range", { max: 2, step: 0.01 }], ["number", { step: "any" }]].map(([type, range]) => {
+        const input = Object.assign(document.createElement("input"), { type, min: 0, ...range });
+        input.setAttribute("aria-label", `weight of ${name}`);
+        input.addEventListener("input", () => {
+          const factor = Number(input.value);
+          if (input.value === "" || !(factor >= 0 && factor < 1e6)) return;
+          weigh(state.factors.map((old, h) => (h === g ? factor : old)));
+          changed();
+        });
+        return input;
+      });
+      label.append(text, ...inputs);
+      byId("weights").append(label);
+    });
+    byId("as-solved").addEventListener("click", () => (weigh([...groups.solved]), changed()));
+    const asked = (typed.get("weights") ?? "").split(",").map(Number);
+    const fits = typed.has("weights") && asked.length === groups.solved.length && asked.every((factor) => factor >= 0 && factor < 1e6);
+    weigh(fits ? asked : [...groups.solved]);
+  };
+  if (groups) makeGroups();
 
   // A click that does not turn the scene shows values.
   const pick = (x, y) => {
@@ -312,62 +374,11 @@
   byId("show").addEventListener("change", (event) => ((state.show = event.target.value), changed()));
   byId("exposure").addEventListener("input", (event) => ((state.exposure = Number(event.target.value)), changed()));
   byId("scale").addEventListener("change", (event) => ((state.scale = Number(event.target.value) > 0 ? Number(event.target.value) : state.scale), changed()));
-  byId("lines").addEventListener("change", (event) => ((state.lines = event.target.checked), changed()));
+  ["lines", "isolines", "backs"].forEach((name) => byId(name).addEventListener("change", (event) => ((state[name] = event.target.checked), changed())));
   byId("reset").addEventListener("click", () => (toStart(), draw()));
   addEventListener("resize", resize);
   update();
   resize();
   document.body.dataset.drawn = "yes";
   if (typed.has("pick")) pick(...typed.get("pick").split(",").map(Number));
-
-  // What is known of the solution, as tables.
-  function facts() {
-    const element = (name, text, kind) => {
-      const made = document.createElement(name);
-      if (text !== undefined) made.textContent = text;
-      if (kind) made.className = kind;
-      return made;
-    };
-    const section = (title, ...content) => {
-      const made = element("section");
-      made.append(element("h2", title), ...content);
-      byId("facts").append(made);
-    };
-    const table = (rows) => {
-      const made = element("table");
-      rows.forEach(([name, value, share, kind]) => {
-        const row = element("tr", undefined, kind);
-        const cell = element("td", value);
-        if (share > 0) {
-          const bar = element("span", undefined, "share");
-          bar.style.width = `${Math.max(1, 100 * Math.min(share, 1))}%`;
-          cell.append(bar);
-        }
-        row.append(element("th", name), cell);
-        made.append(row);
-      });
-      return made;
-    };
-    const report = data.report;
-    section("Error", table(data.errors.map(([name, value]) => [name, percent(value)])), element("p", data.about_errors, "claim"));
-    if (report) {
-      const { emitted, absorbed, escaped, unaccounted } = report.energy;
-      const power = (name, x) => [name, `${short(x)} W`, Math.abs(x) / emitted];
-      section("Energy, by the elements of the solver", table([power("emitted", emitted), power("absorbed", absorbed), power("escaped", escaped), power("not accounted for", unaccounted)]));
-      const times = report.time_s;
-      const stages = ["load", "build", "refine", "resolve", "error", "mesh", "bounds", "sample", "output"].filter((stage) => times[stage] > 0.0005);
-      section("Time", table([...stages.map((stage) => [stage, `${times[stage].toFixed(2)} s`, times[stage] / times.total]), ["total", `${times.total.toFixed(2)} s`], ["CPU", report.cpu_s.total === null ? "not known" : `${report.cpu_s.total.toFixed(2)} s`]]));
-      section("Warnings", report.warnings.length ? list(report.warnings) : element("p", "None.", "claim"));
-    }
-    section("What there is", table(data.counts.map(([name, value]) => [name, String(value)])));
-    section("Again", element("code", data.command));
-    section("Options that are not the default", data.options.length ? table(data.options) : element("p", "None.", "claim"));
-    section("Software", table([["version", data.software], ...(report ? [["visibility", report.backend]] : [])]));
-    function list(texts) {
-      const made = element("ul");
-      texts.slice(0, 50).forEach((text) => made.append(element("li", text)));
-      if (texts.length > 50) made.append(element("li", `${texts.length - 50} more`));
-      return made;
-    }
-  }
 })();

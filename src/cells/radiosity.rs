@@ -37,6 +37,9 @@ impl CellRadiosities {
     /// Solves for the radiosities of all cells; `None` if stopped before.
     pub fn solve(paths: &LightPaths<'_>, resolution: &Resolution, seed: u64, stop: Stop<'_>) -> Option<Self> {
         let positions = sampled_positions(paths, seed, stop);
+        if stop() {
+            return None;
+        }
         let equations = Equations::of_paths(paths, &positions, resolution.rays, seed, stop)?;
         drop(positions);
         Some(Self::of_values(paths.scene.channels(), &equations.iterate(stop)?))

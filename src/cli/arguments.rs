@@ -153,6 +153,12 @@ pub struct RenderArguments {
     /// [default: the error of the solution, where this has no lit mesh and the picture is not small]
     #[arg(long, value_name = "E")]
     pub error: Option<String>,
+    /// End after so many seconds: a mesh of the view is as good as it got, and of values that are gathered, pixels that are left out show one beside them
+    #[arg(long, value_name = "SECONDS")]
+    pub time: Option<String>,
+    /// Do not refine a mesh of the view beyond so many GB; where there is no room for one, values are gathered
+    #[arg(long, value_name = "GB")]
+    pub memory: Option<String>,
     #[command(flatten)]
     pub picture: PictureArguments,
     #[command(flatten)]

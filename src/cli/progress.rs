@@ -130,6 +130,22 @@ impl Observer for Watcher {
     }
 }
 
+/// Ends the work when its time is over, or by an interrupt.
+pub struct Timed {
+    pub watcher: Watcher,
+    pub end: Option<Instant>,
+}
+
+impl Observer for Timed {
+    fn progress(&self, progress: &Progress) {
+        self.watcher.progress(progress);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.watcher.cancelled() || self.end.is_some_and(|end| Instant::now() >= end)
+    }
+}
+
 /// A bar where the part that is done is known, else a spinner alone.
 fn style_of(fraction: Option<f64>) -> ProgressStyle {
     let template = if fraction.is_some() { "{spinner} {elapsed} {bar:24} {msg}" } else { "{spinner} {elapsed} {msg}" };

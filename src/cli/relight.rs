@@ -1,6 +1,7 @@
 //! `patchlight relight`: a solution with other weights for its light groups, or with other materials, as a solution and as all that is made from one.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use patchlight::output::{Destination, ExportFormat, Provenance, write_error, write_fluxes, write_light_groups};
 use patchlight::pipeline::{Evaluator, Workers, with_materials_on};
@@ -13,6 +14,7 @@ use super::changes::{Change, Property, changed};
 use super::exit::{Exit, Failure};
 use super::files::{self, Outputs, Sink};
 use super::light_groups::{parse_weight, tell_groups};
+use super::pictures::Limits;
 use super::progress::{Voice, Watcher};
 use super::request::{PictureRequest, page_file};
 use super::settings::run_options;
@@ -174,7 +176,8 @@ pub fn relight(request: &RelightRequest) -> Result<Exit, Failure> {
         ending.write(|| results::write_mesh_to(mesh, &evaluator, lit, voice));
     }
     if let Some(picture) = &request.picture {
-        match pictures::take_picture(&evaluator, picture, voice)? {
+        let limits = Limits::of(RunOptions::default(), Instant::now());
+        match pictures::take_picture(&evaluator, picture, &limits, voice)? {
             Some(image) => ending.write(|| pictures::write_picture(&image, picture, &provenance(&evaluator), voice)),
             None => ending.cancel(voice, "the picture"),
         }

@@ -14,7 +14,7 @@ use super::files::{Outputs, Sink};
 use super::light_groups::Grouping;
 use super::progress::Voice;
 use super::sensors::SensorRequest;
-use super::settings::{Settings, run_options};
+use super::settings::{Settings, limit, run_options};
 
 /// Width and height of a picture that nobody gave a size.
 const DEFAULT_SIZE: (u32, u32) = (960, 720);
@@ -32,8 +32,6 @@ pub struct PictureRequest {
     pub show: Option<Show>,
     /// The error of a mesh that is made for the picture, if that was said.
     pub error: Option<f64>,
-    /// Whether a mesh may be made for it without that: no budget of memory has room for one.
-    pub may_make_mesh: bool,
 }
 
 /// Lines over a picture.
@@ -65,7 +63,7 @@ impl PictureRequest {
         }
         let destinations: Vec<Destination> = paths.iter().map(|path| outputs.file(path)).collect::<Result<_, _>>()?;
         let files = destinations.into_iter().zip(formats).collect();
-        Ok(Self { files, camera, size, look, quantity, from: typed.from, show, error: None, may_make_mesh: true })
+        Ok(Self { files, camera, size, look, quantity, from: typed.from, show, error: None })
     }
 }
 
@@ -103,8 +101,7 @@ impl SolveRequest {
         let read = [&[typed.scene.as_path()], points.as_slice(), groups.as_slice(), typed.lights.as_deref().as_slice()].concat();
         let mut outputs = Outputs::beside(&read);
         let solution = typed.output.as_deref().map(|path| outputs.file(path)).transpose()?;
-        let mut picture = Self::picture(&typed, &settings.options, &mut outputs)?;
-        picture.iter_mut().for_each(|picture| picture.may_make_mesh = settings.run.memory_bytes.is_none());
+        let picture = Self::picture(&typed, &settings.options, &mut outputs)?;
         let mesh = Self::mesh(&typed, &mut outputs)?;
         let values = typed.values.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
@@ -343,8 +340,9 @@ impl RenderRequest {
                 "--error asks for a mesh that is made for the picture: leave --from and --quantity width out",
             ));
         }
-        let (run, voice) = (run_options(&typed.run)?, Voice::new(typed.run.progress));
-        Ok(Self { solution: typed.solution, picture, run, voice })
+        let mut run = run_options(&typed.run)?;
+        limit(&mut run, typed.time.as_deref(), typed.memory.as_deref())?;
+        Ok(Self { solution: typed.solution, picture, run, voice: Voice::new(typed.run.progress) })
     }
 }
 

@@ -1,21 +1,23 @@
 //! `patchlight sample --sensors` and `--plane`: irradiance in space.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use patchlight::output::{
     Destination, Display, Illuminances, Look, Points, Provenance, Quantity, Scale, write_display, write_irradiances,
 };
 use patchlight::picture::{MeasuringPlane, PlaneRequest};
 use patchlight::pipeline::Evaluator;
-use patchlight::progress::{Observer, Progress};
+use patchlight::progress::Observer;
 use patchlight::scene::SurfacePoint;
+use patchlight::solve::RunOptions;
 use patchlight::values::{Irradiances, Summary};
 
 use super::arguments::SampleArguments;
 use super::exit::{Exit, Failure};
 use super::files::{self, Outputs, Sink};
 use super::interrupt;
-use super::progress::{Voice, Watcher};
+use super::progress::{Timed, Voice, Watcher};
+use super::settings::limit;
 
 /// Where sensors are.
 #[derive(Debug)]
@@ -38,8 +40,8 @@ pub struct PlanePicture {
 #[derive(Debug)]
 pub struct SensorRequest {
     pub sensors: Sensors,
-    /// Seconds from the start.
-    pub time_s: Option<f64>,
+    /// Its time is from the start.
+    pub run: RunOptions,
 }
 
 impl SensorRequest {
@@ -53,11 +55,9 @@ impl SensorRequest {
             (None, Some(text)) => Sensors::Plane(text.parse().map_err(Failure::usage)?, picture(typed, outputs)?),
             (None, None) => return Ok(None),
         };
-        let seconds = |text: &str| {
-            let seconds = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
-            seconds.ok_or_else(|| Failure::usage(format_args!("time is '{text}', it must be a number of seconds above 0")))
-        };
-        Ok(Some(Self { sensors, time_s: typed.time.as_deref().map(seconds).transpose()? }))
+        let mut run = RunOptions::default();
+        limit(&mut run, typed.time.as_deref(), None)?;
+        Ok(Some(Self { sensors, run }))
     }
 }
 
@@ -69,28 +69,6 @@ fn picture(typed: &SampleArguments, outputs: &mut Outputs) -> Result<Option<Plan
     }
     let scale = typed.scale.as_deref().map(str::parse).transpose().map_err(Failure::usage)?;
     Ok(Some(PlanePicture { destination: outputs.file(path)?, scale }))
-}
-
-/// Ends the work when its time is over.
-struct Timed {
-    watcher: Watcher,
-    end: Option<Instant>,
-}
-
-impl Timed {
-    fn is_over(&self) -> bool {
-        self.end.is_some_and(|end| Instant::now() >= end)
-    }
-}
-
-impl Observer for Timed {
-    fn progress(&self, progress: &Progress) {
-        self.watcher.progress(progress);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.watcher.cancelled() || self.is_over()
-    }
 }
 
 /// Measures, and writes what there is, whether all of it could be measured or not.
@@ -106,7 +84,7 @@ pub fn measure(
     };
     interrupt::listen(interrupt::OF_RUN);
     voice.figure("backend", format_args!("{}", evaluator.backend()));
-    let timed = Timed { watcher: Watcher::new(voice), end: request.time_s.map(|seconds| start + Duration::from_secs_f64(seconds)) };
+    let timed = Timed { watcher: Watcher::new(voice), end: request.run.deadline_from(start) };
     match &request.sensors {
         Sensors::File(_) => {
             let irradiances = evaluator.irradiances_at(&points.surface_points(), &timed);

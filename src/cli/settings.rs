@@ -62,10 +62,6 @@ impl Settings {
 
     /// Sets one option from text: those of the run here, all others by [`SolveOptions::set`].
     pub fn set(&mut self, key: &str, value: &str) -> Result<(), Failure> {
-        let positive = |unit: &str| {
-            let number = value.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
-            number.ok_or_else(|| Failure::usage(format_args!("{key} is '{value}', it must be a number of {unit} above 0")))
-        };
         match key {
             "sides" => self.sides = parse_sides(value)?,
             "backend" => self.run.backend = value.parse().map_err(Failure::usage)?,
@@ -76,8 +72,8 @@ impl Settings {
                 })?;
                 self.run.threads = useful_threads(self.run.threads);
             }
-            "time" => self.run.time_s = Some(positive("seconds")?),
-            "memory" => self.run.memory_bytes = Some((positive("GB")? * 1e9) as u64),
+            "time" => limit(&mut self.run, Some(value), None)?,
+            "memory" => limit(&mut self.run, None, Some(value))?,
             _ => self.options.set(key, value).map_err(Failure::usage)?,
         }
         Ok(())
@@ -92,6 +88,21 @@ pub fn run_options(typed: &RunArguments) -> Result<RunOptions, Failure> {
     }
     run.threads = useful_threads(run.threads);
     Ok(run)
+}
+
+/// Sets limits of a run, in seconds and in GB.
+pub fn limit(run: &mut RunOptions, time: Option<&str>, memory: Option<&str>) -> Result<(), Failure> {
+    let positive = |key: &str, value: &str, unit: &str| {
+        let number = value.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
+        number.ok_or_else(|| Failure::usage(format_args!("{key} is '{value}', it must be a number of {unit} above 0")))
+    };
+    if let Some(value) = time {
+        run.time_s = Some(positive("time", value, "seconds")?);
+    }
+    if let Some(value) = memory {
+        run.memory_bytes = Some((positive("memory", value, "GB")? * 1e9) as u64);
+    }
+    run.validate().map_err(Failure::usage)
 }
 
 /// No more threads than four for each core: more of them only wait for each other. The answer is the same.

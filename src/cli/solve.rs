@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use patchlight::bounds::{BoundsReport, Certainty};
-use patchlight::output::{CpuReport, Points, Provenance, RunReport, SceneReport, write_report};
+use patchlight::output::{CpuReport, Points, Provenance, Quantity, RunReport, SceneReport, write_report};
 use patchlight::picture::Image;
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::scene::import::read_scene;
@@ -14,8 +14,9 @@ use patchlight::values::{Values, ValuesError};
 use super::exit::{Exit, Failure};
 use super::files::Outputs;
 use super::light_groups::tell_groups;
+use super::pictures::Limits;
 use super::progress::{Voice, Watcher};
-use super::request::SolveRequest;
+use super::request::{PictureRequest, SolveRequest};
 use super::stderr::say;
 use super::{files, interrupt, pictures, process, results};
 
@@ -49,7 +50,8 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     // What is asked for.
     let mut ending = Ending::new(Exit::of_solve(report.stopped_by, report.converged));
     let sampling = Instant::now();
-    let written = write_results(&request, &evaluator, points.as_ref(), &provenance, &mut ending);
+    let limits = Limits::of(RunOptions { time_s: request.run.time_s, ..run }, start);
+    let written = write_results(&request, &evaluator, points.as_ref(), (&provenance, &limits), &mut ending);
     run_report.error.points = written.and_then(|values| values.error);
     let sample_s = sampling.elapsed().as_secs_f64() - ending.output_s;
 
@@ -114,14 +116,19 @@ pub fn light<T>(
     Ok((evaluator, Exit::of_solve(report.stopped_by, report.converged), plan))
 }
 
-/// How the solve runs: reading took some of the time, and points and pictures take some of the memory.
+/// A picture for which more than the solution is to be found has this part of the time.
+const PART_OF_PICTURE: f64 = 0.5;
+
+/// How the solve runs: reading took some of the time, a picture takes some, and points and pictures take some of the memory.
 pub fn within_limits(request: &SolveRequest, points: Option<&Points>, load_s: f64, channels: usize) -> RunOptions {
     // Results are written from what the solution holds, one after the other: the largest counts.
     let values = points.map_or(0, |points| Values::bytes_of(points.len(), channels));
     let pictures = request.picture.as_ref().map_or(0, |picture| Image::bytes_of(picture.size.into(), channels));
     let of_results = points.map_or(0, Points::memory_bytes) + values.max(pictures);
+    let takes_time = |picture: &PictureRequest| picture.quantity != Quantity::Width && !request.options.lit_mesh;
+    let part = if request.picture.as_ref().is_some_and(takes_time) { 1.0 - PART_OF_PICTURE } else { 1.0 };
     RunOptions {
-        time_s: request.run.time_s.map(|seconds| (seconds - load_s).max(0.0)),
+        time_s: request.run.time_s.map(|seconds| part * (seconds - load_s).max(0.0)),
         memory_bytes: request.run.memory_bytes.map(|bytes| bytes.saturating_sub(of_results)),
         ..request.run.clone()
     }
@@ -159,7 +166,7 @@ pub fn write_results(
     request: &SolveRequest,
     evaluator: &Evaluator,
     points: Option<&Points>,
-    provenance: &Provenance,
+    (provenance, limits): (&Provenance, &Limits),
     ending: &mut Ending,
 ) -> Option<WrittenValues> {
     let (voice, mut written) = (request.voice, None);
@@ -183,8 +190,11 @@ pub fn write_results(
         (None, _) => {}
     }
     if let Some(picture) = &request.picture {
-        match pictures::take_picture(evaluator, picture, voice) {
-            Ok(Some(image)) => ending.write(|| pictures::write_picture(&image, picture, provenance, voice)),
+        match pictures::take_picture(evaluator, picture, limits, voice) {
+            Ok(Some(image)) => {
+                ending.write(|| pictures::write_picture(&image, picture, provenance, voice));
+                ending.limit(image.limit);
+            }
             Ok(None) => ending.cancel(voice, "the picture"),
             Err(failure) => ending.note(Err(failure)),
         }
@@ -338,6 +348,13 @@ impl Ending {
     pub fn cancel(&mut self, voice: Voice, left_out: &str) {
         voice.warn(format_args!("{left_out} is not written: interrupted"));
         self.exit = Exit::Cancelled;
+    }
+
+    /// A limit ended something before it was as good as asked for.
+    pub fn limit(&mut self, exit: Option<Exit>) {
+        if let (Exit::Done, Some(exit)) = (self.exit, exit) {
+            self.exit = exit;
+        }
     }
 
     /// The exit code, or the last failure; others are told of.

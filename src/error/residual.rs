@@ -138,7 +138,7 @@ mod tests {
             if has_reflector {
                 brightness.reflectors = vec![Reflector { surface: tall_box, brightness: 1e3 }];
             }
-            let paths = LightPaths::new(&scene, &rays, &brightness, &[], resolution.size);
+            let paths = LightPaths::new(&scene, &rays, &brightness, &[], resolution.size, &|| false);
             let [of_values, onward] = [1, 2].map(|seed| CellRadiosities::solve(&paths, &resolution, seed, &|| false).unwrap());
             let [value, truth] =
                 [(&of_values, 0), (&onward, 1)].map(|(radiosities, bounces)| FinalGather { paths: &paths, radiosities, bounces });

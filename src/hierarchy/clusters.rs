@@ -5,7 +5,10 @@
 //! the surface area heuristic (MacDonald, Booth 1990), at bins. O(n log n), in parallel; deterministic, because ties are broken by
 //! surface number.
 
-use crate::geometry::{Aabb, Lobes};
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::geometry::{Aabb, Facet, Lobes};
 use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
 
@@ -23,6 +26,9 @@ const MAX_DEPTH: u32 = 48;
 /// Clusters with fewer surfaces are cut on one thread: a millisecond.
 const PARALLEL: usize = 4096;
 
+/// Surfaces or clusters that are measured together.
+const MEASURED_AT_ONCE: usize = 1024;
+
 /// Clusters with fewer surfaces are cut to the end: asking whether to stop would take its part of the time.
 const UNSTOPPABLE: usize = 128;
 
@@ -34,7 +40,7 @@ enum Tree {
 
 fn build(scene: &Scene, stop: Stop<'_>) -> Hierarchy {
     let surfaces = scene.surfaces();
-    let bounds: Vec<Aabb> = surfaces.iter().map(|surface| surface.polygon.bounds()).collect();
+    let bounds: Vec<Aabb> = surfaces.par_iter().with_min_len(PARALLEL).map(|surface| surface.polygon.bounds()).collect();
 
     // Emitters in one subtree, everything else in the other.
     let (emitters, others): (Vec<u32>, Vec<u32>) =
@@ -77,14 +83,12 @@ fn build(scene: &Scene, stop: Stop<'_>) -> Hierarchy {
     }
 
     // The surfaces follow, cluster by cluster.
-    for (index, &(tree, _)) in clusters.iter().enumerate() {
-        let Tree::Leaf(members) = tree else { continue };
-        for &surface in members {
-            let polygon = surfaces[surface as usize].polygon.facet();
-            hierarchy.surface_nodes[surface as usize] = NodeId(hierarchy.nodes.len() as u32);
-            hierarchy.push_polygon(NodeId(index as u32), surface, polygon.vertices.iter().copied());
-        }
-    }
+    let members = |(&(tree, _), parent): (&(&Tree, NodeId), u32)| {
+        let Tree::Leaf(surfaces) = tree else { return Vec::new() };
+        surfaces.iter().map(|&surface| (NodeId(parent), surface)).collect()
+    };
+    let members: Vec<(NodeId, u32)> = clusters.iter().zip(0..).flat_map(members).collect();
+    hierarchy.push_surfaces(scene, &members);
     hierarchy.measure_clusters(&bounds);
     hierarchy
 }
@@ -103,11 +107,40 @@ impl Hierarchy {
         build(scene, stop)
     }
 
+    /// Appends the nodes of surfaces, each with the cluster above it.
+    fn push_surfaces(&mut self, scene: &Scene, members: &[(NodeId, u32)]) {
+        // Some at a time, each as if its vertices were the first.
+        let measured = |members: &[(NodeId, u32)]| {
+            let mut vertices: Vec<DVec3> = Vec::with_capacity(4 * members.len());
+            let node = |&(parent, surface): &(NodeId, u32)| {
+                let Facet { vertices: corners, normal, .. } = scene.surface(SurfaceId(surface)).polygon.facet();
+                let first_vertex = vertices.len();
+                vertices.extend_from_slice(corners);
+                Node::of_polygon((parent, surface), first_vertex, Facet::of_part(corners, normal))
+            };
+            (members.iter().map(node).collect(), vertices)
+        };
+        let measured: Vec<(Vec<Node>, Vec<DVec3>)> = members.par_chunks(MEASURED_AT_ONCE).map(measured).collect();
+        self.vertices.reserve(measured.iter().map(|(_, vertices)| vertices.len()).sum());
+        for (nodes, vertices) in measured {
+            let before = self.vertices.len() as u32;
+            for node in nodes {
+                self.surface_nodes[node.surface as usize] = NodeId(self.nodes.len() as u32);
+                self.nodes.push(Node { first_vertex: before + node.first_vertex, ..node });
+            }
+            self.vertices.extend(vertices);
+        }
+    }
+
     /// Boxes, areas and faces of the clusters, from the children up.
     fn measure_clusters(&mut self, bounds: &[Aabb]) {
-        for index in (0..self.cluster_count()).rev() {
-            (self.nodes[index], self.cluster_bounds[index], self.cluster_faces[index]) =
-                self.measured_cluster(NodeId(index as u32), bounds);
+        let clusters = self.cluster_count();
+        for level in self.levels().into_iter().rev().filter(|level| level.start < clusters) {
+            let ids = level.clone().into_par_iter().with_min_len(MEASURED_AT_ONCE);
+            let measured: Vec<_> = ids.map(|index| self.measured_cluster(NodeId(index as u32), bounds)).collect();
+            for (index, of_cluster) in level.zip(measured) {
+                (self.nodes[index], self.cluster_bounds[index], self.cluster_faces[index]) = of_cluster;
+            }
         }
     }
 
@@ -115,7 +148,7 @@ impl Hierarchy {
     /// the centroid of its area.
     pub(super) fn measured_cluster(&self, cluster: NodeId, bounds: &[Aabb]) -> (Node, Aabb, Lobes) {
         let (mut around, mut faces) = (Aabb::EMPTY, Lobes::default());
-        let (mut area, mut moment) = (0.0, glam::DVec3::ZERO);
+        let (mut area, mut moment) = (0.0, DVec3::ZERO);
         for child in self.children(cluster) {
             let node = self.node(child);
             area += node.area;

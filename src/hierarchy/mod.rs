@@ -46,6 +46,13 @@ pub(crate) struct Node {
 impl Node {
     const NO_SURFACE: u32 = u32::MAX;
 
+    /// A leaf: a surface, or a piece of one, whose vertices start there in the pool; and the node above it.
+    fn of_polygon((parent, surface): (NodeId, u32), first_vertex: usize, facet: Facet<'_>) -> Self {
+        let Facet { vertices, area, centroid, radius, .. } = facet;
+        let (first_vertex, vertex_count) = (first_vertex as u32, vertices.len() as u32);
+        Self { parent, first_child: NodeId::ROOT, child_count: 0, surface, first_vertex, vertex_count, area, centroid, radius }
+    }
+
     /// A cluster that is still to be measured.
     fn cluster(parent: NodeId, first_child: NodeId) -> Self {
         let (surface, centroid) = (Self::NO_SURFACE, DVec3::ZERO);

@@ -64,22 +64,11 @@ impl Hierarchy {
     }
 
     /// Appends a node for a piece of a surface.
-    pub(super) fn push_polygon(&mut self, parent: NodeId, surface: u32, vertices: impl IntoIterator<Item = DVec3>) {
+    fn push_polygon(&mut self, parent: NodeId, surface: u32, vertices: impl IntoIterator<Item = DVec3>) {
         let first_vertex = self.vertices.len();
         self.vertices.extend(vertices);
-        let Facet { area, centroid, radius, .. } = Facet::of_part(&self.vertices[first_vertex..], self.normals[surface as usize]);
-        let vertex_count = (self.vertices.len() - first_vertex) as u32;
-        self.nodes.push(Node {
-            parent,
-            first_child: NodeId::ROOT,
-            child_count: 0,
-            surface,
-            first_vertex: first_vertex as u32,
-            vertex_count,
-            area,
-            centroid,
-            radius,
-        });
+        let facet = Facet::of_part(&self.vertices[first_vertex..], self.normals[surface as usize]);
+        self.nodes.push(Node::of_polygon((parent, surface), first_vertex, facet));
     }
 }
 

@@ -85,7 +85,9 @@ impl LinkSet {
 
     /// The links with their receivers, in order, and the dormant pairs.
     pub(crate) fn into_parts(self) -> (Vec<(NodeId, Link)>, Vec<Pair>) {
-        (self.iter().map(|(receiver, link)| (receiver, *link)).collect(), self.dormant)
+        let mut linked = Vec::with_capacity(self.links.len());
+        linked.extend(self.iter().map(|(receiver, link)| (receiver, *link)));
+        (linked, self.dormant)
     }
 
     /// The same links, with these pairs beside them.

@@ -20,6 +20,8 @@ pub(crate) struct Refinement<'a> {
     linked: Vec<(NodeId, Link)>,
     dormant: Vec<Pair>,
     dropped: &'a mut Dropped,
+    /// The most links and other pairs that there were at a time.
+    most: usize,
 }
 
 /// Pairs that were dropped, by reason.
@@ -35,16 +37,23 @@ const FEW_WAITING: usize = 1 << 16;
 /// Pairs of a wave that are decided, and ask for visibility, together: about a thousand segments.
 const CHUNK: usize = 256;
 
+/// Pairs of a wave of which it is known at a time what becomes of them: two megabytes.
+const SETTLED_AT_ONCE: usize = 1 << 16;
+
+/// Where there is no more room for links, they get room for so many times as many; the most that counts of memory do not know of.
+const ROOM_FOR_MORE: f64 = 1.125;
+
 impl<'a> Refinement<'a> {
     /// Takes links apart; what is dropped is added to `dropped`.
     pub fn of(links: LinkSet, dropped: &'a mut Dropped) -> Self {
         let (linked, dormant) = links.into_parts();
-        Self { linked, dormant, dropped }
+        let most = linked.len() + dormant.len();
+        Self { linked, dormant, dropped, most }
     }
 
-    /// Links and dormant pairs.
-    pub fn len(&self) -> usize {
-        self.linked.len() + self.dormant.len()
+    /// The most links, dormant pairs and pairs that waited to be decided that there were at a time.
+    pub fn most_pairs(&self) -> usize {
+        self.most
     }
 
     /// The links by receiver.
@@ -62,6 +71,7 @@ impl<'a> Refinement<'a> {
     ) -> RefineEnd {
         let (mut wave, mut end) = self.reopen(hierarchy, splits, context, limits);
         while !wave.is_empty() {
+            self.most = self.most.max(self.linked.len() + self.dormant.len() + wave.len());
             if end == RefineEnd::Content {
                 end = limits.says_end(hierarchy, self.linked.len() + wave.len(), self.dormant.len()).unwrap_or(end);
             }
@@ -72,18 +82,21 @@ impl<'a> Refinement<'a> {
                 true => pairs.iter().map(|_| Outcome::Dormant).collect(),
                 false => context.decide_chunk(hierarchy, pairs, may_split),
             };
-            let outcomes: Vec<Vec<Outcome>> = wave.par_chunks(CHUNK).map(decide).collect();
-            if (limits.halt)() {
-                end = RefineEnd::Stopped;
-            }
             let mut to_split = Vec::new();
-            for (pair, outcome) in wave.iter().zip(outcomes.into_iter().flatten()) {
-                match outcome {
-                    Outcome::Behind => self.dropped.behind.add(2 * context.rays_for(hierarchy, *pair)),
-                    Outcome::Black => self.dropped.black.add(2 * context.rays_for(hierarchy, *pair)),
-                    Outcome::Dormant => self.dormant.push(*pair),
-                    Outcome::Linked(link) => end = self.link(hierarchy, pair.receiver, link, limits).unwrap_or(end),
-                    Outcome::Split(decision) => to_split.push((*pair, decision)),
+            for some in wave.chunks(SETTLED_AT_ONCE) {
+                let outcomes: Vec<Vec<Outcome>> = some.par_chunks(CHUNK).map(decide).collect();
+                if (limits.halt)() {
+                    end = RefineEnd::Stopped;
+                }
+                self.make_room(outcomes.iter().flatten().filter(|outcome| matches!(outcome, Outcome::Linked(_))).count());
+                for (pair, outcome) in some.iter().zip(outcomes.into_iter().flatten()) {
+                    match outcome {
+                        Outcome::Behind => self.dropped.behind.add(2 * context.rays_for(hierarchy, *pair)),
+                        Outcome::Black => self.dropped.black.add(2 * context.rays_for(hierarchy, *pair)),
+                        Outcome::Dormant => self.dormant.push(*pair),
+                        Outcome::Linked(link) => end = self.link(hierarchy, pair.receiver, link, limits).unwrap_or(end),
+                        Outcome::Split(decision) => to_split.push((*pair, decision)),
+                    }
                 }
             }
 
@@ -157,6 +170,15 @@ impl<'a> Refinement<'a> {
         }
         let all_wait = may_split && next.len() == pairs.len();
         (next, refused.filter(|_| all_wait))
+    }
+
+    /// Makes room for so many more links. A list that doubles where it is full would take three times as much as it holds while it is copied.
+    fn make_room(&mut self, more: usize) {
+        let needed = self.linked.len() + more;
+        if needed > self.linked.capacity() {
+            let room = (ROOM_FOR_MORE * needed as f64) as usize;
+            self.linked.reserve_exact(room - self.linked.len());
+        }
     }
 
     /// Adds a link, or leaves the pair dormant if a limit says so, which is returned.

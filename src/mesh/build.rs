@@ -1,8 +1,10 @@
 //! The local pass: first meshes of indirect light, then of all light, along lines where light jumps or nearly so (Lischinski 1994, chapter 4).
 
+use std::time::Instant;
+
 use rayon::prelude::*;
 
-use super::effort::{FOLLOWED, PILOT_POINTS, PILOT_RAYS, rays_of_nodes};
+use super::effort::{FOLLOWED, PILOT_POINTS, PILOT_RAYS, RAYS, rays_of_nodes};
 use super::grow::{Grower, MOST_GATHERS};
 use super::growing::Growing;
 use super::judged::Judged;
@@ -39,6 +41,9 @@ const TESTS: f64 = 4.0;
 /// Tests at most, as many as there may be elements: with fewer than a small error wants, the claim is larger, and still true.
 const MOST_TESTS: f64 = (1 << 20) as f64;
 
+/// With fewer nothing can be said where little is seen.
+const LEAST_TESTS: f64 = 64.0;
+
 /// What a mesh is made from.
 pub(crate) struct MeshBuilder<'a> {
     pub scene: &'a Scene,
@@ -69,8 +74,13 @@ impl MeshBuilder<'_> {
         let roots: f64 = growing.iter().flat_map(|of| of.node_sizes()).map(f64::sqrt).sum();
         let (budget, size) = (self.budget, (whole / roots).powi(2));
         let mut light = Indirect { direct: &direct, gather: self.indirect, budget, rays: PILOT_RAYS, size, noise_scale: 1.0 };
+        let begun = Instant::now();
         if let Some([noise_sq, told]) = self.grower(&light, INDIRECT_PART, whole).sampled_noise_sq(&growing, PILOT_POINTS) {
-            light.rays = rays_of_nodes(self.error * INDIRECT_PART.sqrt(), noise_sq, self.seen.is_some());
+            let wanted = rays_of_nodes(self.error * INDIRECT_PART.sqrt(), noise_sq, self.seen.is_some());
+            // What takes as many rays each: nodes and their tests, and judging, twice at each point.
+            let gathers = 2 * (nodes(&growing) + JUDGED);
+            let work = seconds_of_gathers(begun, gathers) * (wanted / PILOT_RAYS);
+            light.rays = (wanted * self.limits.affordable_part(work)).max(RAYS.0);
             light.noise_scale = if told > 0.0 { noise_sq / told } else { 1.0 };
         }
         let of_indirect = self.grower(&light, INDIRECT_PART, whole).grow(&mut growing)?;
@@ -80,7 +90,8 @@ impl MeshBuilder<'_> {
         let mut growing = self.begin(surfaces, whole)?;
         let light = All { direct: &direct, indirect: MeshReader::of(self.scene, &indirect) };
         let part = 1.0 - INDIRECT_PART;
-        let tests = (TESTS / (part * self.error.powi(2))).ceil().min(MOST_TESTS);
+        let wanted = (TESTS / (part * self.error.powi(2))).ceil().min(MOST_TESTS);
+        let tests = (wanted * self.affordable_tests(&growing, &light, wanted)).max(LEAST_TESTS);
         let grower = Grower {
             judged_at: JUDGED.max(tests as usize),
             most_gathers: 1,
@@ -91,6 +102,17 @@ impl MeshBuilder<'_> {
         let of_all = grower.grow(&mut growing)?;
         let Judged { measured, claimed, by_group, .. } = of_indirect.with(of_all);
         Some(LitMesh { surfaces: self.finish(growing, false), measured, claimed, by_group })
+    }
+
+    /// The part of so many tests of all light for which there is time.
+    fn affordable_tests(&self, growing: &[Growing], light: &All<'_>, tests: f64) -> f64 {
+        if !self.limits.has_deadline() {
+            return 1.0;
+        }
+        let begun = Instant::now();
+        self.grower(light, 1.0, 1.0).sampled_noise_sq(growing, PILOT_POINTS);
+        // They are taken when elements are tested first, and again when these are judged.
+        self.limits.affordable_part(seconds_of_gathers(begun, nodes(growing) + 2 * tests as usize))
     }
 
     /// What all surfaces weigh.
@@ -160,4 +182,14 @@ impl MeshBuilder<'_> {
         }
         meshes
     }
+}
+
+/// Nodes of all that grow.
+fn nodes(growing: &[Growing]) -> usize {
+    growing.iter().map(|of| of.triangles.nodes.len()).sum()
+}
+
+/// What so many gathers take in seconds, as long as each of a pilot that began at some time.
+fn seconds_of_gathers(begun: Instant, count: usize) -> f64 {
+    begun.elapsed().as_secs_f64() * count as f64 / (2 * PILOT_POINTS) as f64
 }

@@ -24,11 +24,28 @@ pub(super) const PILOT_POINTS: usize = 512;
 pub(super) const PILOT_RAYS: f64 = 64.0;
 
 /// What nodes may take.
-const RAYS: (f64, f64) = (16.0, 8192.0);
+pub(super) const RAYS: (f64, f64) = (16.0, 8192.0);
 
 /// The rays of a node for a function, or one for a picture, that may be claimed to be off by `error`, when it has this squared noise with [`PILOT_RAYS`].
 pub(super) fn rays_of_nodes(error: f64, noise_sq: f64, is_for_picture: bool) -> f64 {
     let part = if is_for_picture { NOISE_PART_OF_PICTURE } else { NOISE_PART };
-    let wanted = part * (error / CLAIMED).powi(2);
-    (PILOT_RAYS * (noise_sq / wanted).powf(1.0 / NOISE_POWER)).clamp(RAYS.0, RAYS.1)
+    // The square of a small error may be 0, which would be as much as no noise.
+    let over = (noise_sq.sqrt() / (error / CLAIMED)).powi(2) / part;
+    (PILOT_RAYS * over.powf(1.0 / NOISE_POWER)).clamp(RAYS.0, RAYS.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_are_in_range_whatever_is_asked_for() {
+        for error in [1e-300, 5e-324, 1e-6, 1.0, 1e300] {
+            assert_eq!(rays_of_nodes(error, 0.0, false), RAYS.0);
+            for noise_sq in [1e-300, 1e-4, 1.0, 1e300] {
+                assert!((RAYS.0..=RAYS.1).contains(&rays_of_nodes(error, noise_sq, true)), "{error} {noise_sq}");
+            }
+        }
+        assert!(rays_of_nodes(0.01, 1e-4, false) < rays_of_nodes(0.005, 1e-4, false));
+    }
 }

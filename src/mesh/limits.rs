@@ -56,6 +56,22 @@ impl<'a> MeshLimits<'a> {
         is_allowed
     }
 
+    /// Whether all must be done by some time.
+    pub(super) fn has_deadline(&self) -> bool {
+        self.deadline.is_some()
+    }
+
+    /// The part of some work for which there is time, where all of it takes so many seconds: half of what is left is for it.
+    pub(super) fn affordable_part(&self, work_s: f64) -> f64 {
+        let Some(deadline) = self.deadline else { return 1.0 };
+        let left_s = deadline.saturating_duration_since(Instant::now()).as_secs_f64() / 2.0;
+        if left_s >= work_s {
+            return 1.0;
+        }
+        self.reached.get_or_init(|| MeshLimit::Time);
+        left_s / work_s
+    }
+
     /// Begins to refine a function. Half of the time that is left is for it; the rest is for judging, and for what comes after it.
     pub(super) fn begin(&'a self) -> Rounds<'a> {
         let now = Instant::now();
@@ -82,6 +98,17 @@ impl Rounds<'_> {
 mod tests {
     use super::*;
     use std::time::Duration;
+
+    #[test]
+    fn work_for_which_there_is_no_time_is_done_in_part() {
+        let hour = 3600.0;
+        assert_eq!(MeshLimits::none().affordable_part(hour), 1.0);
+        let limits = MeshLimits::new(&|_| true, Some(Instant::now() + Duration::from_secs_f64(hour)));
+        assert_eq!((limits.affordable_part(hour / 3.0), limits.reached()), (1.0, None));
+        assert!((limits.affordable_part(2.0 * hour) - 0.25).abs() < 1e-3);
+        assert_eq!(limits.reached(), Some(MeshLimit::Time));
+        assert_eq!(MeshLimits::new(&|_| true, Some(Instant::now())).affordable_part(hour), 0.0);
+    }
 
     #[test]
     fn rounds_end_with_elements_and_with_half_of_the_time() {

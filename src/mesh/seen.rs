@@ -48,6 +48,16 @@ impl SeenSurfaces {
         points.into_iter().for_each(|point| self.points[point.surface.index()].push(point));
     }
 
+    /// Bytes that these take, and while a mesh is made of them: elements have copies, twice while they are sorted.
+    pub fn bytes_at_work(&self) -> u64 {
+        Self::bytes_of(self.points.iter().map(Vec::len).sum())
+    }
+
+    /// The same of so many points.
+    pub fn bytes_of(points: usize) -> u64 {
+        (3 * points * size_of::<SeenPoint>()) as u64
+    }
+
     /// How many pixels a surface covers.
     pub fn weight(&self, surface: SurfaceId) -> f64 {
         weight_of(&self.points[surface.index()])

@@ -1,6 +1,7 @@
 //! The emitters whose light next-event estimation brings; that of others is left to paths.
 
-use super::light_tree::{LightTree, Source};
+use super::light_tree::LightTree;
+use super::source_group::Source;
 use crate::geometry::{Aabb, Frame, sampling};
 use crate::scene::{Emitter, Scene, SurfaceId};
 use crate::transmittance::Rays;
@@ -56,8 +57,8 @@ impl<'a> Emitters<'a> {
         // Light groups may be off.
         surfaces.retain(|&id| scene.material_of(id).emits());
         let emitters = Emitter::of_surfaces(scene, surfaces.into_iter());
-        let sources = || (0..).zip(&emitters).map(|(number, emitter)| source(scene, number, emitter));
-        let tree = (!emitters.is_empty()).then(|| LightTree::new(sources().collect()));
+        let sources: Vec<Source> = (0..).zip(&emitters).map(|(number, emitter)| source(scene, number, emitter)).collect();
+        let tree = if sources.is_empty() { None } else { LightTree::new(sources, &|| false) };
         Self { scene, rays, emitters, dimmest, tree }
     }
 

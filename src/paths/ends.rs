@@ -16,6 +16,7 @@ use glam::DVec3;
 
 use super::grid::NO_CELL;
 use super::trail::Trail;
+use crate::scene::SurfaceId;
 
 /// A path whose weight falls below this goes on with this weight, or ends. At most 1; the less, the longer paths get, and the less noisy.
 const LITTLE: f64 = 0.25;
@@ -58,6 +59,18 @@ pub(crate) struct Continuation {
     pub shortcut: u32,
     /// Whether it saw the sky at once, and brings what that sends.
     pub is_of_sky: bool,
+}
+
+/// What a ray finds.
+pub(super) enum Arrival {
+    /// What sends nothing, or what next-event rays bring.
+    Nothing,
+    /// The sky, or nothing.
+    Sky(DVec3),
+    /// A cell that is small, and the point of a surface in it.
+    Cell(u32, DVec3, SurfaceId),
+    /// A point from which the path goes on; with its cell, if only the least number of bounces forbids to end there.
+    Onward(DVec3, SurfaceId, Option<u32>),
 }
 
 impl Ends {

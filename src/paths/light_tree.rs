@@ -14,20 +14,22 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
-use crate::geometry::Aabb;
+use super::source_group::{Group, Source, halves};
+use crate::progress::Stop;
 
 /// Cosines are widened by this much against rounding: sines of small angles are known to the root of the rounding of f32.
 const SLACK: f32 = 1e-3;
-
-/// Angles are widened by this much against rounding.
-const ANGLE_SLACK: f64 = 1e-6;
 
 /// Children of a node.
 const WIDTH: usize = 4;
 
 /// A group or source is near if the square of its radius over its distance is above this.
 const NEAR_SQ: f32 = 0.25;
+
+/// Trees over fewer sources are made on one thread, and to their end: some milliseconds.
+const PARALLEL: usize = 4096;
 
 /// One number for each child, or child and axis.
 type Lanes = [f32; WIDTH];
@@ -77,16 +79,6 @@ pub(super) struct LightTree {
     power: f64,
 }
 
-/// A leaf of the tree: an emitter, or a cell of a bright reflector.
-#[derive(Clone)]
-pub(super) struct Source {
-    pub number: u32,
-    pub bounds: Aabb,
-    pub normal: DVec3,
-    /// The power that it sends, in W.
-    pub power: f64,
-}
-
 /// A source that was drawn.
 pub(super) struct Drawn {
     /// The number of the source.
@@ -112,56 +104,71 @@ struct Receiver {
     normal: [f32; 3],
 }
 
-/// The box, cone of normals and power of a group of sources.
-struct Group {
-    bounds: Aabb,
-    /// All normals are within `half_angle` of `axis`, in radians.
-    axis: DVec3,
-    half_angle: f64,
-    /// In W.
+/// The units of the nodes of a tree: the origin, the length and the power.
+struct Units {
+    centre: DVec3,
+    radius: f64,
     power: f64,
 }
 
-impl LightTree {
-    /// A tree over `sources`, at least one.
-    pub fn new(mut sources: Vec<Source>) -> Self {
-        let Group { bounds, power, .. } = sources.iter().map(Group::of).reduce(Group::union).unwrap_or_default();
-        let mut tree = Self { nodes: Vec::new(), centre: bounds.centre(), radius: 0.5 * bounds.diagonal(), power };
-        tree.add(&mut sources);
-        tree
-    }
-
-    /// Appends the tree over `sources`; returns its root and the group of all.
-    fn add(&mut self, sources: &mut [Source]) -> (Below, Group) {
-        let index = self.nodes.len();
-        self.nodes.push(Node::EMPTY);
+impl Units {
+    /// Appends the tree over `sources`, a node before those below it; returns its root and the group of all. `None` if stopped before.
+    fn add(&self, nodes: &mut Vec<Node>, sources: &mut [Source], stop: Stop<'_>) -> Option<(Below, Group)> {
+        let (index, is_large) = (nodes.len(), sources.len() >= PARALLEL);
+        if is_large && stop() {
+            return None;
+        }
+        nodes.push(Node::EMPTY);
         let (left, right) = halves(sources);
         let quarters = [left, right].into_iter().flat_map(|half| match half.len() {
             0 | 1 => [half, &mut []],
             _ => halves(half).into(),
         });
+        let quarters = quarters.filter(|sources| !sources.is_empty());
 
-        // A child for each quarter that has sources.
+        // A child for each quarter that has sources; large ones side by side, then in their order.
         let mut whole: Option<Group> = None;
-        for (child, sources) in quarters.filter(|sources| !sources.is_empty()).enumerate() {
-            let (below, group) = match sources {
-                [source] => (Below::Source(source.number), Group::of(source)),
-                _ => self.add(sources),
-            };
-            self.set_child(index, child, below, &group);
-            whole = Some(match whole {
+        let mut set = |nodes: &mut [Node], child: usize, (below, group): (Below, Group)| {
+            self.set_child(&mut nodes[index], child, below, &group);
+            whole = Some(match whole.take() {
                 Some(whole) => whole.union(group),
                 None => group,
             });
+        };
+        if is_large {
+            let of_quarter = |sources| {
+                let mut nodes = Vec::new();
+                self.add_child(&mut nodes, sources, stop).map(|child| (nodes, child))
+            };
+            let children: Vec<Option<_>> = quarters.collect::<Vec<_>>().into_par_iter().map(of_quarter).collect();
+            for (number, child) in children.into_iter().enumerate() {
+                let (mut below, (root, group)) = child?;
+                let before = nodes.len() as u32;
+                below.iter_mut().flat_map(|node| &mut node.below).for_each(|below| *below = below.behind(before));
+                nodes.append(&mut below);
+                set(nodes, number, (root.behind(before), group));
+            }
+        } else {
+            for (number, sources) in quarters.enumerate() {
+                let child = self.add_child(nodes, sources, stop)?;
+                set(nodes, number, child);
+            }
         }
-        (Below::Node(index as u32), whole.unwrap_or_default())
+        Some((Below::Node(index as u32), whole.unwrap_or_default()))
     }
 
-    fn set_child(&mut self, index: usize, child: usize, below: Below, group: &Group) {
+    /// The same, or a single source.
+    fn add_child(&self, nodes: &mut Vec<Node>, sources: &mut [Source], stop: Stop<'_>) -> Option<(Below, Group)> {
+        match sources {
+            [source] => Some((Below::Source(source.number), Group::of(source))),
+            _ => self.add(nodes, sources, stop),
+        }
+    }
+
+    fn set_child(&self, node: &mut Node, child: usize, below: Below, group: &Group) {
         let centre = (group.bounds.centre() - self.centre) / self.radius;
         let radius = 0.5 * group.bounds.diagonal() / self.radius;
         let (sin, cos) = group.half_angle.min(PI).sin_cos();
-        let node = &mut self.nodes[index];
         for axis in 0..3 {
             node.centre[axis][child] = centre[axis] as f32;
             node.axis[axis][child] = group.axis[axis] as f32;
@@ -170,6 +177,27 @@ impl LightTree {
         (node.cos_half_angle[child], node.sin_half_angle[child]) = (cos as f32, sin as f32);
         node.power[child] = ((group.power / self.power) as f32).max(f32::MIN_POSITIVE);
         node.below[child] = below;
+    }
+}
+
+impl Below {
+    /// The same where so many nodes stand before those of its tree.
+    fn behind(self, before: u32) -> Self {
+        match self {
+            Self::Source(_) => self,
+            Self::Node(index) => Self::Node(before + index),
+        }
+    }
+}
+
+impl LightTree {
+    /// A tree over `sources`, at least one; `None` if stopped before it is whole.
+    pub fn new(mut sources: Vec<Source>, stop: Stop<'_>) -> Option<Self> {
+        let Group { bounds, power, .. } = sources.iter().map(Group::of).reduce(Group::union).unwrap_or_default();
+        let (centre, radius) = (bounds.centre(), 0.5 * bounds.diagonal());
+        let (units, mut nodes) = (Units { centre, radius, power }, Vec::new());
+        units.add(&mut nodes, &mut sources, stop)?;
+        Some(Self { nodes, centre, radius, power })
     }
 
     /// Draws a source by each of `numbers`, rising in [0, 1), for points that share a normal, into `draws`. A number draws nothing
@@ -320,51 +348,4 @@ fn less(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
     let is_less = a.1 >= b.1;
     let (sin, cos) = (a.0 * b.1 - a.1 * b.0, a.1 * b.1 + a.0 * b.0);
     (if is_less { 0.0 } else { sin }, if is_less { 1.0 } else { cos })
-}
-
-/// Two halves of equal number, along the longest axis of the centres.
-fn halves(sources: &mut [Source]) -> (&mut [Source], &mut [Source]) {
-    let extent = Aabb::around(sources.iter().map(|source| source.bounds.centre())).extent();
-    let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
-    let place = |source: &Source| source.bounds.centre()[axis];
-    sources.sort_unstable_by(|a, b| place(a).total_cmp(&place(b)).then(a.number.cmp(&b.number)));
-    sources.split_at_mut(sources.len().div_ceil(2))
-}
-
-impl Default for Group {
-    fn default() -> Self {
-        Self { bounds: Aabb::EMPTY, axis: DVec3::Z, half_angle: PI, power: 0.0 }
-    }
-}
-
-impl Group {
-    fn of(source: &Source) -> Self {
-        Self { bounds: source.bounds, axis: source.normal, half_angle: 0.0, power: source.power }
-    }
-
-    fn union(self, other: Self) -> Self {
-        let (axis, half_angle) = cone_around(&self, &other);
-        Self { bounds: self.bounds.union(other.bounds), axis, half_angle, power: self.power + other.power }
-    }
-}
-
-/// A cone around the normals of two groups.
-fn cone_around(a: &Group, b: &Group) -> (DVec3, f64) {
-    let (wide, narrow) = if a.half_angle >= b.half_angle { (a, b) } else { (b, a) };
-    let between = wide.axis.dot(narrow.axis).clamp(-1.0, 1.0).acos();
-    if between + narrow.half_angle <= wide.half_angle {
-        return (wide.axis, wide.half_angle);
-    }
-    let half_angle = 0.5 * (between + wide.half_angle + narrow.half_angle);
-    let aside = (narrow.axis - wide.axis.dot(narrow.axis) * wide.axis).try_normalize();
-    match aside.filter(|_| half_angle < PI) {
-        Some(aside) => {
-            let turn = half_angle - wide.half_angle;
-            (turn.cos() * wide.axis + turn.sin() * aside, half_angle + ANGLE_SLACK)
-        }
-        None => {
-            let around = between + narrow.half_angle;
-            (wide.axis, if around < PI { around.max(wide.half_angle) } else { PI })
-        }
-    }
 }

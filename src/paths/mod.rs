@@ -17,6 +17,7 @@ mod place;
 mod recorded;
 mod reflector_rays;
 mod reflectors;
+mod source_group;
 mod spots;
 mod terms;
 mod trace;

@@ -6,19 +6,25 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::grid::{Grid, Grids};
-use super::light_tree::{Draws, LightTree, Source};
+use super::light_tree::{Draws, LightTree};
 use super::particles::Landing;
 use super::place::Receives;
 use super::reflectors::Reflector;
+use super::source_group::Source;
 use super::spots::spot_cells;
 use crate::direct::Receiver;
 use crate::form_factor::kernel;
 use crate::geometry::{Aabb, sampling, streams};
+use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::Segment;
+
+/// Fewer targets are looked at on one thread.
+const PARALLEL: usize = 4096;
 
 /// A cell of a reflector that a ray from a place sees, and where.
 pub(crate) struct SeenCell {
@@ -64,17 +70,17 @@ pub(super) struct ReflectorRays {
 }
 
 impl<'a> Reflectors<'a> {
-    /// Of bright surfaces, and of the spots where particles landed.
+    /// Of bright surfaces, and of the spots where particles landed; none if stopped.
     pub fn new(
         scene: &'a Scene,
         rays: &'a Rays<'a>,
-        reflectors: &[Reflector],
-        landings: &[Landing],
+        (reflectors, landings): (&[Reflector], &[Landing]),
         grids: &Grids,
         small_from: f64,
+        stop: Stop<'_>,
     ) -> Self {
         let mut all = Self { scene, rays, targets: Vec::new(), is_target: vec![false; grids.cells()], small_from, tree: None };
-        for &Reflector { surface, brightness } in reflectors {
+        for &Reflector { surface, brightness } in reflectors.iter().take_while(|_| !stop()) {
             let grid = grids.of(surface).into_iter();
             grid.for_each(|grid| (0..grid.len()).for_each(|index| all.add(surface, grid, index, brightness)));
         }
@@ -84,12 +90,21 @@ impl<'a> Reflectors<'a> {
             let grid = grids.of(spot.surface).into_iter();
             grid.for_each(|grid| all.add(spot.surface, grid, spot.index as usize, spot.brightness));
         }
-        let source = |(number, target): (u32, &Target)| {
+        let source = |(number, target): (usize, &Target)| {
             let normal = scene.surface(target.surface).polygon.facet().normal;
-            Source { number, bounds: Aabb::around(target.corners()), normal, power: target.area() * target.brightness }
+            Source {
+                number: number as u32,
+                bounds: Aabb::around(target.corners()),
+                normal,
+                power: target.area() * target.brightness,
+            }
         };
-        let sources: Vec<Source> = (0..).zip(&all.targets).map(source).collect();
-        all.tree = (!sources.is_empty()).then(|| LightTree::new(sources));
+        let sources: Vec<Source> = all.targets.par_iter().enumerate().with_min_len(PARALLEL).map(source).collect();
+        all.tree = if sources.is_empty() { None } else { LightTree::new(sources, stop) };
+        if all.tree.is_none() {
+            all.targets.clear();
+            all.is_target.fill(false);
+        }
         all
     }
 
@@ -236,14 +251,14 @@ mod tests {
             let reflectors = Reflectors::new(
                 &scene,
                 &rays,
-                &[plate],
-                &[],
+                (&[plate], &[]),
                 &Grids::new(
                     &scene,
                     &Brightness { reflectors: vec![plate], ..Brightness::even(&scene) },
                     CellSize { side: 0.1, most_surfaces: usize::MAX },
                 ),
                 1.5,
+                &|| false,
             );
             let point = DVec3::new(2.0, 2.0, 0.0);
             let expected = visible * point_to_polygon(point, DVec3::Z, &scene.surface(SurfaceId(16)).polygon.facet());

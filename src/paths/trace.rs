@@ -18,7 +18,7 @@ use glam::DVec3;
 use super::batch_sums::BatchSums;
 use super::direct_sums::DirectSums;
 use super::emitters::Emitters;
-use super::ends::{Continuation, Ends};
+use super::ends::{Arrival, Continuation, Ends};
 use super::grid::{CellSize, Grid, Grids, NO_CELL};
 use super::next_event::EmitterRays;
 use super::open_parts::OpenParts;
@@ -28,6 +28,7 @@ use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
 use super::reflectors::Brightness;
 use crate::direct::{Blockers, DirectLight, LightRays, Lights, Receiver};
 use crate::geometry::{sampling, streams};
+use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::{Hit, NO_PLANE, Ray, Segment};
@@ -65,18 +66,6 @@ pub(crate) struct PathScratch {
     into_sky: Vec<(usize, DVec3)>,
 }
 
-/// What a ray finds.
-enum Arrival {
-    /// What sends nothing, or what next-event rays bring.
-    Nothing,
-    /// The sky, or nothing.
-    Sky(DVec3),
-    /// A cell that is small, and the point of a surface in it.
-    Cell(u32, DVec3, SurfaceId),
-    /// A point from which the path goes on; with its cell, if only the least number of bounces forbids to end there.
-    Onward(DVec3, SurfaceId, Option<u32>),
-}
-
 /// Casts light paths through a scene.
 pub(crate) struct LightPaths<'a> {
     pub scene: &'a Scene,
@@ -94,10 +83,17 @@ pub(crate) struct LightPaths<'a> {
 }
 
 impl<'a> LightPaths<'a> {
-    /// Paths that end in cells of this size; particles' `landings` tell where there are bright spots.
-    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, brightness: &Brightness, landings: &[Landing], size: CellSize) -> Self {
+    /// Paths that end in cells of this size; particles' `landings` tell where there are bright spots. Once stopped, no rays are aimed at these.
+    pub fn new(
+        scene: &'a Scene,
+        rays: &'a Rays<'a>,
+        brightness: &Brightness,
+        landings: &[Landing],
+        size: CellSize,
+        stop: Stop<'_>,
+    ) -> Self {
         let grids = Grids::new(scene, brightness, size);
-        let reflectors = Reflectors::new(scene, rays, &brightness.reflectors, landings, &grids, SMALL_FROM);
+        let reflectors = Reflectors::new(scene, rays, (&brightness.reflectors, landings), &grids, SMALL_FROM, stop);
         let emitters = Emitters::new(scene, rays);
         let is_black = |surface: SurfaceId| {
             let material = scene.material_of(surface);

@@ -2,6 +2,7 @@
 
 mod antialiased;
 mod camera;
+mod coarse_to_fine;
 mod default_view;
 mod image;
 mod lines;

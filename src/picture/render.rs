@@ -1,11 +1,13 @@
 //! A picture of the solution: first hits from the backend, and the gather at each of them.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::camera::CameraRays;
+use super::coarse_to_fine::CoarseToFine;
 use super::image::Image;
 use super::shown::Shown;
 use crate::paths::Place;
@@ -32,28 +34,35 @@ struct Shader<'a> {
 }
 
 /// What is shown through the pixels of a camera, with standard errors where `error_bars` are known; black where a back is met, and
-/// where nothing is, but for the sky. `None` if the observer cancels.
+/// where nothing is, but for the sky; and the part of the pixels that were taken, which is 1 but where the time ended before: others show one beside them,
+/// and their errors are not known. `None` if the observer cancels.
 pub(crate) fn render(
     (gather, error_bars): (&Gather<'_>, Option<ErrorBars>),
     visibility: &Rays<'_>,
     (camera, size): (&CameraRays, [u32; 2]),
     shown: Shown,
+    deadline: Option<Instant>,
     observer: &dyn Observer,
-) -> Option<Image> {
+) -> Option<(Image, f64)> {
     let ([width, height], channels) = (size, gather.scene.channels());
     let shader = Shader { gather, error_bars, shown };
-    let mut pixels = vec![[0.0; 2]; channels * width as usize * height as usize];
-    let done = AtomicUsize::new(0);
-    pixels.par_chunks_mut(channels * width as usize).enumerate().for_each_init(
-        || (Scratch::default(), Vec::new()),
-        |(scratch, hits), (row, pixels)| {
-            if observer.cancelled() {
+    let count = width as usize * height as usize;
+    let (mut pixels, mut is_done, done) = (vec![[0.0; 2]; channels * count], vec![false; count], AtomicUsize::new(0));
+    let grids = deadline.map_or(CoarseToFine::at_once(size), |_| CoarseToFine::from_few(size));
+    for (number, step) in grids.steps().enumerate() {
+        // The first grid is taken to its end: else there is nothing to show.
+        let is_late = || number > 0 && deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let rows = pixels.par_chunks_mut(channels * width as usize).zip(is_done.par_chunks_mut(width as usize)).enumerate();
+        let of_grid = rows.filter(|(row, _)| row % step as usize == 0);
+        of_grid.for_each_init(<(Scratch, Vec<Option<Hit>>)>::default, |(scratch, hits), (row, (pixels, is_done))| {
+            if observer.cancelled() || is_late() {
                 return;
             }
             // Where the rays through the pixels of a row arrive.
+            let columns: Vec<u32> = (0..width).step_by(step as usize).filter(|&column| !is_done[column as usize]).collect();
             let subsamples =
-                |column| (0..SUBSAMPLES).map(move |sample| camera.through_pixel(column, row as u32, sample, SUBSAMPLES));
-            let rays: Vec<Ray> = (0..width).flat_map(subsamples).collect();
+                |&column: &u32| (0..SUBSAMPLES).map(move |sample| camera.through_pixel(column, row as u32, sample, SUBSAMPLES));
+            let rays: Vec<Ray> = columns.iter().flat_map(subsamples).collect();
             visibility.first_hits(&rays, hits);
             let place = |(ray, hit): (&Ray, &Option<Hit>)| {
                 let (direction, hit) = (DVec3::from(ray.direction), hit.as_ref()?);
@@ -63,36 +72,43 @@ pub(crate) fn render(
             let places: Vec<Option<Place>> = rays.iter().zip(hits.iter()).map(place).collect();
 
             // What is seen there.
-            shader.shade_row(&places, scratch, pixels);
-            shader.add_sky(&rays, hits, pixels);
+            shader.shade_row((&columns, &places), scratch, pixels);
+            shader.add_sky((&columns, &rays), hits, pixels);
+            columns.iter().for_each(|&column| is_done[column as usize] = true);
 
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            let fraction = Some(done as f64 / f64::from(height));
+            let done = done.fetch_add(columns.len(), Ordering::Relaxed) + columns.len();
+            let fraction = Some(done as f64 / count as f64);
             observer.progress(&Progress { stage: Stage::Render, round: 0, fraction, links: 0, elements: 0, error: None });
-        },
-    );
-    if observer.cancelled() {
-        return None;
+        });
+        if observer.cancelled() {
+            return None;
+        }
     }
+    grids.for_each_missing(&is_done, |missing, instead| {
+        for channel in 0..channels {
+            pixels[missing * channels + channel] = [pixels[instead * channels + channel][0], f32::NAN];
+        }
+    });
     let (radiance, standard_error) = pixels.into_iter().map(|[radiance, error]| (radiance, error)).unzip();
-    Some(Image { width, height, channels, radiance, standard_error: error_bars.map(|_| standard_error) })
+    let image = Image { width, height, channels, radiance, standard_error: error_bars.map(|_| standard_error) };
+    Some((image, done.into_inner() as f64 / count as f64))
 }
 
 impl Shader<'_> {
-    /// Adds what a row of pixels shows of the sky, by the [`SUBSAMPLES`] rays through each.
-    fn add_sky(&self, rays: &[Ray], hits: &[Option<Hit>], pixels: &mut [[f32; 2]]) {
+    /// Adds what the pixels of a row in some columns show of the sky, by the [`SUBSAMPLES`] rays through each.
+    fn add_sky(&self, (columns, rays): (&[u32], &[Ray]), hits: &[Option<Hit>], pixels: &mut [[f32; 2]]) {
         let (scene, share) = (self.gather.scene, 1.0 / f64::from(SUBSAMPLES));
         let mut radiance = vec![0.0; scene.channels()];
         for (index, ray) in rays.iter().enumerate().filter(|(index, _)| hits[*index].is_none()) {
             radiance.fill(0.0);
             self.shown.add_sky(scene, DVec3::from(ray.direction), share, &mut radiance);
-            let pixel = &mut pixels[index / SUBSAMPLES as usize * radiance.len()..];
+            let pixel = &mut pixels[columns[index / SUBSAMPLES as usize] as usize * radiance.len()..];
             pixel.iter_mut().zip(&radiance).for_each(|([number, _], radiance)| *number += radiance);
         }
     }
 
-    /// Adds the radiances of a row of pixels, each seen at [`SUBSAMPLES`] places, and their standard errors.
-    fn shade_row(&self, places: &[Option<Place>], scratch: &mut Scratch, pixels: &mut [[f32; 2]]) {
+    /// Adds the radiances of the pixels of a row in some columns, each seen at [`SUBSAMPLES`] places, and their standard errors.
+    fn shade_row(&self, (columns, places): (&[u32], &[Option<Place>]), scratch: &mut Scratch, pixels: &mut [[f32; 2]]) {
         // If all rays of a pixel meet one surface, one of the points with all visibility rays is as good as all points with a share
         // each.
         let Self { gather, error_bars, shown } = *self;
@@ -104,9 +120,11 @@ impl Shader<'_> {
         let mut gathered = Gathered::default();
         for shaded in [1, SUBSAMPLES] {
             // All points with the same number of rays together.
-            let of_pixel = places.chunks(SUBSAMPLES as usize).enumerate().filter(|(_, places)| is_one(places) == (shaded == 1));
-            let points =
-                of_pixel.flat_map(|(column, places)| places[..shaded as usize].iter().flatten().map(move |place| (column, *place)));
+            let of_pixel = columns.iter().zip(places.chunks(SUBSAMPLES as usize));
+            let of_pixel = of_pixel.filter(|(_, places)| is_one(places) == (shaded == 1));
+            let points = of_pixel.flat_map(|(column, places)| {
+                places[..shaded as usize].iter().flatten().map(move |place| (*column as usize, *place))
+            });
             let (columns, points): (Vec<usize>, Vec<Place>) = points.unzip();
             let rays_each = gather.budget.rays.min(RAYS_PER_PIXEL).div_ceil(shaded);
             let budget = RayBudget { rays: rays_each, least_chance: LEAST_CHANCE, ..gather.budget };

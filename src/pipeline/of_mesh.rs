@@ -1,21 +1,47 @@
 //! What is read off a lit mesh: values and pictures.
 
 use std::borrow::Cow;
+use std::time::Instant;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Evaluator, PipelineError};
-use crate::mesh::{LEAST_GATHERS, LitMesh, MeshIndex, MeshReader};
+use crate::mesh::{LEAST_GATHERS, LitMesh, MeshIndex, MeshLimit, MeshReader};
 use crate::picture::{self, Camera, Image, Shown};
-use crate::progress::{Observer, Stop};
+use crate::progress::{Observer, Progress, Stop};
 use crate::scene::SurfacePoint;
-use crate::solve::Solution;
+use crate::solve::{RunOptions, Solution, StoppedBy};
 use crate::transmittance::Rays;
 use crate::values::{self, Values};
 
 /// Points that are read between two looks at whether to stop: some milliseconds.
 const READ_AT_ONCE: usize = 1024;
+
+/// A mesh of what a camera sees, and why it was refined no further.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewMesh {
+    /// The mesh; `None` if the observer cancelled, or a limit was reached before there was one.
+    pub mesh: Option<LitMesh>,
+    /// Whether it is as good as was asked for, or what ended it before.
+    pub stopped_by: StoppedBy,
+}
+
+/// Says that an observer cancels once a time is over.
+struct Until<'a> {
+    observer: &'a dyn Observer,
+    deadline: Option<Instant>,
+}
+
+impl Observer for Until<'_> {
+    fn progress(&self, progress: &Progress) {
+        self.observer.progress(progress);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.observer.cancelled() || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+}
 
 impl Evaluator {
     /// The lit mesh of the solution, if it was solved with [`SolveOptions::lit_mesh`](crate::solve::SolveOptions::lit_mesh).
@@ -49,12 +75,43 @@ impl Evaluator {
     /// # Errors
     /// As [`Evaluator::render`].
     pub fn view_mesh(&self, camera: &Camera, error: f64, observer: &dyn Observer) -> Result<Option<LitMesh>, PipelineError> {
-        let (through, scene) = (camera.rays()?, self.solution.scene());
-        let rays = Rays::new(&*self.visibility, scene);
-        Ok(self.pool.install(|| {
-            let seen = picture::seen_surfaces(scene, &rays, (&through, [camera.width, camera.height]), observer)?;
-            self.solution.lit_mesh_of_view(&rays, &seen, error, observer)
-        }))
+        Ok(self.view_mesh_within(camera, error, &RunOptions::default(), observer)?.mesh)
+    }
+
+    /// The same within the time and the memory of `run`, of which the picture itself is to be taken off beforehand. Where they end, the mesh is as good as
+    /// it got, and judged; where they end before that, there is none.
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`]; [`PipelineError::Options`] for a time that is none.
+    pub fn view_mesh_within(
+        &self,
+        camera: &Camera,
+        error: f64,
+        run: &RunOptions,
+        observer: &dyn Observer,
+    ) -> Result<ViewMesh, PipelineError> {
+        run.validate()?;
+        let (through, scene, size) = (camera.rays()?, self.solution.scene(), [camera.width, camera.height]);
+        let (rays, deadline) = (Rays::new(&*self.visibility, scene), run.deadline_from(Instant::now()));
+        if !self.solution.has_room_for_view(size[0] as usize * size[1] as usize, run) {
+            return Ok(ViewMesh { mesh: None, stopped_by: StoppedBy::Memory });
+        }
+        let (mesh, limit) = self.pool.install(|| {
+            let until = Until { observer, deadline };
+            match picture::seen_surfaces(scene, &rays, (&through, size), &until) {
+                Some(seen) => self.solution.lit_mesh_of_view((&rays, &seen), error, (run, deadline), observer),
+                None => (None, Some(MeshLimit::Time)),
+            }
+        });
+        let is_reached = mesh.as_ref().is_some_and(|mesh| mesh.claimed <= error);
+        let stopped_by = match limit {
+            _ if observer.cancelled() => StoppedBy::Cancelled,
+            _ if is_reached => StoppedBy::Error,
+            Some(MeshLimit::Memory) => StoppedBy::Memory,
+            Some(MeshLimit::Time) => StoppedBy::Time,
+            None => StoppedBy::Exhausted,
+        };
+        Ok(ViewMesh { mesh: mesh.filter(|_| stopped_by != StoppedBy::Cancelled), stopped_by })
     }
 
     /// Whether a mesh of what a camera sees takes less than to gather values for each of its pixels: it is judged at some thousand points, whatever the

@@ -1,5 +1,7 @@
 //! Pictures of irradiance, and lines over pictures.
 
+use std::time::Instant;
+
 use glam::DVec3;
 
 use super::{Evaluator, PipelineError};
@@ -8,6 +10,7 @@ use crate::mesh::LitMesh;
 use crate::picture::{self, Camera, Image, Line, Marks, Shown};
 use crate::progress::Observer;
 use crate::scene::SurfaceId;
+use crate::solve::RunOptions;
 use crate::transmittance::Rays;
 
 impl Evaluator {
@@ -24,24 +27,54 @@ impl Evaluator {
     ) -> Result<Option<Image>, PipelineError> {
         match mesh {
             Some(mesh) => self.render_mesh_shown(mesh, Shown::Irradiance, camera, observer),
-            None => self.render_shown(Shown::Irradiance, camera, observer),
+            None => Ok(self.render_shown(Shown::Irradiance, camera, None, observer)?.map(|(image, _)| image)),
         }
     }
 
-    /// A picture from the values at what its pixels see.
+    /// Like [`Evaluator::render`], within the time of `run`: once that is over, pixels that were not taken show one beside them, and their errors are
+    /// not known. With the part of the pixels that were taken. A thousand pixels are taken whatever the time.
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`].
+    pub fn render_within(
+        &self,
+        camera: &Camera,
+        run: &RunOptions,
+        observer: &dyn Observer,
+    ) -> Result<Option<(Image, f64)>, PipelineError> {
+        run.validate()?;
+        self.render_shown(Shown::Radiance, camera, run.deadline_from(Instant::now()), observer)
+    }
+
+    /// The same of irradiance over pi.
+    ///
+    /// # Errors
+    /// As [`Evaluator::render`].
+    pub fn render_irradiance_within(
+        &self,
+        camera: &Camera,
+        run: &RunOptions,
+        observer: &dyn Observer,
+    ) -> Result<Option<(Image, f64)>, PipelineError> {
+        run.validate()?;
+        self.render_shown(Shown::Irradiance, camera, run.deadline_from(Instant::now()), observer)
+    }
+
+    /// A picture from the values at what its pixels see, and the part of the pixels that were taken by a deadline.
     pub(super) fn render_shown(
         &self,
         shown: Shown,
         camera: &Camera,
+        deadline: Option<Instant>,
         observer: &dyn Observer,
-    ) -> Result<Option<Image>, PipelineError> {
+    ) -> Result<Option<(Image, f64)>, PipelineError> {
         let through = camera.rays()?;
         let rays = Rays::new(&*self.visibility, self.solution.scene());
         let size = [camera.width, camera.height];
         Ok(self.pool.install(|| {
             let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
             let gather = self.solution.gather_at_points(&rays, paths.as_ref());
-            picture::render((&gather, self.solution.error_bars), &rays, (&through, size), shown, observer)
+            picture::render((&gather, self.solution.error_bars), &rays, (&through, size), shown, deadline, observer)
         }))
     }
 

@@ -1,6 +1,7 @@
 //! Which emitters make up which light group.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::light_groups::LightGroups;
 use super::{EmitterName, Light, LightGroupError, MOST_CHANNELS, Scene, Surface};
@@ -43,6 +44,7 @@ impl Scene {
             }) as u32
         };
         let mut scene = Self { light_groups: None, ..self.clone() };
+        let surfaces = Arc::make_mut(&mut scene.surfaces);
         let mut of_material = vec![None; self.materials.len()];
         let mut copies: BTreeMap<(u32, u32), u32> = BTreeMap::new();
         for (index, surface) in self.surfaces.iter().enumerate().filter(|(_, surface)| emits(surface)) {
@@ -59,7 +61,7 @@ impl Scene {
                 of_material[surface.material as usize] = Some(group);
                 surface.material
             });
-            scene.surfaces[index].material = material;
+            surfaces[index].material = material;
         }
         let of_light = self.lights.iter().map(|light| Ok(number_of(group_of_light(light, grouping)?)));
         let of_light: Vec<u32> = of_light.collect::<Result<_, LightGroupError>>()?;

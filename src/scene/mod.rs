@@ -18,6 +18,7 @@ mod lit_by;
 mod material;
 mod planes;
 mod point;
+mod shared;
 mod summary;
 mod twins;
 
@@ -39,6 +40,8 @@ pub use lights::{
 pub use material::Material;
 pub use point::{PointError, SurfacePoint};
 pub use summary::{LightSummary, SceneSummary};
+
+use std::sync::Arc;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -102,7 +105,9 @@ const MOST_CHANNELS: usize = 1024;
 pub struct Scene {
     channels: usize,
     materials: Vec<Material>,
-    surfaces: Vec<Surface>,
+    /// Copies of a scene share them.
+    #[serde(with = "shared")]
+    surfaces: Arc<Vec<Surface>>,
     /// What sends light beside them.
     lights: Vec<Light>,
     sides: Sides,
@@ -142,8 +147,8 @@ impl Scene {
             return Err(SceneError::NoSuchMaterial { surface, material, count });
         }
 
-        let surfaces =
-            faces.into_iter().map(|(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None }).collect();
+        let surface = |(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None };
+        let surfaces = Arc::new(faces.into_iter().map(surface).collect());
         let (objects, groups) = (FaceNames::default(), FaceNames::default());
         let mut scene = Self {
             channels,
@@ -290,7 +295,10 @@ impl Scene {
 
     /// The box around all surfaces.
     pub fn bounds(&self) -> Aabb {
-        self.surfaces.iter().map(|surface| surface.polygon.bounds()).fold(Aabb::EMPTY, Aabb::union)
+        // Both sides of a sheet have the same.
+        let surfaces = self.surfaces.iter().enumerate();
+        let counted = surfaces.filter(|(index, surface)| surface.twin.is_none_or(|twin| twin.index() > *index));
+        counted.map(|(_, surface)| surface.polygon.bounds()).fold(Aabb::EMPTY, Aabb::union)
     }
 }
 

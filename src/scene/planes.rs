@@ -14,6 +14,7 @@
 //! beside the tolerance knows its own offset badly and looks at a wider range of planes.
 
 use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -34,9 +35,13 @@ struct Precision {
 
 impl Precision {
     fn new(scene: &Scene) -> Self {
-        let vertices = scene.surfaces.iter().flat_map(|surface| surface.polygon.facet().vertices).copied();
-        let middle = median_point(vertices.clone());
-        let typical = 4.0 * median(vertices.map(|vertex| vertex.distance(middle)).collect());
+        // Where all surfaces are sides of sheets, one side of each has the same medians as both.
+        let are_sheets = scene.surfaces.iter().all(|surface| surface.twin.is_some());
+        let counts = |(index, surface): &(usize, &Surface)| !are_sheets || surface.twin.is_some_and(|twin| twin.index() > *index);
+        let counted = scene.surfaces.iter().enumerate().filter(counts);
+        let vertices: Vec<DVec3> = counted.flat_map(|(_, surface)| surface.polygon.facet().vertices).copied().collect();
+        let middle = median_point(vertices.iter().copied());
+        let typical = 4.0 * median(vertices.iter().map(|vertex| vertex.distance(middle)).collect());
         Self { most: scene.bounds().diagonal(), typical }
     }
 
@@ -81,7 +86,7 @@ impl Scene {
             .filter(|(index, surface)| surface.twin.is_none_or(|twin| twin.index() > *index))
             .map(|(index, surface)| (width(surface), index))
             .collect();
-        order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
 
         let mut finder = PlaneFinder::default();
         let mut plane_of = vec![u32::MAX; self.surfaces.len()];
@@ -98,7 +103,7 @@ impl Scene {
         // Renumber in the order of the surfaces.
         let mut number = vec![u32::MAX; finder.planes.len()];
         let mut next = 0;
-        for (surface, plane) in self.surfaces.iter_mut().zip(plane_of) {
+        for (surface, plane) in Arc::make_mut(&mut self.surfaces).iter_mut().zip(plane_of) {
             let number = &mut number[plane as usize];
             if *number == u32::MAX {
                 *number = next;
@@ -331,7 +336,7 @@ mod tests {
         let mut scene = scene(quads.to_vec(), Sides::Front);
         assert_eq!(scene.validate(), Ok(()));
         for plane in [3, u32::MAX] {
-            scene.surfaces[2].plane = plane;
+            Arc::make_mut(&mut scene.surfaces)[2].plane = plane;
             assert!(scene.validate().unwrap_err().contains("surface 2: its plane"));
         }
     }

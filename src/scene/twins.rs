@@ -1,6 +1,7 @@
 //! The two sides of sheets.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -26,12 +27,12 @@ impl Scene {
         // Each surface that is alone is followed by its back, so the numbers shift.
         let mut number = Vec::with_capacity(self.surfaces.len());
         let mut next = 0;
-        for surface in &self.surfaces {
+        for surface in self.surfaces.iter() {
             number.push(next);
             next += if surface.twin.is_some() { 1 } else { 2 };
         }
         let mut surfaces = Vec::with_capacity(next as usize);
-        for mut surface in std::mem::take(&mut self.surfaces) {
+        for mut surface in Arc::unwrap_or_clone(std::mem::take(&mut self.surfaces)) {
             let own = surfaces.len() as u32;
             if let Some(twin) = surface.twin {
                 surface.twin = Some(SurfaceId(number[twin.index()]));
@@ -42,17 +43,18 @@ impl Scene {
                 surfaces.extend([surface, back]);
             }
         }
-        self.surfaces = surfaces;
+        self.surfaces = Arc::new(surfaces);
     }
 
     /// Pairs each of these surfaces with one before it that is its reverse and has no twin yet.
     fn pair_sides(&mut self, candidates: impl Iterator<Item = u32>) {
         let mut waiting: HashMap<Vec<[u64; 3]>, Vec<u32>> = HashMap::new();
+        let surfaces = Arc::make_mut(&mut self.surfaces);
         for index in candidates {
-            let (own, reverse) = windings(&self.surfaces[index as usize]);
+            let (own, reverse) = windings(&surfaces[index as usize]);
             if let Some(twin) = waiting.get_mut(&reverse).and_then(Vec::pop) {
-                self.surfaces[index as usize].twin = Some(SurfaceId(twin));
-                self.surfaces[twin as usize].twin = Some(SurfaceId(index));
+                surfaces[index as usize].twin = Some(SurfaceId(twin));
+                surfaces[twin as usize].twin = Some(SurfaceId(index));
             } else {
                 waiting.entry(own).or_default().push(index);
             }

@@ -7,9 +7,9 @@
 
 use std::sync::Arc;
 
+use super::beginning::Beginning;
 use super::cells_way::CellsWay;
 use super::effort::{AIM, Law};
-use super::interest::InitialImportance;
 use super::job::Job;
 use super::judge::{cell_seed, particle_seed};
 use super::linked::Linked;
@@ -37,13 +37,14 @@ const POSITIONS: f64 = 256.0;
 const POSITION_RAYS: u32 = 1;
 
 /// The solver for a job, with its plan.
-pub(super) fn choose<'a>(job: &Job<'a>, importance: InitialImportance) -> Box<dyn Way<'a> + 'a> {
+pub(super) fn choose<'a>(job: &Job<'a>, beginning: Beginning) -> Box<dyn Way<'a> + 'a> {
+    let Beginning { hierarchy, importance } = beginning;
     let illumination = Illumination::sampled(job.scene, job.rays, particle_seed(job.options.seed), &job.stop());
     let areas = Areas::of_scene(job.scene);
     let plan = |over_cells| Plan::new(job.scene, &areas, job.options, illumination.clone(), over_cells);
     let search = ErrorSearch::new(importance);
     let (mut links, mut cells) = (plan(false), plan(true));
-    let linked = || Linked::new(*job, &illumination, links.links_clusters(pairs(job), cells.work()));
+    let linked = || Linked::new(*job, &illumination, hierarchy, links.links_clusters(pairs(job), cells.work()));
     let options = job.options;
     match options.solver {
         _ if options.keep_transport => return Box::new(CellsWay::new(linked(), cells, search)),
@@ -106,7 +107,8 @@ fn try_both(linked: &Linked<'_>, cells: &Plan) -> Option<Tried> {
     let side = (cells.law.illumination.lit_area / POSITIONS).sqrt();
     let size = CellSize { side, ..cells.resolution().size };
     let resolution = Resolution { size, rays: POSITION_RAYS };
-    let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.size));
+    let paths =
+        Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.size, &job.stop()));
     let seeds = std::array::from_fn(|number| cell_seed(job.options.seed, (1 + REPLICATES + number) as u64));
     let stop = job.stop();
     let cells = SolvedCells::solve(paths, resolution, seeds, &stop)?;

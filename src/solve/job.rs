@@ -32,9 +32,8 @@ impl<'a> Job<'a> {
         rays: &'a Rays<'a>,
         observer: &'a dyn Observer,
     ) -> Self {
-        let deadline = run.time_s.and_then(|seconds| Instant::now().checked_add(Duration::from_secs_f64(seconds)));
-        let is_copied = kept_channels != scene.channels() || scene.deciding() != scene.channels();
-        let memory = MemoryLedger::new(scene, is_copied, run.backend, run.memory_bytes);
+        let deadline = run.deadline_from(Instant::now());
+        let memory = MemoryLedger::new(scene, run.backend, run.memory_bytes);
         Self { scene, kept_channels, options, run, deadline, memory, rays, observer }
     }
 

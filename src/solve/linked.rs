@@ -60,12 +60,9 @@ pub(super) struct Linked<'a> {
 }
 
 impl<'a> Linked<'a> {
-    pub fn new(job: Job<'a>, illumination: &Illumination, clusters: bool) -> Self {
+    pub fn new(job: Job<'a>, illumination: &Illumination, mut hierarchy: Hierarchy, clusters: bool) -> Self {
         let start = Instant::now();
         let Job { scene, rays, options, .. } = job;
-        let (links, elements) = (0, scene.surfaces().len() as u64);
-        job.observer.progress(&Progress { stage: Stage::Build, round: 0, fraction: None, links, elements, error: None });
-        let mut hierarchy = Hierarchy::new_unless(scene, &job.stop());
         if options.links.subdivision == Subdivision::Discontinuities {
             cut_along_discontinuities(&job, illumination, &mut hierarchy);
         }
@@ -208,7 +205,7 @@ impl<'a> Linked<'a> {
         let limits = self.refine_limits(&stop, &allows, &halt);
         let mut refinement = Refinement::of(std::mem::take(&mut self.links), &mut self.dropped);
         let end = refinement.refine(&mut self.hierarchy, splits, &context, &limits);
-        let at_work = (refinement.len() * LINK_AT_WORK) as u64;
+        let at_work = (refinement.most_pairs() * LINK_AT_WORK) as u64;
         self.links = refinement.into_links(&self.hierarchy);
         self.report.time_s.form_factor += context.form_factor_nanoseconds.into_inner() as f64 * 1e-9;
         // What links take in the solution is a part of what they take at work.

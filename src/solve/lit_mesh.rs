@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use super::job::Job;
 use super::judge::add_time;
-use super::memory::Holdings;
+use super::memory::{Holdings, MemoryLedger};
+use super::options::RunOptions;
 use super::report::{ErrorFigure, LitMeshReport, SolveReport, StoppedBy};
 use super::shares::error_of_mesh;
 use super::solution::Solution;
@@ -26,7 +27,7 @@ pub(super) fn add(job: &Job<'_>, solution: &mut Solution, report: &mut SolveRepo
     let requested = error_of_mesh(job.options.error, report.error.estimate);
 
     // The mesh, with the time and memory that are left.
-    let besides = kept_bytes(job, solution);
+    let besides = solution.kept_bytes(&job.memory, job.kept_channels);
     let bytes = |elements: usize| besides + LitMesh::bytes_to_make(elements, job.kept_channels);
     let allows = |elements: usize| job.memory.allows(bytes(elements)) && job.observer.allows_memory(bytes(elements));
     let limits = MeshLimits::new(&allows, job.deadline());
@@ -59,15 +60,15 @@ fn told(mesh: &LitMesh, requested: f64, of_values: &SolveReport) -> LitMeshRepor
     LitMeshReport { elements: mesh.elements() as u64, nodes: mesh.nodes() as u64, requested, off_values, whole }
 }
 
-/// What there is in memory while the mesh is made, beside it.
-fn kept_bytes(job: &Job<'_>, solution: &Solution) -> u64 {
-    let Solution { hierarchy, links, cell_radiosities, .. } = solution;
-    let of_cells =
-        |radiosities: &CellRadiosities| radiosities.memory_bytes() + LightPaths::bytes_of(&solution.scene, radiosities.cells());
-    job.memory.kept(Holdings { hierarchy, links, channels: job.kept_channels }) + cell_radiosities.as_ref().map_or(0, of_cells)
-}
-
 impl Solution {
+    /// What there is in memory while a mesh is made, beside it, by the ledger of a solve that keeps so many channels.
+    fn kept_bytes(&self, memory: &MemoryLedger, channels: usize) -> u64 {
+        let Self { scene, hierarchy, links, cell_radiosities, .. } = self;
+        let of_cells =
+            |radiosities: &CellRadiosities| radiosities.memory_bytes() + LightPaths::bytes_of(scene, radiosities.cells());
+        memory.kept(Holdings { hierarchy, links, channels }) + cell_radiosities.as_ref().map_or(0, of_cells)
+    }
+
     /// Radiosity as a function on all surfaces that reflect, off the values at points by `error` in the norm of the options; `None` if the observer
     /// cancels.
     ///
@@ -76,15 +77,36 @@ impl Solution {
         self.lit_mesh_within((rays, None), error, &MeshLimits::none(), &|| observer.cancelled(), observer)
     }
 
-    /// The same of what a view sees, for its picture: the error is one over the pixels.
+    /// The same of what a view sees, for its picture, within the memory of a run and a time: the error is one over the pixels. `None` if the observer cancels,
+    /// if the time is over before the mesh is judged, or where there is no room for one; with the limit that was reached, if one was.
     pub(crate) fn lit_mesh_of_view(
         &self,
-        rays: &Rays<'_>,
-        seen: &SeenSurfaces,
+        (rays, seen): (&Rays<'_>, &SeenSurfaces),
         error: f64,
+        (run, deadline): (&RunOptions, Option<Instant>),
         observer: &dyn Observer,
-    ) -> Option<LitMesh> {
-        self.lit_mesh_within((rays, Some(seen)), error, &MeshLimits::none(), &|| observer.cancelled(), observer)
+    ) -> (Option<LitMesh>, Option<MeshLimit>) {
+        let (memory, channels) = (MemoryLedger::new(&self.scene, run.backend, run.memory_bytes), self.scene.channels_with_groups());
+        let besides = self.kept_bytes(&memory, channels) + seen.bytes_at_work();
+        let allows = |elements: usize| {
+            let bytes = besides + LitMesh::bytes_to_make(elements, channels);
+            memory.allows(bytes) && observer.allows_memory(bytes)
+        };
+        let limits = MeshLimits::new(&allows, deadline);
+        let is_late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let stop = || observer.cancelled() || is_late();
+        let mesh = self.lit_mesh_within((rays, Some(seen)), error, &limits, &stop, observer);
+        let reached = limits.reached().or_else(|| is_late().then_some(MeshLimit::Time));
+        (mesh, reached)
+    }
+
+    /// Whether the memory of a run has room to look for what so many pixels see.
+    pub(crate) fn has_room_for_view(&self, pixels: usize, run: &RunOptions) -> bool {
+        /// Rays through most pixels.
+        const POINTS_OF_PIXEL: usize = 4;
+        let memory = MemoryLedger::new(&self.scene, run.backend, run.memory_bytes);
+        memory
+            .allows(self.kept_bytes(&memory, self.scene.channels_with_groups()) + SeenSurfaces::bytes_of(POINTS_OF_PIXEL * pixels))
     }
 
     /// The same within limits: what ends with them is judged as it is. `None` if stopped, or if they allow none.

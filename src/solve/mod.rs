@@ -3,6 +3,7 @@
 //! Two solvers take part in it, behind one trait (`way`): over links (`links_way`) and over cells (`cells_way`); `choice` tells which. How fine
 //! they work follows from the requested error by one law (`effort`, `plan`); what to do when it is not reached is decided in `next_step`.
 
+mod beginning;
 mod cells_way;
 mod channels;
 mod choice;
@@ -38,6 +39,7 @@ mod work;
 mod worthwhile_cells;
 
 pub use crate::links::Skips;
+pub(crate) use beginning::Beginning;
 pub use flux::Flux;
 pub(crate) use interest::InitialImportance;
 pub use interest::InterestError;
@@ -67,35 +69,35 @@ use crate::progress::Observer;
 use crate::scene::Scene;
 use crate::transmittance::Rays;
 
-/// Solves `scene` in the current rayon pool; `importance` is looked at by error-driven refinement alone.
+/// Solves `scene` in the current rayon pool.
 pub(crate) fn solve(
     scene: Scene,
     options: &SolveOptions,
     run: &RunOptions,
-    importance: InitialImportance,
+    beginning: Beginning,
     rays: &Rays<'_>,
     observer: &dyn Observer,
 ) -> (Solution, SolveReport) {
     let channels = SolvedChannels::of(scene, options);
     let job = |scene| Job::new(scene, channels.kept(), options, run, rays, observer);
-    let found = solve_to_the_end(&job(&channels.scene()), importance);
+    let found = solve_to_the_end(&job(&channels.scene()), beginning);
     channels.expand(found)
 }
 
 /// Solves the scene of a job as it is: values at points, and the lit mesh if it is wanted.
-fn solve_to_the_end(job: &Job<'_>, importance: InitialImportance) -> (Solution, SolveReport) {
+fn solve_to_the_end(job: &Job<'_>, beginning: Beginning) -> (Solution, SolveReport) {
     if !job.options.lit_mesh {
-        return solve_all_channels(job, importance);
+        return solve_all_channels(job, beginning);
     }
     let options = SolveOptions { error: shares::error_of_values(job.options.error), ..job.options.clone() };
-    let (mut solution, mut report) = solve_all_channels(&job.of_values(&options), importance);
+    let (mut solution, mut report) = solve_all_channels(&job.of_values(&options), beginning);
     lit_mesh::add(job, &mut solution, &mut report);
     (solution, report)
 }
 
 /// Solves the scene of a job as it is, step by step: radiosities as finely as planned, the error that is left, and what to do about it.
-fn solve_all_channels(job: &Job<'_>, importance: InitialImportance) -> (Solution, SolveReport) {
-    let mut way = choose(job, importance);
+fn solve_all_channels(job: &Job<'_>, beginning: Beginning) -> (Solution, SolveReport) {
+    let mut way = choose(job, beginning);
     let stopped_by = 'solve: loop {
         let round = Instant::now();
         let ended = way.advance();

@@ -90,11 +90,29 @@ impl Solution {
         Some(LightGroupsReport { error, lit_mesh, groups: known.names().iter().enumerate().map(group).collect() })
     }
 
+    /// What claims for any weights follow from; `None` without groups, or where nothing is known.
+    pub(crate) fn group_claims(&self) -> Option<GroupClaims> {
+        let light = self.groups.as_ref()?;
+        let errors = light.errors.as_ref()?;
+        let values = errors.values.iter().map(|error| error.claimed).collect();
+        let mesh = self.mesh.as_ref().map(|_| light.mesh_errors.iter().map(|error| error.claimed).collect());
+        Some(GroupClaims { values, mesh, products: errors.light.clone() })
+    }
+
     /// What the lit mesh is off values, by energy, with these weights by group and band.
     fn mesh_off_values(&self, weights: &[Vec<f64>]) -> ErrorFigure {
         let errors = self.groups.as_ref().and_then(|light| Some((&light.mesh_errors, light.errors.as_ref()?)));
         errors.map_or_else(ErrorFigure::default, |(of_mesh, errors)| relative(bound_error(of_mesh, weights), errors.light(weights)))
     }
+}
+
+/// Claimed errors by energy in W/m^2, first of all groups together, then of each alone, and how much light there is.
+pub(crate) struct GroupClaims {
+    pub values: Vec<f64>,
+    /// What the lit mesh is off values, if there is one.
+    pub mesh: Option<Vec<f64>>,
+    /// The mean products of the light of two groups, by both and the band.
+    pub products: Vec<f64>,
 }
 
 /// Sums of groups by band.

@@ -358,7 +358,11 @@ impl Powers<'_> {
     pub fn for_each_leaf(&self, mut visit: impl FnMut(NodeId, f64, &[f64])) {
         let Self { scene, hierarchy, links, exposure, closure, radiosity, .. } = *self;
         let channels = scene.channels();
-        let mut irradiance = sweep::push(hierarchy, sweep::gather(hierarchy, links, exposure, radiosity), channels);
+        let mut irradiance = if links.is_empty() {
+            vec![0.0; channels * hierarchy.len()]
+        } else {
+            sweep::push(hierarchy, sweep::gather(hierarchy, links, exposure, radiosity), channels)
+        };
         for leaf in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
             let arriving = &mut irradiance[leaf.index() * channels..][..channels];
             if let Some(closure) = closure {

@@ -138,7 +138,7 @@ impl Solution {
     pub(crate) fn light_paths<'a>(&'a self, rays: &'a Rays<'a>, stop: Stop<'_>) -> Option<LightPaths<'a>> {
         self.cell_radiosities.as_ref()?;
         let Illumination { landings, .. } = Illumination::sampled(&self.scene, rays, particle_seed(self.options.seed), stop);
-        Some(LightPaths::new(&self.scene, rays, &self.brightness(), &landings, self.resolution.size))
+        Some(LightPaths::new(&self.scene, rays, &self.brightness(), &landings, self.resolution.size, stop))
     }
 
     /// Gathers values at points; `paths` are [`Solution::light_paths`].

@@ -53,6 +53,9 @@ pub(super) fn gather_polygon(
 
 /// Adds what a cluster gathers over `links`.
 pub(super) fn gather_cluster(hierarchy: &Hierarchy, receiver: NodeId, links: &[Link], radiosity: &Radiosity, lobes: &mut [Lobes]) {
+    if links.is_empty() {
+        return;
+    }
     let mut arriving = vec![0.0; lobes.len()];
     for link in links {
         let direction = hierarchy.direction(receiver, link.source);

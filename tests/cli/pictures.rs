@@ -68,8 +68,52 @@ fn a_picture_tells_what_is_claimed_of_it() {
         place.run(&format!("render s.solution -o {name} {flags}")).succeeded();
         assert!(text(name).contains("se.R\0") && !text(name).contains(claim), "{name}");
     }
-    place.run("solve room.obj --error 0.1 --memory 1 --image m.exr --size 96x72").succeeded();
-    assert!(text("m.exr").contains("se.R\0"), "a budget has no room for a mesh");
+}
+
+/// A mesh of the view ends with the time and with the memory, and where there is none, values are gathered; the picture is written, and says what it is.
+#[test]
+fn limits_hold_for_pictures_and_the_picture_says_so() {
+    let place = Place::new();
+    for (limit, word) in [
+        ("--time 0", "time is '0'"),
+        ("--memory 0", "memory is '0'"),
+        ("--time 1e300", "time is 1e300"),
+        ("--time soon", "time is 'soon'"),
+    ] {
+        place.run(&format!("render room.solution -o a.png {limit}")).failed(2, &[word]);
+    }
+    place.run("solve room.obj --error 0.1 -o s.solution").succeeded();
+    let text = |name: &str| String::from_utf8_lossy(&fs::read(place.path(name)).unwrap()).into_owned();
+
+    // More than can be had in this time.
+    let asked = "--error 0.0005 --size 400x300";
+    let ran = place.run(&format!("render s.solution -o t.exr {asked} --time 2"));
+    assert_eq!(ran.code, 4, "{}", ran.stderr);
+    assert!(ran.stderr.contains("the time was over"), "{}", ran.stderr);
+    let claim = "off the values at points, in the local norm over the pixels";
+    assert!(text("t.exr").contains(claim) || text("t.exr").contains("% of the pixels were gathered"), "{}", ran.stderr);
+
+    // No time at all: few pixels are gathered, and standard errors of the others are not known.
+    let ran = place.run("render s.solution -o none.exr --size 400x300 --time 0.000001");
+    assert_eq!(ran.code, 4, "{}", ran.stderr);
+    assert!(text("none.exr").contains("% of the pixels were gathered; others show one beside them"));
+    let ran = place.run("solve room.obj --error 0.001 --time 0.05 --image solved.png --size 400x300");
+    assert_eq!(ran.code, 4, "{}", ran.stderr);
+    assert!(text("solved.png").contains("the time was over") || text("solved.png").contains(claim), "{}", ran.stderr);
+
+    // No room: the pixels are those that are gathered without limits. If an error was asked for, that is not reached.
+    place.run("render s.solution -o gathered.exr --from gather --size 96x72").succeeded();
+    let ran = place.run("render s.solution -o m.exr --size 96x72 --memory 0.001");
+    assert!(ran.succeeded().stderr.contains("not enough room for a mesh of the view"), "{}", ran.stderr);
+    assert!(fs::read(place.path("m.exr")).unwrap() == fs::read(place.path("gathered.exr")).unwrap());
+    let ran = place.run("render s.solution -o e.exr --error 0.05 --size 96x72 --memory 0.001");
+    assert_eq!(ran.code, 5, "{}", ran.stderr);
+    assert!(place.path("e.exr").exists());
+
+    // Where limits do not act, they change nothing.
+    place.run("render s.solution -o free.exr --size 96x72").succeeded();
+    place.run("render s.solution -o limited.exr --size 96x72 --time 1000 --memory 2").succeeded();
+    assert!(fs::read(place.path("free.exr")).unwrap() == fs::read(place.path("limited.exr")).unwrap());
 }
 
 #[test]

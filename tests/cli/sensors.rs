@@ -84,6 +84,7 @@ fn what_sensors_cannot_do_is_told() {
         (&["room.solution", "--sensors", "S.csv", "--image", "a.png"], "--plane"),
         (&["room.solution", "P.csv", "--time", "5"], "cannot be used with"),
         (&["room.solution", "--sensors", "S.csv", "--time", "0"], "above 0"),
+        (&["room.solution", "--sensors", "S.csv", "--time", "1e300"], "below 3.2e13"),
         (&["room.solution", "--sensors", "S.csv", "-o", "S.csv"], "S.csv is read by this command"),
         (&["room.solution", "--plane", "height"], "'height' has no '='"),
         (&["room.solution", "--plane", "height=1", "--image", "a.exr"], "name the file a.png"),

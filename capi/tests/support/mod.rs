@@ -7,8 +7,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
-use tempfile::TempDir;
-
 /// The top of the repository.
 pub fn top() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
@@ -54,7 +52,7 @@ fn gathered(into: &Path) {
 
 /// A prefix into which everything was installed.
 pub struct Installed {
-    folder: TempDir,
+    folder: PathBuf,
 }
 
 impl Installed {
@@ -62,9 +60,13 @@ impl Installed {
     pub fn get() -> &'static Self {
         static INSTALLED: OnceLock<Installed> = OnceLock::new();
         INSTALLED.get_or_init(|| {
-            let folder = TempDir::new().unwrap();
-            let built = folder.path().join("built");
-            fs::create_dir(&built).unwrap();
+            // Below the build's own folder, where the next run clears what this one leaves: a static is never dropped.
+            let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME"));
+            if folder.exists() {
+                fs::remove_dir_all(&folder).unwrap();
+            }
+            let built = folder.join("built");
+            fs::create_dir_all(&built).unwrap();
             gathered(&built);
             let installed = Self { folder };
             run(installed.script("install"));
@@ -75,18 +77,18 @@ impl Installed {
     /// The script that installs, or takes away.
     pub fn script(&self, action: &str) -> &'static mut Command {
         let mut command = Command::new(top().join("scripts/install.sh"));
-        command.args([action.as_ref(), self.folder.path().join("built").as_os_str()]);
+        command.args([action.as_ref(), self.folder.join("built").as_os_str()]);
         command.env("PREFIX", self.prefix()).env_remove("LIBDIR").env_remove("DESTDIR");
         Box::leak(Box::new(command))
     }
 
     pub fn prefix(&self) -> PathBuf {
-        self.folder.path().join("prefix")
+        self.folder.join("prefix")
     }
 
     /// A folder for what a test builds.
     pub fn scratch(&self, name: &str) -> PathBuf {
-        let path = self.folder.path().join(name);
+        let path = self.folder.join(name);
         fs::create_dir_all(&path).unwrap();
         path
     }

@@ -3,15 +3,17 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
 use patchlight::output::{Points, Provenance};
 use patchlight::pipeline::{self, Evaluator, Workers};
 use patchlight::progress::Observer;
-use patchlight::solve::SolveOptions;
+use patchlight::solve::{RunOptions, SolveOptions};
 
 use super::super::changes::changed;
 use super::super::exit::{Exit, Failure};
 use super::super::files;
+use super::super::pictures::Limits;
 use super::super::progress::{Voice, Watcher};
 use super::super::solve::{Ending, stopped_by_name, within_limits, write_results};
 use super::identity::{self, Inputs};
@@ -60,12 +62,16 @@ impl<'a> Ready<'a> {
     /// Solves it and writes its results; `None` if interrupted.
     pub fn work(&self, workers: &Workers, results: &Path) -> Result<Option<Record>, Failure> {
         let Self { task: Task { job, request, .. }, options, .. } = self;
+        let start = Instant::now();
 
         let Some(Found { evaluator, exit, figures }) = self.solve(workers)? else { return Ok(None) };
 
         // What is asked for.
         let mut ending = Ending::new(exit);
-        let values = write_results(request, &evaluator, self.points.as_ref(), &Provenance::new(options), &mut ending);
+        let run = within_limits(request, self.points.as_ref(), 0.0, evaluator.solution().scene().channels());
+        let limits = Limits::of(RunOptions { time_s: request.run.time_s, ..run }, start);
+        let provenance = Provenance::new(options);
+        let values = write_results(request, &evaluator, self.points.as_ref(), (&provenance, &limits), &mut ending);
         let exit = ending.finish()?;
         if exit == Exit::Cancelled {
             return Ok(None);

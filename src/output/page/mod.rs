@@ -12,9 +12,11 @@
 //! | `triangles` | base64 of `u32`: three nodes of each triangle of surfaces without elements, or of the solver's elements |
 //! | `element-runs`, `triangle-runs` | base64 of `u32`: the surface that so many of these in a row are on, and how many |
 //! | `surfaces` | base64 of `u32`: face and material of each surface |
+//! | `group-radiosity` | as `radiosity`, of each light group alone; without groups empty |
 
 mod base64;
 mod geometry;
+mod groups;
 
 use std::io::{self, Write};
 
@@ -22,14 +24,17 @@ use serde_json::{Value, json};
 
 use self::base64::write_base64;
 use self::geometry::Geometry;
+use self::groups::Groups;
 use super::{LUMENS_PER_WATT, Provenance, Quantity, RunReport};
 use crate::picture::Camera;
 use crate::solve::{Norm, Solution, SolveOptions};
 
 const HTML: &str = include_str!("../../../assets/page/page.html");
-const PARTS: [(&str, &str); 3] = [
+const PARTS: [(&str, &str); 5] = [
     ("{{style}}", include_str!("../../../assets/page/page.css")),
     ("{{three}}", include_str!("../../../assets/page/three.min.js")),
+    ("{{facts}}", include_str!("../../../assets/page/facts.js")),
+    ("{{groups}}", include_str!("../../../assets/page/groups.js")),
     ("{{page}}", include_str!("../../../assets/page/page.js")),
 ];
 const DATA: &str = "{{data}}";
@@ -73,8 +78,12 @@ pub fn write_page(writer: &mut impl Write, page: &Page<'_>, provenance: &Provena
 /// Writes the elements with data.
 fn write_data(writer: &mut impl Write, page: &Page<'_>, provenance: &Provenance) -> io::Result<()> {
     let geometry = Geometry::of(page.solution);
+    let groups = Groups::of(page.solution)?;
+    let (of_groups, groups) = groups.map_or((Vec::new(), Value::Null), |groups| (groups.radiosity, groups.facts));
+    let mut facts = facts(page, &geometry, provenance);
+    facts["light_groups"] = groups;
     // Within a script no text of the data may look like its end.
-    let facts = facts(page, &geometry, provenance).to_string().replace('<', "\\u003c");
+    let facts = facts.to_string().replace('<', "\\u003c");
     writeln!(writer, "<script type=\"application/json\" id=\"facts-data\">{facts}</script>")?;
 
     let surfaces = page.solution.scene().surfaces().iter().flat_map(|surface| [surface.face, surface.material]).collect();
@@ -88,6 +97,7 @@ fn write_data(writer: &mut impl Write, page: &Page<'_>, provenance: &Provenance)
         ("element-runs", of_numbers(&geometry.element_runs)),
         ("triangle-runs", of_numbers(&geometry.triangle_runs)),
         ("surfaces", of_numbers(&surfaces)),
+        ("group-radiosity", of_floats(&of_groups)),
     ] {
         write!(writer, "<script type=\"text/plain\" id=\"{id}\">")?;
         write_base64(writer, &bytes)?;

@@ -1,8 +1,10 @@
-//! The structure of an OBJ file: statements, vertex counts, indices and names, with their lines. The first of two passes, see `obj`.
+//! What an OBJ file says: vertices, faces by their indices, and names, with their lines; see `obj`.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
+
+use glam::DVec3;
 
 use super::mtl;
 use super::names::NamesReader;
@@ -10,19 +12,17 @@ use super::statements::{Statement, statements};
 use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
 use crate::progress::Stop;
 
-/// What the first pass finds.
+/// What a file says.
 #[derive(Default)]
 pub(super) struct Structure<'a> {
-    /// The vertices for tobj, one statement a line.
-    pub vertices: String,
-    pub vertex_lines: Vec<u32>,
-    /// The faces for tobj, as resolved indices; faces of fewer than three corners are not among them.
+    pub vertices: Vec<DVec3>,
+    /// The vertices of faces, from 1, each in range once all is read; faces of fewer than three corners are not among them.
     pub corners: Vec<u64>,
     /// Where each of these corners lies in its texture: an index into `texture_vertices`, or one that is none.
     pub texture_corners: Vec<u32>,
     /// Texture coordinates; not finite where they cannot be read.
     pub texture_vertices: Vec<[f64; 2]>,
-    pub faces: Vec<PreparedFace>,
+    pub faces: Vec<IndexedFace>,
     pub face_lines: Vec<u32>,
     pub objects: NamesReader,
     pub groups: NamesReader,
@@ -36,16 +36,19 @@ pub(super) struct Structure<'a> {
     pub unknown: BTreeMap<String, (usize, PathBuf, u32)>,
 }
 
-pub(super) struct PreparedFace {
+/// A face by the indices of its corners.
+pub(super) struct IndexedFace {
     pub number: u32,
+    /// The number of the name of its material.
     pub name: Option<usize>,
+    /// Its corners end there, and begin where those of the face before end.
     pub end: usize,
 }
 
 /// Lines that are read between two questions whether to stop.
 const LINES_AT_ONCE: u32 = 1 << 12;
 
-/// The first pass: everything but the values of numbers.
+/// Reads the statements of a file.
 pub(super) fn read_structure<'a>(
     text: &'a str,
     file: &Path,
@@ -80,8 +83,8 @@ pub(super) fn read_structure<'a>(
 
     // A positive index may name a vertex further down, but not beyond the last one.
     let (index, line, face) = highest;
-    if index > structure.vertex_lines.len() as u64 {
-        let vertices = structure.vertex_lines.len();
+    if index > structure.vertices.len() as u64 {
+        let vertices = structure.vertices.len();
         return Err(ImportError::IndexOutOfRange { file: file.to_owned(), line, face, index: index.to_string(), vertices });
     }
     Ok(structure)
@@ -90,27 +93,24 @@ pub(super) fn read_structure<'a>(
 impl<'a> Structure<'a> {
     /// `v x y z`, perhaps with a weight or a colour behind.
     fn vertex(&mut self, statement: &Statement<'_>, file: &Path) -> Result<(), ImportError> {
-        let number = self.vertex_lines.len() + 1;
-        let line = statement.line;
+        let (number, line) = (self.vertices.len() + 1, statement.line);
+        let mut coordinates = [0.0; 3];
         let mut words = 0;
-        self.vertices.push('v');
         for word in statement.arguments.split_whitespace() {
-            // Only the letters are looked at here, tobj reads the number.
-            let plain = word.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
-            if !plain && mtl::is_not_a_number_word(word) {
-                return Err(not_finite(file, line, number, word));
-            }
-            if !plain {
-                return Err(bad_vertex(file, line, number, &statement.arguments));
-            }
-            // Without an exponent it takes more than thirty characters to be too large.
-            let may_be_large = word.len() > 30 || word.contains(['e', 'E']);
-            if may_be_large && word.parse::<f64>().is_ok() && !mtl::is_representable(word) {
-                return Err(not_finite(file, line, number, word));
-            }
-            if words < 3 {
-                self.vertices.push(' ');
-                self.vertices.push_str(word);
+            match word.parse::<f64>() {
+                Ok(value) if value.abs() < mtl::LARGEST_VALUE => {
+                    if let Some(coordinate) = coordinates.get_mut(words) {
+                        *coordinate = value;
+                    }
+                }
+                Err(_) if !mtl::is_not_a_number_word(word) => {
+                    // What stands behind has no meaning for a vertex.
+                    let has_digits_alone = word.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
+                    if words < 3 || !has_digits_alone {
+                        return Err(bad_vertex(file, line, number, &statement.arguments));
+                    }
+                }
+                _ => return Err(not_finite(file, line, number, word)),
             }
             if words == 3 && statement.arguments.split_whitespace().count() == 4 && word.parse::<f64>() != Ok(1.0) {
                 self.weights = (self.weights.0 + 1, if self.weights.0 == 0 { line } else { self.weights.1 });
@@ -120,8 +120,7 @@ impl<'a> Structure<'a> {
         if words < 3 {
             return Err(bad_vertex(file, line, number, &statement.arguments));
         }
-        self.vertices.push('\n');
-        self.vertex_lines.push(line);
+        self.vertices.push(DVec3::from(coordinates));
         Ok(())
     }
 
@@ -136,19 +135,17 @@ impl<'a> Structure<'a> {
     ) -> Result<(), ImportError> {
         let line = statement.line;
         let number = self.face_lines.len() as u32;
-        let defined = self.vertex_lines.len();
+        let defined = self.vertices.len();
         let start = self.corners.len();
         self.face_lines.push(line);
         self.objects.face();
         self.groups.face();
 
         for word in statement.arguments.split_whitespace() {
-            let mut parts = word.split('/');
-            let (index, of_texture) = (parts.next().unwrap_or_default(), word.split('/').nth(1));
-            if !is_integer(index) || word.split('/').count() > 3 || !parts.all(|part| part.is_empty() || is_integer(part)) {
+            let Some([index, of_texture]) = indices(word) else {
                 let reason = format!("'{word}' should be a vertex index, as in 7, -1, 7/1 or 7//1");
                 return Err(ImportError::Syntax { file: file.to_owned(), line, face: Some(number + 1), reason });
-            }
+            };
             // What is too long for a number is out of range all the more.
             let value = index.parse::<i64>().unwrap_or(0);
             let distance = value.unsigned_abs();
@@ -179,7 +176,7 @@ impl<'a> Structure<'a> {
             let (count, first_line, first_face) = self.nameless;
             self.nameless = if count == 0 { (1, line, number + 1) } else { (count + 1, first_line, first_face) };
         }
-        self.faces.push(PreparedFace { number, name, end: self.corners.len() });
+        self.faces.push(IndexedFace { number, name, end: self.corners.len() });
         Ok(())
     }
 
@@ -205,10 +202,18 @@ fn texture_vertex(arguments: &str) -> [f64; 2] {
 }
 
 /// The index of texture coordinates, from 0; `u32::MAX` where there are none. Negative ones count back from the last of those `defined`.
-fn texture_corner(word: Option<&str>, defined: usize) -> u32 {
-    let value = word.and_then(|word| word.parse::<i64>().ok()).unwrap_or(0);
+fn texture_corner(word: &str, defined: usize) -> u32 {
+    let value = word.parse::<i64>().unwrap_or(0);
     let index = if value > 0 { value - 1 } else { defined as i64 + value };
     if value == 0 { u32::MAX } else { u32::try_from(index).unwrap_or(u32::MAX) }
+}
+
+/// The indices of vertex and texture coordinates as they are written, of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; `None` for anything else.
+fn indices(corner: &str) -> Option<[&str; 2]> {
+    let mut parts = corner.split('/');
+    let [vertex, texture, normal] = [0; 3].map(|_| parts.next().unwrap_or_default());
+    let is_index = |part: &str| part.is_empty() || is_integer(part);
+    (is_integer(vertex) && is_index(texture) && is_index(normal) && parts.next().is_none()).then_some([vertex, texture])
 }
 
 fn is_integer(word: &str) -> bool {
@@ -216,7 +221,7 @@ fn is_integer(word: &str) -> bool {
     !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-pub(super) fn bad_vertex(file: &Path, line: u32, number: usize, arguments: &str) -> ImportError {
+fn bad_vertex(file: &Path, line: u32, number: usize, arguments: &str) -> ImportError {
     let shown: String = arguments.chars().take(80).collect();
     let reason = format!("vertex {number} is '{shown}', but should be three numbers");
     ImportError::Syntax { file: file.to_owned(), line, face: None, reason }

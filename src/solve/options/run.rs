@@ -1,5 +1,7 @@
 //! How a run goes.
 
+use std::time::{Duration, Instant};
+
 use super::error::OptionsError;
 use crate::visibility::Backend;
 
@@ -18,6 +20,12 @@ pub struct RunOptions {
 }
 
 impl RunOptions {
+    /// When the time is over that began at `start`; `None` if there is no limit, or one beyond what the clock of the machine can tell.
+    pub fn deadline_from(&self, start: Instant) -> Option<Instant> {
+        let time = Duration::try_from_secs_f64(self.time_s?.max(0.0)).ok()?;
+        start.checked_add(time)
+    }
+
     /// Rejects values outside their range; never clamps.
     ///
     /// # Errors
@@ -27,7 +35,7 @@ impl RunOptions {
         match self.time_s {
             Some(seconds) if !(0.0..MILLION_YEARS_S).contains(&seconds) => Err(OptionsError::OutOfRange {
                 option: "time",
-                value: seconds.to_string(),
+                value: format!("{seconds:?}"),
                 range: "seconds, not negative, below 3.2e13".to_owned(),
             }),
             _ => Ok(()),
