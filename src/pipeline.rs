@@ -20,9 +20,10 @@ use crate::hierarchy::Hierarchy;
 use crate::mesh::MeshIndex;
 use crate::picture::{self, Camera, Image, Shown};
 use crate::progress::{Observer, Progress, Stage};
-use crate::scene::{Light, LightGroupError, Scene, SurfacePoint};
+use crate::scene::{Light, LightGroupError, Material, Scene, SurfacePoint};
 use crate::solve::{
-    self, Beginning, Bounds, InitialImportance, Interest, RunOptions, Solution, SolveOptions, SolveReport, Strategy,
+    self, Beginning, Bounds, ErrorReport, InitialImportance, Interest, OtherMaterialsError, RunOptions, Solution, SolveOptions,
+    SolveReport, Strategy,
 };
 use crate::sweep::Importance;
 use crate::transmittance::Rays;
@@ -127,6 +128,19 @@ fn clusters(scene: &Scene, run: &RunOptions, observer: &dyn Observer) -> Hierarc
     Hierarchy::new_unless(scene, &|| observer.cancelled() || is_late())
 }
 
+/// [`Solution::with_materials`] on these threads.
+///
+/// # Errors
+/// See [`OtherMaterialsError`].
+pub fn with_materials_on(
+    pool: &Workers,
+    solution: &Solution,
+    materials: Vec<Material>,
+    observer: &dyn Observer,
+) -> Result<Option<(Solution, ErrorReport)>, OtherMaterialsError> {
+    pool.install(|| solution.with_materials(materials, observer))
+}
+
 fn solve_in(
     pool: Workers,
     (visibility, hierarchy): (Box<dyn Visibility>, Hierarchy),
@@ -159,7 +173,7 @@ fn solve_in(
 fn check(scene: &Scene, options: &SolveOptions, run: &RunOptions) -> Result<(), PipelineError> {
     options.validate()?;
     run.validate()?;
-    let knows_groups = options.strategy == Strategy::Default && options.bounds != Bounds::Guaranteed;
+    let knows_groups = options.strategy == Strategy::Default && options.bounds != Bounds::Guaranteed && !options.keep_transport;
     if scene.light_groups().is_some() && !knows_groups {
         return Err(LightGroupError::Options.into());
     }

@@ -62,6 +62,14 @@ fn look_at(bytes: &[u8]) -> bool {
         }
         assert!(solution.light_groups_report().is_some());
     }
+    if solution.transport().is_some() {
+        let mut materials = solution.scene().materials().to_vec();
+        materials.iter_mut().for_each(|material| material.reflectance.iter_mut().for_each(|rho| *rho *= 0.5));
+        if let Ok(Some((other, error))) = solution.with_materials(materials, &Silent) {
+            assert_eq!(other.validate(), Ok(()));
+            assert!(!error.estimate.is_nan());
+        }
+    }
     let summary = SceneSummary::new(solution.scene(), &Diagnostics::default());
     assert!(!summary.to_string().is_empty());
     write_ply(&mut Vec::new(), &solution, &Provenance::new(solution.options())).expect("memory suffices");

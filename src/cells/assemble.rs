@@ -24,13 +24,13 @@ struct Rows<'a> {
 }
 
 /// The positions in a batch of cells.
-struct Positions<'a> {
+pub(super) struct Positions<'a> {
     paths: &'a LightPaths<'a>,
     /// Paths from each position.
     count: usize,
     /// By position, the index of its cell in the batch.
-    cells: Vec<usize>,
-    places: Vec<Place>,
+    pub cells: Vec<usize>,
+    pub places: Vec<Place>,
 }
 
 /// Bytes of the equations of so many cells with so many paths from each, and of what is needed to make them, or to solve them, whichever is more.
@@ -82,15 +82,12 @@ impl Equations {
                 if stop() {
                     return Default::default();
                 }
-                let (indices, places) = indexed(batch);
-                let from = Positions { paths, count, cells: indices, places };
-                let directions: Vec<Directions> =
-                    from.places.iter().map(|place| directions(paths, place, count as u64, seed)).collect();
-                paths.follow_towards(&from.places, &directions, count as u32, 0, scratch);
+                let from = Positions::of(batch, paths, count);
+                from.follow(seed, scratch);
                 let mut rows = Rows { constant, end, weight };
-                let arrivals = from.fill_first_arrivals(&mut rows, &scratch.ends, cells);
+                from.fill_first_ends(&mut rows, &scratch.ends);
                 from.fill_continuations(&mut rows, &scratch.ends);
-                (from.reflector_terms(&scratch.ends), arrivals)
+                (from.reflector_terms(&scratch.ends), from.arrivals(&scratch.ends, cells))
             })
             .unzip();
         self.of_reflectors = of_reflectors;
@@ -120,15 +117,8 @@ impl Equations {
                 return;
             }
             // View points.
-            let (indices, places) = indexed(batch);
-            let starts: Vec<Place> = indices
-                .iter()
-                .zip(&places)
-                .flat_map(|(&index, place)| {
-                    let points = points[index];
-                    (0..of_cell).map(move |number| at_view_point(paths, place, number, points.map(|points| points[number])))
-                })
-                .collect();
+            let Positions { cells: indices, places, .. } = &Positions::of(batch, paths, count);
+            let starts = starts(paths, (indices, places), points, of_cell);
             let mut irradiance = vec![0.0; starts.len() * channels];
             let mut sums = BatchSums::whole(channels, &mut irradiance);
             paths.add_next_event(&starts, of_cell, count.div_ceil(of_cell) as u32, scratch, &mut sums);
@@ -151,20 +141,33 @@ impl Equations {
     }
 }
 
-impl Positions<'_> {
+impl<'a> Positions<'a> {
+    /// Those of a batch of cells, with so many paths from each.
+    pub fn of(batch: &[Option<Place>], paths: &'a LightPaths<'a>, count: usize) -> Self {
+        let (cells, places) = indexed(batch);
+        Self { paths, count, cells, places }
+    }
+
+    /// Follows all paths.
+    pub fn follow(&self, seed: u64, scratch: &mut PathScratch) {
+        let Self { paths, count, .. } = *self;
+        let of_place = |place: &Place| directions(paths, place, count as u64, seed);
+        let directions: Vec<Directions> = self.places.iter().map(of_place).collect();
+        paths.follow_towards(&self.places, &directions, count as u32, 0, scratch);
+    }
+
     /// The indices of a position's paths.
     fn paths_of(&self, position: usize) -> Range<usize> {
         position * self.count..(position + 1) * self.count
     }
 
-    /// Fills in the exitance at positions, and the paths that end where their first rays arrive; returns these arrivals.
-    fn fill_first_arrivals(&self, rows: &mut Rows<'_>, ends: &Ends, cells: &[Option<Place>]) -> Vec<Arrival> {
+    /// Fills in the exitance at positions, and the paths that end where their first rays arrive.
+    fn fill_first_ends(&self, rows: &mut Rows<'_>, ends: &Ends) {
         let Self { paths, count, .. } = *self;
         let channels = paths.scene.channels();
-        let mut arrivals = Vec::with_capacity(self.places.len() * count);
         for (position, (&index, place)) in self.cells.iter().zip(&self.places).enumerate() {
             let own = self.paths_of(position);
-            rows.end[index * count..][..count].copy_from_slice(&ends.cell[own.clone()]);
+            rows.end[index * count..][..count].copy_from_slice(&ends.cell[own]);
 
             // The row: each path brings its share of the reflected light.
             let material = paths.scene.material_of(place.surface);
@@ -175,9 +178,15 @@ impl Positions<'_> {
                 weights.skip(channel).step_by(channels).for_each(|weight| *weight = (rho / count as f64) as f32);
                 rows.constant[index * channels + channel] = exitance.map_or(0.0, |exitance| exitance[channel]);
             }
+        }
+    }
 
-            // Where in their cells paths arrive.
-            let arriving = own.filter(|&path| ends.cell[path] != NO_CELL);
+    /// Where in their cells the paths arrive that end where their first rays arrive.
+    pub fn arrivals(&self, ends: &Ends, cells: &[Option<Place>]) -> Vec<Arrival> {
+        let Self { paths, .. } = *self;
+        let mut arrivals = Vec::with_capacity(self.places.len() * self.count);
+        for (position, place) in self.places.iter().enumerate() {
+            let arriving = self.paths_of(position).filter(|&path| ends.cell[path] != NO_CELL);
             arrivals.extend(arriving.filter_map(|path| {
                 let there = cells[ends.cell[path] as usize]?;
                 let at = paths.grids.within_cell(there.surface, ends.point[path])?.map(|along| along as f32);
@@ -225,6 +234,20 @@ fn directions(paths: &LightPaths<'_>, position: &Place, count: u64, seed: u64) -
     let first = u64::from(paths.grids.along_curve(position.surface, position.point)) * count;
     let of_surface = sampling::hash(seed, streams::POSITION_DIRECTIONS + u64::from(position.surface.0));
     Directions { seed: sampling::hash(of_surface, first / points), first: (first % points) as u32 }
+}
+
+/// Where next-event rays start: at so many view points of each of some cells, given by index in the batch and position.
+pub(super) fn starts(
+    paths: &LightPaths<'_>,
+    (indices, places): (&[usize], &[Place]),
+    points: &[Option<[[f32; 2]; VIEW_POINTS]>],
+    of_cell: usize,
+) -> Vec<Place> {
+    let of_place = |(&index, place): (&usize, &Place)| {
+        let (points, place) = (points[index], *place);
+        (0..of_cell).map(move |number| at_view_point(paths, &place, number, points.map(|points| points[number])))
+    };
+    indices.iter().zip(places).flat_map(of_place).collect()
 }
 
 /// View point `number` of the cell around `position`, at the coordinates `at` of the cell; the position itself if there are none,

@@ -55,22 +55,34 @@ impl ReflectorTerms {
         self.weight.extend(weights.zip(reflectance).map(|(weight, rho)| (rho * weight) as f32));
     }
 
+    /// Adds terms of other rows, whose limits are kept.
+    pub fn append(&mut self, other: Self) {
+        self.cells.extend(other.cells);
+        self.weight.extend(other.weight);
+    }
+
     /// Scales terms down where the weights of a row sum to more than [`MOST_TAKEN`]: with noise they may reach 1, and light would
     /// grow from sweep to sweep. `end` and `weight` are those of the batch's paths, `count` from each cell.
     pub fn limit_row_sums(&mut self, end: &[u32], weight: &[f32], count: usize, channels: usize) {
         if self.cells.is_empty() {
             return;
         }
-
-        // The sums by row and channel, over paths and over these terms.
-        let cells = end.len() / count;
-        let (mut of_paths, mut seen) = (vec![0.0_f32; cells * channels], vec![0.0_f32; cells * channels]);
-        let add = |sums: &mut [f32], cell: usize, weights: &[f32]| {
-            sums[cell * channels..][..channels].iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight);
-        };
+        let mut of_paths = vec![0.0_f32; end.len() / count * channels];
         let ending = end.iter().zip(weight.chunks(channels)).enumerate().filter(|(_, (end, _))| **end != NO_CELL);
-        ending.for_each(|(path, (_, weights))| add(&mut of_paths, path / count, weights));
-        self.cells.iter().zip(self.weight.chunks(channels)).for_each(|(&(by, _), weights)| add(&mut seen, by, weights));
+        ending.for_each(|(path, (_, weights))| add_weights(&mut of_paths, path / count, weights));
+        self.limit_beside(&of_paths, channels);
+    }
+
+    /// The sums of the weights of so many rows, by row and channel.
+    pub fn row_sums(&self, rows: usize, channels: usize) -> Vec<f32> {
+        let mut sums = vec![0.0; rows * channels];
+        self.cells.iter().zip(self.weight.chunks(channels)).for_each(|(&(by, _), weights)| add_weights(&mut sums, by, weights));
+        sums
+    }
+
+    /// The same where the weights of paths sum to `of_paths`, by row and channel.
+    pub fn limit_beside(&mut self, of_paths: &[f32], channels: usize) {
+        let seen = self.row_sums(of_paths.len() / channels, channels);
 
         // The terms get what paths leave.
         for (&(by, _), weights) in self.cells.iter().zip(self.weight.chunks_mut(channels)) {
@@ -83,6 +95,11 @@ impl ReflectorTerms {
             }
         }
     }
+}
+
+/// Adds weights by channel to the sums of a row.
+fn add_weights(sums: &mut [f32], row: usize, weights: &[f32]) {
+    sums[row * weights.len()..][..weights.len()].iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight);
 }
 
 impl Equations {

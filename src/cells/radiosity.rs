@@ -42,8 +42,12 @@ impl CellRadiosities {
         }
         let equations = Equations::of_paths(paths, &positions, resolution.rays, seed, stop)?;
         drop(positions);
-        let values = equations.iterate(stop)?.into_iter().map(|value| value as f32).collect();
-        Some(Self { channels: paths.scene.channels(), values })
+        Some(Self::of_values(paths.scene.channels(), &equations.iterate(stop)?))
+    }
+
+    /// These radiosities, by cell and channel.
+    pub(super) fn of_values(channels: usize, values: &[f64]) -> Self {
+        Self { channels, values: values.iter().map(|&value| value as f32).collect() }
     }
 
     /// The same for all channels, from those that were solved for.
@@ -65,6 +69,11 @@ impl CellRadiosities {
     /// The radiosity of a cell by channel.
     pub fn of(&self, cell: u32) -> &[f32] {
         &self.values[cell as usize * self.channels..][..self.channels]
+    }
+
+    /// By cell and channel.
+    pub fn values(&self) -> &[f32] {
+        &self.values
     }
 
     /// How many cells there are.

@@ -23,6 +23,8 @@ pub struct SettingArguments {
     pub bounds: Option<String>,
     #[arg(long, help = option_help::of_flag("lit_mesh"))]
     pub lit_mesh: bool,
+    #[arg(long, help = option_help::of_flag("keep_transport"))]
+    pub keep_transport: bool,
     #[arg(long, value_name = "N", help = option_help::of_flag("seed"))]
     pub seed: Option<String>,
     #[arg(long, value_name = "N", help = option_help::of_flag("max_links"))]
@@ -54,6 +56,7 @@ impl SettingArguments {
             ("importance", self.importance.as_deref()),
             ("bounds", self.bounds.as_deref()),
             ("lit_mesh", self.lit_mesh.then_some("true")),
+            ("keep_transport", self.keep_transport.then_some("true")),
             ("seed", self.seed.as_deref()),
             ("max_links", self.max_links.as_deref()),
             ("sides", self.sides.as_deref()),

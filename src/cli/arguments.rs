@@ -43,7 +43,7 @@ pub enum Command {
     /// Take a picture of a solution
     #[command(after_help = EXIT_CODES)]
     Render(RenderArguments),
-    /// Weight the light groups of a solution: a sum of what is stored, in a moment, with the error that follows
+    /// Weight the light groups of a solution, or change its materials: from what is stored, in a moment, with the error that follows
     #[command(after_help = EXIT_CODES)]
     Relight(Box<RelightArguments>),
     /// Write the elements of a solution with their radiosities, or the power that surfaces emit and absorb
@@ -168,13 +168,26 @@ pub struct RenderArguments {
 /// `patchlight relight`.
 #[derive(Debug, Args)]
 pub struct RelightArguments {
-    /// A solution that 'patchlight solve --light-groups -o' wrote, or this command
+    /// A solution that 'patchlight solve -o' wrote with --light-groups or --keep-transport, or this command
     pub solution: PathBuf,
     /// The weight of a group, from 0 on, as in lamp=0.5, or one for each channel, as in lamp=0,0,2; 1 is what was solved; may be repeated. Others keep
     /// theirs
     #[arg(long, value_name = "GROUP=W")]
     pub set: Vec<String>,
-    /// Write the solution with these weights; it can be relit again
+    /// Another reflectance for a material, as in wall=0.5, or one for each channel, as in wall=0.5,0.4,0.3; may be repeated. It needs a solution
+    /// that was solved with --keep-transport
+    #[arg(long, value_name = "MATERIAL=R", conflicts_with = "set")]
+    pub reflectance: Vec<String>,
+    /// Another exitance in W/m^2, likewise
+    #[arg(long, value_name = "MATERIAL=E", conflicts_with = "set")]
+    pub exitance: Vec<String>,
+    /// What the exitance is multiplied by, likewise, after that was set
+    #[arg(long, value_name = "MATERIAL=X", conflicts_with = "set")]
+    pub exitance_factor: Vec<String>,
+    /// The error asked for with other materials: if more is claimed, the program ends with 4 [default: the error of the solution]
+    #[arg(long, value_name = "E", conflicts_with = "set")]
+    pub error: Option<String>,
+    /// Write the solution with these weights or materials; it can be relit again
     #[arg(short, long, value_name = "SOLUTION")]
     pub output: Option<PathBuf>,
     /// Take a picture: .png to look at, .exr or .hdr with linear radiances; may be repeated, to have it in both
@@ -197,7 +210,7 @@ pub struct RelightArguments {
     /// Write a page for browsers: the lit scene in 3D
     #[arg(long, value_name = "FILE.html")]
     pub html: Option<PathBuf>,
-    /// Write what is known of the groups and of their weighted sum as JSON, '-' for stdout
+    /// Write what is known of the groups and of their weighted sum as JSON, or the error with these materials; '-' for stdout
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,
     #[command(flatten)]

@@ -6,6 +6,7 @@ mod argument_groups;
 mod arguments;
 mod bake;
 mod batch;
+mod changes;
 mod exit;
 mod files;
 mod info;

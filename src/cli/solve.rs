@@ -227,6 +227,12 @@ fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
     if let Some(groups) = &report.light_groups {
         tell_groups(voice, groups);
     }
+    if let Some(transport) = &report.transport {
+        let (terms, mb) = (transport.terms, transport.bytes as f64 * 1e-6);
+        voice.figure("transport", format_args!("{terms} terms of paths over {} cells, {mb:.1} MB", transport.cells));
+    } else if run.options.keep_transport {
+        voice.warn(format_args!("what paths bring is not kept: a limit ended the solve before"));
+    }
     if let Some(links) = &report.link_error {
         let part = 100.0 * links.estimated_error / links.reflected;
         voice.figure(
@@ -279,7 +285,7 @@ fn bounds_in_words(bounds: &BoundsReport) -> String {
 const WORTH_TELLING: f64 = 0.99;
 
 /// The claim, or that there is none: nothing was estimated, or nothing can be.
-fn claim_in_words(error: &ErrorReport, norm: Norm) -> String {
+pub fn claim_in_words(error: &ErrorReport, norm: Norm) -> String {
     if !error.estimate.is_finite() {
         let why = if norm == Norm::Local && error.lit > 0.0 {
             format!(

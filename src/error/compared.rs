@@ -10,6 +10,7 @@ use super::replicates::{ErrorSample, REPLICATES};
 use crate::geometry::{sampling, streams};
 use crate::paths::{Place, place_at};
 use crate::progress::Stop;
+use crate::scene::Scene;
 use crate::values::{Gather, Gathered, Over, RayBudget, Scratch};
 
 /// What a value says of the light at a point may differ from what replicates say by so many of their standard deviations.
@@ -38,15 +39,35 @@ impl Compared {
     }
 }
 
+/// What values are judged by.
+#[derive(Clone, Copy)]
+pub(super) struct Judging<'a> {
+    pub scene: &'a Scene,
+    /// Whether values are taken twice: over cells, where replicates find residuals.
+    pub is_taken_twice: bool,
+}
+
+impl<'a> Judging<'a> {
+    /// Of values that are gathered so.
+    pub fn of(gather: &Gather<'a>) -> Self {
+        Self { scene: gather.scene, is_taken_twice: matches!(gather.over, Over::Cells(_)) }
+    }
+
+    /// The channels in which the error is judged: those of all light groups together.
+    pub fn channels(&self) -> Range<usize> {
+        0..self.scene.deciding()
+    }
+}
+
 /// What is known at a point, in these channels one by one.
 pub(super) fn compared<'a>(
     sample: &'a ErrorSample,
-    gather: &'a Gather<'_>,
+    judging: Judging<'a>,
     values: &'a [Gathered; 2],
     channels: Range<usize>,
 ) -> impl Iterator<Item = Compared> + 'a {
-    let material = gather.scene.material_of(sample.place.surface);
-    let finds_residual = is_taken_twice(gather);
+    let material = judging.scene.material_of(sample.place.surface);
+    let finds_residual = judging.is_taken_twice;
     channels.map(move |channel| {
         let values = [0, 1].map(|half: usize| values[half].radiosity[channel] - material.exitance[channel]);
         let value = 0.5 * (values[0] + values[1]);
@@ -56,16 +77,6 @@ pub(super) fn compared<'a>(
         });
         Compared { values, residuals }
     })
-}
-
-/// The channels in which the error is judged: those of all light groups together.
-pub(super) fn judged(gather: &Gather<'_>) -> Range<usize> {
-    0..gather.scene.deciding()
-}
-
-/// Whether values are taken twice: over cells, where replicates find residuals.
-pub(super) fn is_taken_twice(gather: &Gather<'_>) -> bool {
-    matches!(gather.over, Over::Cells(_))
 }
 
 /// The same budget with other random numbers.
@@ -88,7 +99,7 @@ pub(super) fn values_at(places: &[Place], gather: &Gather<'_>, budget: RayBudget
 }
 
 /// A point that stands for so much area, as norms see it: the light there is what values tell, as far as replicates do not contradict.
-pub(super) fn lit(area: f64, channels: impl Iterator<Item = Compared>, gather: &Gather<'_>) -> Lit {
+pub(super) fn lit(area: f64, channels: impl Iterator<Item = Compared>, judging: Judging<'_>) -> Lit {
     let (mut by_values, mut by_replicates, mut variance, mut noise_sq) = (0.0, 0.0, 0.0, 0.0);
     let mut truth = PairProducts::default();
     for compared in channels {
@@ -102,6 +113,6 @@ pub(super) fn lit(area: f64, channels: impl Iterator<Item = Compared>, gather: &
     let (by_replicates, slack) = (by_replicates.sqrt(), LIGHT_SIGMAS * variance.sqrt());
     let light = by_values.sqrt().max(by_replicates - slack).min(by_replicates + slack);
     // Over cells truths are told by values, and have the noise of these.
-    let light_sq = truth.all - if is_taken_twice(gather) { noise_sq } else { 0.0 };
+    let light_sq = truth.all - if judging.is_taken_twice { noise_sq } else { 0.0 };
     Lit { area, light, light_sq, is_reached: false, missed: 0.0 }
 }

@@ -10,9 +10,9 @@
 
 use rayon::prelude::*;
 
-use super::estimate::{ErrorEstimate, ErrorSamples};
+use super::estimate::{ErrorEstimate, ErrorSamples, EstimateLit};
 use super::norm::{Lit, least_light};
-use super::replicates::{ReplicateGather, Replication, Searched};
+use super::replicates::{ErrorSample, ReplicateGather, Replication, Searched};
 use crate::geometry::{sampling, streams};
 use crate::paths::{PathScratch, Place};
 use crate::progress::Stop;
@@ -34,22 +34,11 @@ impl ErrorSamples {
         &mut self,
         lit: &mut [Lit],
         with: &Replication<'_>,
-        estimate: impl Fn(&Self, &[Lit]) -> Option<ErrorEstimate>,
+        estimate: &EstimateLit<'_>,
         stop: Stop<'_>,
     ) -> Option<ErrorEstimate> {
         let least = least_light(lit);
-        let counted = |lit: &[Lit]| lit.iter().map(|&point| Lit { is_reached: true, ..point }).collect::<Vec<_>>();
-        let worse = |without: Option<ErrorEstimate>, with: Option<ErrorEstimate>| match (without, with) {
-            (Some(without), Some(with)) => {
-                if with.claimed > without.claimed {
-                    with
-                } else {
-                    without
-                }
-            }
-            _ => ErrorEstimate::UNKNOWN,
-        };
-        let (apart, all) = (estimate(self, lit), estimate(self, &counted(lit)));
+        let (apart, all) = (estimate(self, lit), estimate(self, &counted(lit, |_| true)));
         let claimed = |of: &Option<ErrorEstimate>| of.as_ref().map_or(f64::INFINITY, |of| of.claimed);
         if claimed(&all) <= MATTERS * claimed(&apart) {
             return Some(worse(apart, all));
@@ -60,7 +49,18 @@ impl ErrorSamples {
         let found = estimate(self, lit);
         let may_be_missed =
             self.samples.iter().filter_map(|sample| sample.searched).any(|searched| searched.light > 0.0 && searched.is_late);
-        Some(if may_be_missed { worse(found, estimate(self, &counted(lit))) } else { found.unwrap_or(ErrorEstimate::UNKNOWN) })
+        let all = || estimate(self, &counted(lit, |_| true));
+        Some(if may_be_missed { worse(found, all()) } else { found.unwrap_or(ErrorEstimate::UNKNOWN) })
+    }
+
+    /// The same where no path can be sent: over all area but where a search before found none, if `none_since` no other light can come.
+    pub(super) fn with_area_searched_before(&self, lit: &[Lit], estimate: &EstimateLit<'_>, none_since: bool) -> ErrorEstimate {
+        let found = |light: fn(f64) -> bool| move |sample: &ErrorSample| sample.searched.is_some_and(|of| light(of.light));
+        if self.samples.iter().any(found(|light| light > 0.0)) {
+            return ErrorEstimate::UNKNOWN;
+        }
+        let is_dark: Vec<bool> = self.samples.iter().map(|sample| none_since && found(|light| light == 0.0)(sample)).collect();
+        worse(estimate(self, lit), estimate(self, &counted(lit, |index| !is_dark[index])))
     }
 
     /// Marks the points where a search has found light.
@@ -81,6 +81,21 @@ impl ErrorSamples {
             }
         });
         (!stop()).then_some(())
+    }
+}
+
+/// The same, with light at all of these points.
+fn counted(lit: &[Lit], is_reached: impl Fn(usize) -> bool) -> Vec<Lit> {
+    let points = lit.iter().enumerate();
+    points.map(|(index, &point)| Lit { is_reached: point.is_reached || is_reached(index), ..point }).collect()
+}
+
+/// The one that claims more; unknown if either is.
+fn worse(without: Option<ErrorEstimate>, with: Option<ErrorEstimate>) -> ErrorEstimate {
+    match (without, with) {
+        (Some(without), Some(with)) if with.claimed > without.claimed => with,
+        (Some(without), Some(_)) => without,
+        _ => ErrorEstimate::UNKNOWN,
     }
 }
 

@@ -4,7 +4,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::ops::Range;
 
-use super::compared::{by_other_rays, compared, is_taken_twice, values_at};
+use super::compared::{Judging, by_other_rays, compared, values_at};
 use super::estimate::{AGAIN, ErrorSamples, Moments, TWICE};
 use super::norm::{ErrorNorm, NormWeights};
 use super::pairs::PairProducts;
@@ -15,7 +15,8 @@ use crate::values::{ErrorBars, Gather, Gathered};
 impl ErrorSamples {
     /// What the errors of values hang on in some channels, relative to the light at each point; `again` are second values at some of them.
     pub(super) fn error_bars(&self, gather: &Gather<'_>, again: &[(usize, Gathered)], channels: Range<usize>) -> Option<ErrorBars> {
-        let Some(weights) = NormWeights::new(ErrorNorm::Local, &self.lit(gather, &self.values, channels.clone())) else {
+        let judging = Judging::of(gather);
+        let Some(weights) = NormWeights::new(ErrorNorm::Local, &self.lit(judging, &self.values, channels.clone())) else {
             return Some(ErrorBars { noise: 1.0, bias: 0.0 });
         };
         let weights = weights.by_point;
@@ -38,8 +39,8 @@ impl ErrorSamples {
         let (mut bias_sq, mut by_sources_sq) = (Moments::default(), 0.0);
         for ((sample, values), weight) in self.samples.iter().zip(&self.values).zip(weights) {
             let mut products = PairProducts::default();
-            compared(sample, gather, values, channels.clone()).for_each(|compared| products.add(weight, compared.residuals));
-            let of_values = if is_taken_twice(gather) { 0.0 } else { weight * noise * told(&values[0]) };
+            compared(sample, judging, values, channels.clone()).for_each(|compared| products.add(weight, compared.residuals));
+            let of_values = if judging.is_taken_twice { 0.0 } else { weight * noise * told(&values[0]) };
             bias_sq.add(products.all - of_values);
             by_sources_sq += weight * values[0].by_sources_sq[channels.clone()].iter().sum::<f64>();
         }
@@ -50,7 +51,7 @@ impl ErrorSamples {
 
     /// Second values at some of the points, with their numbers; `None` if stopped.
     pub(super) fn taken_again(&self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<Vec<(usize, Gathered)>> {
-        if is_taken_twice(gather) {
+        if Judging::of(gather).is_taken_twice {
             return Some(self.values.iter().enumerate().step_by(TWICE).map(|(index, [_, again])| (index, again.clone())).collect());
         }
         let places: Vec<Place> = self.samples.iter().step_by(AGAIN).map(|sample| sample.place).collect();

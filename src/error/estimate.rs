@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::claim::{Doubts, FEW_REPLICATES, claim};
-use super::compared::{by_other_rays, compared, is_taken_twice, judged, lit, values_at};
+use super::compared::{Judging, by_other_rays, compared, lit, values_at};
 use super::norm::{ErrorNorm, Lit, NormWeights, lit_points};
 use super::pairs::{PairProducts, mean_and_variance, variance_by_noise};
 use super::points::{ErrorPoint, Surroundings};
@@ -142,6 +142,9 @@ pub(crate) struct ErrorSamples {
     pub(super) values: Vec<[Gathered; 2]>,
 }
 
+/// What is claimed locally of samples, if they are lit so; `None` if nothing can be said.
+pub(super) type EstimateLit<'a> = dyn Fn(&ErrorSamples, &[Lit]) -> Option<ErrorEstimate> + 'a;
+
 impl ErrorSamples {
     pub fn new(norm: ErrorNorm) -> Self {
         Self { norm, samples: Vec::new(), values: Vec::new() }
@@ -154,6 +157,11 @@ impl ErrorSamples {
         let numbers = channels * size_of::<f64>() + ALLOCATION;
         let values = 2 * (size_of::<Gathered>() + 3 * numbers);
         (size_of::<ErrorSample>() + REPLICATES * numbers + values + 2 * size_of::<Lit>() + 16 * size_of::<ErrorPoint>()) as u64
+    }
+
+    /// How many rays all replicates have taken.
+    pub fn rays(&self) -> u64 {
+        self.samples.iter().map(|sample| REPLICATES as u64 * u64::from(sample.rays)).sum()
     }
 
     pub fn is_empty(&self) -> bool {
@@ -222,7 +230,7 @@ impl ErrorSamples {
         // The light, and the noise of values, by the differences of two.
         let (mut lit, mut variances) = (Vec::new(), Vec::new());
         for (sample, (values, again)) in samples.iter().zip(values.iter().zip(&again)) {
-            let exitance = &gather.scene.material_of(sample.place.surface).exitance[judged(gather)];
+            let exitance = &gather.scene.material_of(sample.place.surface).exitance[Judging::of(gather).channels()];
             let channels =
                 || values.radiosity.iter().zip(&again.radiosity).zip(exitance).map(|((value, again), e)| (value - e, again - e));
             let light_sq: f64 = channels().map(|(value, again)| value * again).sum();
@@ -261,19 +269,28 @@ impl ErrorSamples {
     /// nothing can be said. `None` if stopped.
     pub fn estimate(&mut self, gather: &Gather<'_>, with: &Replication<'_>, stop: Stop<'_>) -> Option<ErrorEstimate> {
         self.take_values(gather, stop)?;
-        let mut lit = self.lit(gather, &self.values, judged(gather));
+        self.estimate_taken(Judging::of(gather), |own, lit, estimate| own.with_dark_area(lit, with, estimate, stop))
+    }
+
+    /// The same of the values that there are; `locally` makes the estimate in the local norm of what it is with such light.
+    pub(super) fn estimate_taken(
+        &mut self,
+        judging: Judging<'_>,
+        locally: impl FnOnce(&mut Self, &mut [Lit], &EstimateLit<'_>) -> Option<ErrorEstimate>,
+    ) -> Option<ErrorEstimate> {
+        let mut lit = self.lit(judging, &self.values, judging.channels());
         if lit.iter().all(|point| point.light == 0.0 && point.light_sq == 0.0) {
             return Some(ErrorEstimate::default());
         }
 
         let in_norm = |own: &Self, norm, lit: &[Lit]| {
             let weights = NormWeights::new(norm, lit)?.by_point;
-            let estimate = own.estimate_weighted(gather, &weights, judged(gather));
+            let estimate = own.estimate_weighted(judging, &weights, judging.channels());
             let missed_sq: f64 = lit.iter().zip(&weights).map(|(point, weight)| weight * point.missed * point.missed).sum();
             estimate.measured.is_finite().then(|| estimate.missing(missed_sq))
         };
         let by_energy = in_norm(self, ErrorNorm::Energy, &lit).unwrap_or(ErrorEstimate::UNKNOWN);
-        let locally = self.with_dark_area(&mut lit, with, |own, lit| in_norm(own, ErrorNorm::Local, lit), stop)?;
+        let locally = locally(self, &mut lit, &|own, lit| in_norm(own, ErrorNorm::Local, lit))?;
         let [energy, local] =
             [&by_energy, &locally].map(|&ErrorEstimate { measured, claimed, .. }| ErrorFigure { measured, claimed });
         let asked = match self.norm {
@@ -285,14 +302,14 @@ impl ErrorSamples {
     }
 
     /// The estimate in some channels, with a weight for the squares at each point.
-    pub(super) fn estimate_weighted(&self, gather: &Gather<'_>, weights: &[f64], channels: Range<usize>) -> ErrorEstimate {
+    pub(super) fn estimate_weighted(&self, judging: Judging<'_>, weights: &[f64], channels: Range<usize>) -> ErrorEstimate {
         // Point by point, the products of replicates and the variances of values.
         let (mut replicates, mut noise, mut both) = (Moments::default(), Moments::default(), Moments::default());
         let mut all = PairProducts::default();
         let (mut variance_at_points, mut ray_variance) = (0.0, 0.0);
         for ((sample, values), &weight) in self.samples.iter().zip(&self.values).zip(weights) {
             let (mut products, mut of_rays, mut of_values) = (PairProducts::default(), 0.0, 0.0);
-            for compared in compared(sample, gather, values, channels.clone()) {
+            for compared in compared(sample, judging, values, channels.clone()) {
                 products.add(weight, compared.residuals);
                 of_rays += weight * REPLICATES as f64 * mean_and_variance(compared.residuals).1;
                 of_values += weight * TWICE as f64 * compared.variance();
@@ -315,7 +332,7 @@ impl ErrorSamples {
             claimed: claim(both.sum, both.deviation_of_sum().max(of_replicates).hypot(common)),
             doubts: Doubts { replicates: of_replicates, common, noise: noise.deviation_of_sum() },
             ray_share,
-            value_noise: is_taken_twice(gather).then(|| noise.sum.sqrt()),
+            value_noise: judging.is_taken_twice.then(|| noise.sum.sqrt()),
             ..ErrorEstimate::default()
         }
     }
@@ -323,11 +340,12 @@ impl ErrorSamples {
     /// The part of the error that is noise of the values' gathers, and falls with more rays to points: values at some of the points
     /// are taken again by other rays. 0 if stopped.
     pub fn sampled_value_noise(&self, gather: &Gather<'_>, stop: Stop<'_>) -> f64 {
-        let places: Vec<Place> = self.samples.iter().step_by(AGAIN).map(|sample| sample.place).collect();
+        let (judging, samples) = (Judging::of(gather), self.samples.iter().step_by(AGAIN));
+        let places: Vec<Place> = samples.map(|sample| sample.place).collect();
         let Some(again) = values_at(&places, gather, by_other_rays(gather.budget), stop) else { return 0.0 };
-        let Some(weights) = NormWeights::new(self.norm, &self.lit(gather, &self.values, judged(gather))) else { return 0.0 };
+        let Some(weights) = NormWeights::new(self.norm, &self.lit(judging, &self.values, judging.channels())) else { return 0.0 };
         let noise_of = |(weight, ([value, _], again)): (&f64, (&[Gathered; 2], &Gathered))| {
-            let pairs = value.radiosity[judged(gather)].iter().zip(&again.radiosity);
+            let pairs = value.radiosity[judging.channels()].iter().zip(&again.radiosity);
             let difference_sq: f64 = pairs.map(|(value, again)| (value - again).powi(2)).sum();
             weight * AGAIN as f64 * 0.5 * difference_sq
         };
@@ -336,16 +354,17 @@ impl ErrorSamples {
 
     /// The two parts of the error, by taking all values twice; `None` if stopped, or if nothing is reflected.
     pub fn sampled_parts(&self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<ErrorParts> {
+        let judging = Judging::of(gather);
         let places: Vec<Place> = self.samples.iter().map(|sample| sample.place).collect();
         let values = values_at(&places, gather, gather.budget, stop)?;
         let again = values_at(&places, gather, by_other_rays(gather.budget), stop)?;
         let values: Vec<[Gathered; 2]> = values.into_iter().zip(again).map(|(value, again)| [value, again]).collect();
-        let weights = NormWeights::new(self.norm, &self.lit(gather, &values, judged(gather)))?.by_point;
+        let weights = NormWeights::new(self.norm, &self.lit(judging, &values, judging.channels()))?.by_point;
         let (mut bias_sq, mut noise_sq, mut all) = (Moments::default(), 0.0, PairProducts::default());
         for ((sample, values), &weight) in self.samples.iter().zip(&values).zip(&weights) {
             // Of (B~_1 - T_i) (B~_2 - T_j), over all pairs.
             let (mut residuals, mut variance) = (PairProducts::default(), 0.0);
-            for compared in compared(sample, gather, values, judged(gather)) {
+            for compared in compared(sample, judging, values, judging.channels()) {
                 residuals.add(weight, compared.residuals);
                 variance += weight * compared.variance();
             }
@@ -358,12 +377,12 @@ impl ErrorSamples {
     }
 
     /// The points as norms see them, in some channels.
-    pub(super) fn lit(&self, gather: &Gather<'_>, values: &[[Gathered; 2]], channels: Range<usize>) -> Vec<Lit> {
+    pub(super) fn lit(&self, judging: Judging<'_>, values: &[[Gathered; 2]], channels: Range<usize>) -> Vec<Lit> {
         let area = |sample: &ErrorSample| sample.stands_for / self.samples.len() as f64;
         self.samples
             .iter()
             .zip(values)
-            .map(|(sample, values)| lit(area(sample), compared(sample, gather, values, channels.clone()), gather))
+            .map(|(sample, values)| lit(area(sample), compared(sample, judging, values, channels.clone()), judging))
             .collect()
     }
 
@@ -372,7 +391,7 @@ impl ErrorSamples {
         let first = self.values.len();
         let places: Vec<Place> = self.samples[first..].iter().map(|sample| sample.place).collect();
         let taken = values_at(&places, gather, gather.budget, stop)?;
-        let indices = (first..self.samples.len()).filter(|index| is_taken_twice(gather) && index % TWICE == 0);
+        let indices = (first..self.samples.len()).filter(|index| Judging::of(gather).is_taken_twice && index % TWICE == 0);
         let indices: Vec<usize> = indices.collect();
         let places: Vec<Place> = indices.iter().map(|&index| self.samples[index].place).collect();
         let again = values_at(&places, gather, by_other_rays(gather.budget), stop)?;

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::compared::{Compared, compared, is_taken_twice};
+use super::compared::{Compared, Judging, compared};
 use super::estimate::{ErrorFigure, ErrorSamples};
 use super::norm::{ErrorNorm, NormWeights};
 use super::replicates::REPLICATES;
@@ -54,9 +54,10 @@ impl ErrorSamples {
 
     /// The error in some channels, in W/m^2; unknown where no point has found light.
     fn error_by_energy(&self, gather: &Gather<'_>, channels: Range<usize>) -> ErrorFigure {
-        let lit = self.lit(gather, &self.values, channels.clone());
+        let judging = Judging::of(gather);
+        let lit = self.lit(judging, &self.values, channels.clone());
         let Some(weights) = NormWeights::new(ErrorNorm::Energy, &lit) else { return ErrorFigure::UNKNOWN };
-        let relative = self.estimate_weighted(gather, &weights.by_point, channels);
+        let relative = self.estimate_weighted(judging, &weights.by_point, channels);
         if !relative.measured.is_finite() {
             return ErrorFigure::UNKNOWN;
         }
@@ -67,16 +68,16 @@ impl ErrorSamples {
 
     /// The mean products of the light of groups, by two groups and the band.
     fn light_products(&self, gather: &Gather<'_>, bands: usize) -> Vec<f64> {
-        let (channels, mut area) = (gather.scene.channels(), 0.0);
+        let (judging, channels, mut area) = (Judging::of(gather), gather.scene.channels(), 0.0);
         let groups = channels / bands - 1;
         let mut products = vec![0.0; groups * groups * bands];
         for (sample, values) in self.samples.iter().zip(&self.values) {
-            let found: Vec<Compared> = compared(sample, gather, values, bands..channels).collect();
+            let found: Vec<Compared> = compared(sample, judging, values, bands..channels).collect();
             area += sample.stands_for;
             for (pair, products) in products.chunks_mut(bands).enumerate() {
                 let [first, second] = [pair / groups, pair % groups].map(|group| &found[group * bands..][..bands]);
                 for (product, (first, second)) in products.iter_mut().zip(first.iter().zip(second)) {
-                    *product += sample.stands_for * first.light_product(second, is_taken_twice(gather));
+                    *product += sample.stands_for * first.light_product(second, judging.is_taken_twice);
                 }
             }
         }

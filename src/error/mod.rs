@@ -2,6 +2,7 @@
 //!
 //! Start with `estimate`: what is estimated; `norm` says relative to what, `dark` where light may be that no one found. `points` says where, `replicates` by which rays, `residual` what
 //! replicates estimate where values go over cells. `pairs` combines them, and `claim` tells the confidence limit.
+//! `stored_samples` keeps all of it for other materials.
 
 mod claim;
 mod compared;
@@ -14,6 +15,7 @@ mod pairs;
 mod points;
 mod replicates;
 mod residual;
+mod stored_samples;
 
 pub(crate) use claim::{CONFIDENCE, Doubts, SIGMAS, claim, doubt_for_claim, upper_limit};
 pub(crate) use estimate::{ErrorEstimate, ErrorFigure, ErrorParts, ErrorSamples, Pilot, TWICE};
@@ -21,3 +23,4 @@ pub(crate) use groups::{GroupErrors, KnownErrors};
 pub(crate) use norm::ErrorNorm;
 pub(crate) use replicates::{REPLICATES, ReplicateGather, Replication};
 pub(crate) use residual::ResidualGather;
+pub(crate) use stored_samples::{SampleRecorder, StoredSamples};

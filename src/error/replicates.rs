@@ -8,6 +8,8 @@ use crate::scene::Scene;
 use crate::sweep::Radiosity;
 use crate::values::FinalGather;
 
+use serde::{Deserialize, Serialize};
+
 use super::residual::ResidualGather;
 
 /// How many there are. All pairs count, so more of them with fewer rays each know as much of the error; and they tell how much they have in
@@ -55,7 +57,7 @@ pub(super) struct ErrorSample {
 }
 
 /// What the paths of a search for light found at a point.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Searched {
     /// What is reflected there, in W/m^2; 0 where no light was found.
     pub light: f64,

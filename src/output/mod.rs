@@ -75,7 +75,8 @@ pub use png::{Display, Look, PngExposure, auto_exposure, write_display, write_pn
 pub use points::{Points, PointsError, read_points};
 pub use provenance::{LUMENS_PER_WATT, Provenance, Quantity};
 pub use report::{
-    CpuReport, ErrorFigures, MemoryReport, REPORT_SCHEMA, RunReport, SceneReport, Timing, write_light_groups, write_report,
+    CpuReport, ErrorFigures, MemoryReport, REPORT_SCHEMA, RunReport, SceneReport, Timing, write_error, write_light_groups,
+    write_report,
 };
 pub use solution_file::{
     SOLUTION_FORMAT_VERSION, SolutionFileError, is_solution_file, read_solution, read_solution_from, write_solution,

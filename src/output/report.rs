@@ -12,8 +12,8 @@ use serde::Serialize;
 use crate::bounds::BoundsReport;
 use crate::scene::Scene;
 use crate::solve::{
-    Counts, Energy, EnergyBalance, ErrorFigure, IterationReport, LightGroupsReport, LinkErrorReport, LitMeshReport, Norm,
-    SkippedWork, SolveOptions, SolveReport, StageTimes, StoppedBy,
+    Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LightGroupsReport, LinkErrorReport, LitMeshReport,
+    Norm, SkippedWork, SolveOptions, SolveReport, StageTimes, StoppedBy, TransportReport,
 };
 use crate::values::ValuesError;
 
@@ -49,6 +49,8 @@ pub struct RunReport {
     pub lit_mesh: Option<LitMeshReport>,
     /// What is known of light groups, where the scene has any.
     pub light_groups: Option<LightGroupsReport>,
+    /// What is stored to solve again for other materials, where that was asked for.
+    pub transport: Option<TransportReport>,
     /// What is proved about the answer, where that was asked for.
     pub bounds: Option<BoundsReport>,
     /// How wrong radiosities may be by the links, for error-driven refinement.
@@ -204,6 +206,7 @@ impl RunReport {
             },
             lit_mesh: report.lit_mesh,
             light_groups: report.light_groups.clone(),
+            transport: report.transport,
             bounds: report.bounds.clone(),
             link_error: report.link_error,
             energy: report.energy,
@@ -232,6 +235,15 @@ pub fn write_report(writer: &mut impl Write, report: &RunReport) -> io::Result<(
 /// What the writer says.
 pub fn write_light_groups(writer: &mut impl Write, known: &LightGroupsReport) -> io::Result<()> {
     serde_json::to_writer_pretty(&mut *writer, known)?;
+    writeln!(writer)
+}
+
+/// Writes a claimed error as indented JSON.
+///
+/// # Errors
+/// What the writer says.
+pub fn write_error(writer: &mut impl Write, error: &ErrorReport) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *writer, error)?;
     writeln!(writer)
 }
 

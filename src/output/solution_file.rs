@@ -13,7 +13,7 @@
 //!
 //! The body is a text (length, then UTF-8) that states software, quantity, unit and options, one on each line, for people who open
 //! the file in a text viewer, followed by the [`Solution`] as serde describes it: scene, options, hierarchy, links, exposures,
-//! radiosities of nodes and, from the solver over cells, of cells, bounds, the lit mesh and the light of groups if these were asked for. Fields have no names in the encoding, so any change of the
+//! radiosities of nodes and, from the solver over cells, of cells, bounds, the lit mesh, the light of groups and what paths bring if these were asked for. Fields have no names in the encoding, so any change of the
 //! stored types needs a new format version.
 //!
 //! Nothing in the file is trusted before it is checked: magic, version, length and CRC first, then the body must decode without
@@ -30,7 +30,7 @@ use super::{Provenance, Quantity};
 use crate::solve::Solution;
 
 /// The version that this software writes and reads.
-pub const SOLUTION_FORMAT_VERSION: u32 = 16;
+pub const SOLUTION_FORMAT_VERSION: u32 = 17;
 
 const MAGIC: [u8; 8] = *b"\x89PLSOL\r\n";
 const HEADER_LENGTH: usize = 24;

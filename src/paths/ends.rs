@@ -15,6 +15,8 @@
 use glam::DVec3;
 
 use super::grid::NO_CELL;
+use super::trail::Trail;
+use crate::scene::SurfaceId;
 
 /// A path whose weight falls below this goes on with this weight, or ends. At most 1; the less, the longer paths get, and the less noisy.
 const LITTLE: f64 = 0.25;
@@ -44,6 +46,8 @@ pub(crate) struct Ends {
     pub seen: Vec<(usize, u32)>,
     /// By entry of `seen` and channel: it brings `weight * B`, B being the radiosity of the cell.
     pub seen_weight: Vec<f64>,
+    /// Off what paths are reflected, where somebody asks.
+    pub trail: Option<Trail>,
 }
 
 /// A path that went on from where its first ray arrived.
@@ -55,6 +59,18 @@ pub(crate) struct Continuation {
     pub shortcut: u32,
     /// Whether it saw the sky at once, and brings what that sends.
     pub is_of_sky: bool,
+}
+
+/// What a ray finds.
+pub(super) enum Arrival {
+    /// What sends nothing, or what next-event rays bring.
+    Nothing,
+    /// The sky, or nothing.
+    Sky(DVec3),
+    /// A cell that is small, and the point of a surface in it.
+    Cell(u32, DVec3, SurfaceId),
+    /// A point from which the path goes on; with its cell, if only the least number of bounces forbids to end there.
+    Onward(DVec3, SurfaceId, Option<u32>),
 }
 
 impl Ends {
@@ -70,7 +86,9 @@ impl Ends {
             if let Some(cell) = cell {
                 self.seen.push((continuation, cell));
                 self.seen_weight.extend(weights.iter().map(|weight| weight * (1.0 - 1.0 / chance)));
+                self.trail.iter_mut().for_each(|trail| trail.see(continuation, 1.0 - 1.0 / chance));
             }
+            self.trail.iter_mut().for_each(|trail| trail.weigh(continuation, 1.0 / chance));
             weights.iter_mut().for_each(|weight| *weight /= chance);
         }
         true
@@ -87,5 +105,6 @@ impl Ends {
         self.continued.clear();
         self.seen.clear();
         self.seen_weight.clear();
+        self.trail.iter_mut().for_each(Trail::clear);
     }
 }

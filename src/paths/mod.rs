@@ -14,19 +14,25 @@ mod next_event;
 mod open_parts;
 mod particles;
 mod place;
+mod recorded;
 mod reflector_rays;
 mod reflectors;
 mod source_group;
 mod spots;
+mod terms;
 mod trace;
+mod trail;
 
 pub(crate) use batch_sums::{BATCHES, BatchSums};
 pub(crate) use ends::{Continuation, Ends, NO_SURFACE};
 pub(crate) use grid::{CellSize, Grid, NO_CELL, Resolution, cell_count};
 pub(crate) use particles::{Illumination, Landing};
 pub(crate) use place::{Directions, Place, Receives, place_at};
+pub(crate) use recorded::{Brought, PathTerm};
 pub(crate) use reflector_rays::SeenCell;
 pub(crate) use reflectors::Brightness;
 #[cfg(test)]
 pub(crate) use reflectors::Reflector;
+pub(crate) use terms::{RowTerm, Terms};
 pub(crate) use trace::{LightPaths, PathScratch};
+pub(crate) use trail::{ProductNumbers, Products, Trail, UNREFLECTED};

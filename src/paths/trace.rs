@@ -18,7 +18,7 @@ use glam::DVec3;
 use super::batch_sums::BatchSums;
 use super::direct_sums::DirectSums;
 use super::emitters::Emitters;
-use super::ends::{Continuation, Ends};
+use super::ends::{Arrival, Continuation, Ends};
 use super::grid::{CellSize, Grid, Grids, NO_CELL};
 use super::next_event::EmitterRays;
 use super::open_parts::OpenParts;
@@ -64,18 +64,6 @@ pub(crate) struct PathScratch {
     reflector_rays: ReflectorRays,
     /// Paths that have left the scene at their first rays: their continuations, and directions.
     into_sky: Vec<(usize, DVec3)>,
-}
-
-/// What a ray finds.
-enum Arrival {
-    /// What sends nothing, or what next-event rays bring.
-    Nothing,
-    /// The sky, or nothing.
-    Sky(DVec3),
-    /// A cell that is small, and the point of a surface in it.
-    Cell(u32, DVec3, SurfaceId),
-    /// A point from which the path goes on; with its cell, if only the least number of bounces forbids to end there.
-    Onward(DVec3, SurfaceId, Option<u32>),
 }
 
 /// Casts light paths through a scene.
@@ -241,7 +229,9 @@ impl<'a> LightPaths<'a> {
         ends.weight.clear();
         ends.weight.resize(ends.continued.len() * channels, 1.0);
         for (continuation, direction) in scratch.into_sky.drain(..) {
-            self.scene.add_sky_radiosity(direction, 1.0, &mut ends.constant[continuation * channels..][..channels]);
+            let constant = &mut ends.constant[continuation * channels..][..channels];
+            self.scene.add_sky_radiosity(direction, 1.0, constant);
+            ends.trail.iter_mut().for_each(|trail| trail.collect(continuation, constant));
         }
         for bounce in 1..=MAX_BOUNCES {
             if scratch.heads.is_empty() {
@@ -279,6 +269,7 @@ impl<'a> LightPaths<'a> {
                 Arrival::Nothing => {}
                 Arrival::Sky(direction) => {
                     into_sky.push((ends.continued.len(), direction));
+                    ends.trail.iter_mut().for_each(|trail| trail.goes_on(path / count as usize));
                     ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: NO_CELL, is_of_sky: true });
                 }
                 Arrival::Cell(cell, point, surface) => {
@@ -288,6 +279,7 @@ impl<'a> LightPaths<'a> {
                 }
                 Arrival::Onward(point, surface, small) => {
                     let (place, ray) = (path / count as usize, path % count as usize);
+                    ends.trail.iter_mut().for_each(|trail| trail.goes_on(place));
                     ends.surface[path] = surface.0;
                     let seed = sampling::hash(places[place].receiver(self.scene).seed, streams::PATHS_ONWARD + ray as u64);
                     heads.push(Place { point, surface, seed });
@@ -328,6 +320,10 @@ impl<'a> LightPaths<'a> {
                 ends.constant[index] += ends.weight[index] * (own + rho * irradiance[channel]);
                 ends.weight[index] *= rho;
             }
+            if let Some(trail) = &mut ends.trail {
+                let number = self.scene.surface(head.surface).material;
+                trail.reflect(continuation, number, exitance.is_some(), irradiance);
+            }
         }
 
         // Bright reflectors, whose radiosities are not known here.
@@ -337,6 +333,7 @@ impl<'a> LightPaths<'a> {
             ends.seen.push((continuation, seen.cell));
             let left = &ends.weight[continuation * channels..][..channels];
             ends.seen_weight.extend(left.iter().map(|left| left * seen.weight));
+            ends.trail.iter_mut().for_each(|trail| trail.see(continuation, seen.weight));
         }
     }
 
@@ -362,6 +359,7 @@ impl<'a> LightPaths<'a> {
                         let index = continuation * channels + channel;
                         ends.constant[index] += ends.weight[index] * brought;
                     }
+                    ends.trail.iter_mut().for_each(|trail| trail.collect(continuation, &brought));
                 }
                 Arrival::Cell(cell, ..) => ends.continued[continuation].cell = cell,
                 Arrival::Onward(point, surface, _) => {

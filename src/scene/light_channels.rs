@@ -91,10 +91,18 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The exitance of a surface by band where all weights are 1. Which emitters rays are aimed at hangs on that: cells leave their light out.
+    /// The exitance of a surface by band as it was solved: where all weights are 1, and materials are not changed yet. Which emitters rays are aimed
+    /// at hangs on that: cells leave their light out.
     pub(crate) fn exitance_as_solved(&self, surface: SurfaceId) -> &[f64] {
         let material = self.surface(surface).material as usize;
-        self.light_groups.as_ref().map_or(&self.materials[material].exitance, |groups| &groups.exitance[material])
+        let solved = self.light_groups.as_ref().map(|groups| &groups.exitance).or(self.solved_exitance.as_ref());
+        solved.map_or(&self.materials[material].exitance, |exitance| &exitance[material])
+    }
+
+    /// Whether a material emitted as it was solved.
+    pub(crate) fn emitted_as_solved(&self, material: usize) -> bool {
+        let exitance = self.solved_exitance.as_ref().map_or(&self.materials[material].exitance, |solved| &solved[material]);
+        exitance.iter().any(|&e| e > 0.0)
     }
 
     /// Takes away what noise leaves of light in the dark, by channel: where all groups together have none, none has any.

@@ -69,7 +69,7 @@ pub enum LightGroupError {
     #[error("light groups: this was solved without any; solve the scene with --light-groups")]
     NoGroups,
     /// Bounds are proved, and strategies of papers refine, for the light as it is.
-    #[error("light groups: they need the strategy default, and no bounds")]
+    #[error("light groups: they need the strategy default, no bounds, and no stored transport")]
     Options,
     /// There is no such group.
     #[error("light groups: there is no group '{name}', there are: {}", .known.join(", "))]

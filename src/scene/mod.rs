@@ -1,6 +1,7 @@
 //! What is lit: surfaces with materials, validated and immutable from here on.
 
 mod distinct_channels;
+mod emission_apart;
 mod emitter_name;
 mod emitters;
 mod error;
@@ -22,6 +23,7 @@ mod summary;
 mod twins;
 
 pub(crate) use distinct_channels::DistinctChannels;
+pub(crate) use emission_apart::EmissionApart;
 pub use emitter_name::EmitterName;
 pub(crate) use emitters::Emitter;
 pub use error::SceneError;
@@ -114,6 +116,8 @@ pub struct Scene {
     groups: FaceNames,
     /// Emitters whose light is kept apart.
     light_groups: Option<LightGroups>,
+    /// By material, the exitance that it was solved with, where materials were changed after that.
+    solved_exitance: Option<Vec<Vec<f64>>>,
     /// How many of the channels, the last ones, carry the light of groups; none in a scene that is stored.
     #[serde(skip)]
     carried: usize,
@@ -146,8 +150,18 @@ impl Scene {
         let surface = |(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None };
         let surfaces = Arc::new(faces.into_iter().map(surface).collect());
         let (objects, groups) = (FaceNames::default(), FaceNames::default());
-        let mut scene =
-            Self { channels, materials, surfaces, lights: Vec::new(), sides, objects, groups, light_groups: None, carried: 0 };
+        let mut scene = Self {
+            channels,
+            materials,
+            surfaces,
+            lights: Vec::new(),
+            sides,
+            objects,
+            groups,
+            light_groups: None,
+            solved_exitance: None,
+            carried: 0,
+        };
         scene.check_materials()?;
         scene.add_twins();
         scene.group_planes();
@@ -162,9 +176,19 @@ impl Scene {
         if materials.len() != self.materials.len() {
             return Err(SceneError::Materials { given: materials.len(), needed: self.materials.len() });
         }
-        let scene = Self { materials, light_groups: None, ..self.clone() };
+        let scene = Self { materials, light_groups: None, solved_exitance: None, ..self.clone() };
         scene.check_materials()?;
         Ok(scene)
+    }
+
+    /// The same surfaces of other materials, to which rays and cells stay as they were for those that were solved: [`Scene::exitance_as_solved`].
+    ///
+    /// # Errors
+    /// Those of [`Scene::with_materials`].
+    pub(crate) fn with_materials_after_solve(&self, materials: Vec<Material>) -> Result<Self, SceneError> {
+        let of_materials = || self.materials.iter().map(|material| material.exitance.clone()).collect();
+        let solved_exitance = Some(self.solved_exitance.clone().unwrap_or_else(of_materials));
+        Ok(Self { solved_exitance, ..self.with_materials(materials)? })
     }
 
     /// The same with the objects and groups that the faces of its input belong to.
@@ -192,6 +216,11 @@ impl Scene {
         self.check_materials().map_err(|error| error.to_string())?;
         self.check_lights().map_err(|error| error.to_string())?;
         self.check_light_groups()?;
+        let is_exitance = |of: &Vec<f64>| of.len() == self.channels && of.iter().all(|e| (0.0..=f64::from(f32::MAX)).contains(e));
+        let fits = |of: &Vec<Vec<f64>>| of.len() == self.materials.len() && of.iter().all(is_exitance);
+        if !self.solved_exitance.as_ref().is_none_or(|of| self.light_groups.is_none() && fits(of)) {
+            return Err("the exitance that materials were solved with does not fit the scene".to_owned());
+        }
         let (count, mut planes) = (self.surfaces.len(), 0);
         for (index, surface) in self.surfaces.iter().enumerate() {
             if surface.plane > planes {

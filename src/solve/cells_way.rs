@@ -14,6 +14,7 @@ use super::report::{SolveReport, StoppedBy};
 use super::solution::Solution;
 use super::step::NextStep;
 use super::strategies::{self, ErrorSearch};
+use super::transport::Transport;
 use super::way::Way;
 use crate::cells::{CellRadiosities, SolvedCells};
 use crate::error::{ErrorEstimate, REPLICATES, ReplicateGather, ResidualGather};
@@ -136,7 +137,8 @@ impl<'a> Way<'a> for CellsWay<'a> {
     }
 
     fn finish(self: Box<Self>, stopped_by: StoppedBy) -> (Solution, SolveReport) {
-        let Self { linked, plan, cells, mut judge, judged, .. } = *self;
+        let Self { mut linked, plan, cells, mut judge, judged, .. } = *self;
+        let is_last = judged.is_none();
         let (error, point_rays, known, cells) = match judged {
             Some((Judged { error, point_rays, known }, cells)) => (Some(error), point_rays, known, cells),
             None => {
@@ -145,14 +147,39 @@ impl<'a> Way<'a> for CellsWay<'a> {
                 (judge.error, rays, known, cells)
             }
         };
+        let is_final = is_last && cells.is_some() && judge.error.is_some();
+        let (transport, stopped_by) = kept_transport(&mut linked, &plan, is_final.then_some(&judge), point_rays, stopped_by);
         drop(judge);
         let resolution = cells.as_ref().map_or(plan.resolution(), |own| own.resolution);
         let radiosities = cells.map(|own| match Arc::try_unwrap(own) {
             Ok(SolvedCells { radiosities: [radiosities], .. }) => radiosities,
             Err(shared) => shared.radiosities[0].clone(),
         });
-        finish(linked, Outcome { known, error, stopped_by, point_rays, resolution, radiosities })
+        finish(linked, Outcome { known, error, stopped_by, point_rays, resolution, radiosities, transport })
     }
+}
+
+/// The transport of the values that were judged last, if it is to be kept, and what ended the solve: a limit may leave no room for it.
+fn kept_transport(
+    linked: &mut Linked<'_>,
+    plan: &Plan,
+    judge: Option<&Judge<'_>>,
+    point_rays: u32,
+    stopped_by: StoppedBy,
+) -> (Option<Transport>, StoppedBy) {
+    let Some(judge) = judge.filter(|_| linked.job.options.keep_transport) else { return (None, stopped_by) };
+    if !Transport::has_room(linked, plan, judge) {
+        return (None, StoppedBy::Memory);
+    }
+    let start = Instant::now();
+    let transport = Transport::record(linked, plan, judge, point_rays);
+    add_time(&mut linked.report.time_s.transport, start);
+    let ended = match transport {
+        Some(_) => stopped_by,
+        None if linked.job.is_cancelled() => StoppedBy::Cancelled,
+        None => StoppedBy::Time,
+    };
+    (transport, ended)
 }
 
 /// Gathers the values that a user would get now.

@@ -47,6 +47,7 @@ pub(super) fn choose<'a>(job: &Job<'a>, beginning: Beginning) -> Box<dyn Way<'a>
     let linked = || Linked::new(*job, &illumination, hierarchy, links.links_clusters(pairs(job), cells.work()));
     let options = job.options;
     match options.solver {
+        _ if options.keep_transport => return Box::new(CellsWay::new(linked(), cells, search)),
         Solver::Cells => return Box::new(CellsWay::new(linked(), cells, search)),
         Solver::Auto if options.strategy == Strategy::Default => {}
         Solver::Auto | Solver::Links => return Box::new(LinksWay::new(linked(), links, search)),

@@ -1,9 +1,12 @@
 //! The end of a solve: what is kept, and what is told.
 
+use std::sync::Arc;
+
 use super::grouped_light::GroupedLight;
 use super::linked::Linked;
 use super::report::{Counts, Energy, ErrorFigure, ErrorReport, Powers, SkippedWork, SolveReport, StoppedBy};
 use super::solution::Solution;
+use super::transport::Transport;
 use crate::bounds::{Light, bound_held_back};
 use crate::cells::CellRadiosities;
 use crate::error::{self, CONFIDENCE, ErrorEstimate, KnownErrors};
@@ -20,6 +23,7 @@ pub(super) struct Outcome {
     /// Where values end in cells.
     pub radiosities: Option<CellRadiosities>,
     pub known: Option<KnownErrors>,
+    pub transport: Option<Transport>,
 }
 
 /// The solution and its report.
@@ -27,19 +31,14 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     let energy = energy(&linked);
     let skipped = linked.skipped();
     let scene = linked.job.scene.clone();
-    let Outcome { error, stopped_by, point_rays, resolution, radiosities, known } = outcome;
+    let Outcome { error, stopped_by, point_rays, resolution, radiosities, known, transport } = outcome;
     let mut report = SolveReport { energy, stopped_by, converged: stopped_by == StoppedBy::Error, ..linked.report };
 
     let reflected = energy.sent - (energy.emitted - energy.of_lights);
     report.error = ErrorReport {
         requested: linked.job.options.error,
-        estimate: error.map_or(f64::INFINITY, |error| error.claimed),
-        confidence: CONFIDENCE,
-        measured: error.map_or(f64::INFINITY, |error| error.measured),
-        energy: error.map_or_else(ErrorFigure::default, |error| figure(error.energy)),
-        local: error.map_or_else(ErrorFigure::default, |error| figure(error.local)),
-        lit: error.map_or(0.0, |error| error.lit),
         skipped: if reflected > 0.0 { energy.held_back / reflected } else { 0.0 },
+        ..error_report(error.as_ref())
     };
     report.counts = Counts {
         surfaces: scene.surfaces().len() as u64,
@@ -75,13 +74,26 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
         bounds: None,
         mesh: None,
         groups,
+        transport: transport.map(Arc::new),
     };
+    report.transport = solution.transport();
     report.memory_bytes = solution.memory_bytes();
     (solution, report)
 }
 
-fn figure(error: error::ErrorFigure) -> ErrorFigure {
-    ErrorFigure { estimate: error.claimed, measured: error.measured }
+/// What is told of an error as far as an estimate tells; `None` where there was none.
+pub(super) fn error_report(error: Option<&ErrorEstimate>) -> ErrorReport {
+    let figure = |of: error::ErrorFigure| ErrorFigure { estimate: of.claimed, measured: of.measured };
+    ErrorReport {
+        requested: 0.0,
+        estimate: error.map_or(f64::INFINITY, |error| error.claimed),
+        confidence: CONFIDENCE,
+        measured: error.map_or(f64::INFINITY, |error| error.measured),
+        energy: error.map_or_else(ErrorFigure::default, |error| figure(error.energy)),
+        local: error.map_or_else(ErrorFigure::default, |error| figure(error.local)),
+        lit: error.map_or(0.0, |error| error.lit),
+        skipped: 0.0,
+    }
 }
 
 /// Where the power goes, and what pairs without a link hold back of it.

@@ -6,9 +6,12 @@ use std::time::Instant;
 use super::linked::Linked;
 use super::plan::Plan;
 use crate::cells::SolvedCells;
-use crate::error::{ErrorEstimate, ErrorNorm, ErrorSamples, KnownErrors, Pilot, REPLICATES, ReplicateGather, Replication};
+use crate::error::{
+    ErrorEstimate, ErrorNorm, ErrorSamples, KnownErrors, Pilot, REPLICATES, ReplicateGather, Replication, SampleRecorder,
+    StoredSamples,
+};
 use crate::geometry::{sampling, streams};
-use crate::paths::{LightPaths, Resolution};
+use crate::paths::{LightPaths, ProductNumbers, Resolution};
 use crate::progress::{Stage, Stop};
 use crate::values::Gather;
 
@@ -93,6 +96,16 @@ impl<'a> Judge<'a> {
         if is_reflected && let Some(found) = error.as_mut().filter(|found| found.lit == 0.0) {
             *found = ErrorEstimate::UNKNOWN;
         }
+    }
+
+    /// How many rays all replicates have taken.
+    pub fn replicate_rays(&self) -> u64 {
+        self.samples.rays()
+    }
+
+    /// Records what the rays of values and replicates bring at all points; `None` if stopped before.
+    pub fn record(&self, recorder: &SampleRecorder<'_>, numbers: &mut ProductNumbers, stop: Stop<'_>) -> Option<StoredSamples> {
+        recorder.record(&self.samples, numbers, stop)
     }
 
     /// What is known of the values that `gather` gives beside their error; `None` where that was not estimated, or if stopped.

@@ -27,7 +27,7 @@ use crate::transmittance::maps::Maps;
 use crate::values::{Gather, Gathered, LinkGather, Over, RayBudget, Scratch};
 
 /// No solve sweeps more often in a row: at reflectance 0.999 the change has fallen by e^-20 by then.
-const MAX_SWEEPS: u32 = 20_000;
+pub(super) const MAX_SWEEPS: u32 = 20_000;
 
 /// Hierarchy, links and radiosities, and what was told of them so far.
 pub(super) struct Linked<'a> {
@@ -365,7 +365,7 @@ impl<'a> Linked<'a> {
     }
 
     /// The cells that a plan asks for; `None` if they are more than can be counted.
-    fn cell_demand(&self, plan: &Plan) -> Option<CellDemand> {
+    pub fn cell_demand(&self, plan: &Plan) -> Option<CellDemand> {
         let (resolution, replicates) = (plan.resolution(), plan.replicate_resolution());
         let are_of_values = plan.has_cells();
         let rays = if are_of_values { resolution.rays.max(replicates.rays) } else { replicates.rays };
@@ -373,7 +373,7 @@ impl<'a> Linked<'a> {
         Some(CellDemand { cells, channels: self.job.kept_channels, rays, are_of_values, error_points: plan.error_points() })
     }
 
-    fn holdings(&self) -> Holdings<'_> {
+    pub fn holdings(&self) -> Holdings<'_> {
         Holdings { hierarchy: &self.hierarchy, links: &self.links, channels: self.job.kept_channels }
     }
 

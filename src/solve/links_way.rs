@@ -142,7 +142,10 @@ impl<'a> Way<'a> for LinksWay<'a> {
                 (judge.error, rays, known)
             }
         };
-        finish(linked, Outcome { known, error, stopped_by, point_rays, resolution: plan.resolution(), radiosities: None })
+        finish(
+            linked,
+            Outcome { known, error, stopped_by, point_rays, resolution: plan.resolution(), radiosities: None, transport: None },
+        )
     }
 }
 

@@ -24,6 +24,7 @@ mod mesh_lines;
 mod multiresolution96;
 mod next_step;
 mod options;
+mod other_materials;
 mod plan;
 mod relight;
 mod report;
@@ -33,6 +34,7 @@ mod skipped;
 mod solution;
 mod step;
 mod strategies;
+mod transport;
 mod way;
 mod work;
 mod worthwhile_cells;
@@ -48,9 +50,10 @@ pub use options::{
     OptionEntry, OptionGroup, OptionType, OptionsError, RunOptions, SolveOptions, Solver, Strategy, Subdivision, Sweep,
     UniformOptions,
 };
+pub use other_materials::OtherMaterialsError;
 pub use report::{
     Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LightGroupReport, LightGroupsReport, LinkErrorReport,
-    LitMeshReport, SkippedWork, SolveReport, StageTimes, StoppedBy,
+    LitMeshReport, SkippedWork, SolveReport, StageTimes, StoppedBy, TransportReport,
 };
 pub use solution::Solution;
 

@@ -86,7 +86,7 @@ pub struct ErrorReport {
     /// The part of the area of reflecting surfaces, 0 to 1, where light was found, by values, replicates or, where it is rare, by a search of
     /// its own: the local norm is over it. What one in a hundred thousand paths brings may be missed.
     pub lit: f64,
-    /// [`Energy::held_back`] as a part of the power that the elements reflect.
+    /// [`Energy::held_back`] as a part of the power that the elements reflect; 0 where that is not known.
     pub skipped: f64,
 }
 
@@ -174,6 +174,8 @@ pub struct StageTimes {
     pub resolve: f64,
     /// Estimating the error.
     pub error: f64,
+    /// Keeping what paths bring.
+    pub transport: f64,
     /// Making the lit mesh.
     pub mesh: f64,
     /// Bounding it.
@@ -271,6 +273,19 @@ pub struct LightGroupReport {
     pub lit_mesh: Option<ErrorFigure>,
 }
 
+/// What is stored to solve again for other materials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct TransportReport {
+    /// Cells of values; replicates have as many each.
+    pub cells: u64,
+    /// Terms of all paths: a weight, a product of reflectances, and a radiosity or an emission.
+    pub terms: u64,
+    /// Products of reflectances that differ.
+    pub products: u64,
+    /// Bytes in memory; files are smaller.
+    pub bytes: u64,
+}
+
 /// What a solve tells about itself: everything that is not the answer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SolveReport {
@@ -286,6 +301,8 @@ pub struct SolveReport {
     pub lit_mesh: Option<LitMeshReport>,
     /// What is known of light groups, if the scene has any.
     pub light_groups: Option<LightGroupsReport>,
+    /// What is stored to solve again for other materials, if that was asked for and there is some.
+    pub transport: Option<TransportReport>,
     /// What is proved about the answer, if that was asked for.
     pub bounds: Option<BoundsReport>,
     /// How wrong radiosities may be by the links, for error-driven refinement.

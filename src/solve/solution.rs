@@ -1,5 +1,7 @@
 //! The answer.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -8,6 +10,7 @@ use super::grouped_light::GroupedLight;
 use super::interest::InitialImportance;
 use super::judge::particle_seed;
 use super::options::{SolveOptions, Solver};
+use super::transport::Transport;
 use crate::bounds::RadiosityBounds;
 use crate::cells::CellRadiosities;
 use crate::direct::{Blockers, DirectLight, DirectScratch};
@@ -46,6 +49,26 @@ pub struct Solution {
     pub(crate) mesh: Option<LitMesh>,
     /// The light of groups apart, if it was solved with any.
     pub(crate) groups: Option<GroupedLight>,
+    /// What paths bring, if that was to be kept.
+    #[serde(with = "shared")]
+    pub(crate) transport: Option<Arc<Transport>>,
+}
+
+/// What is shared is stored as if it were not.
+mod shared {
+    use std::sync::Arc;
+
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use super::Transport;
+
+    pub fn serialize<S: Serializer>(transport: &Option<Arc<Transport>>, serializer: S) -> Result<S::Ok, S::Error> {
+        transport.as_deref().serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Arc<Transport>>, D::Error> {
+        Ok(Option::<Transport>::deserialize(deserializer)?.map(Arc::new))
+    }
 }
 
 impl Solution {
@@ -100,8 +123,11 @@ impl Solution {
 
     /// How bright surfaces are, by the radiosities over the links.
     fn brightness(&self) -> Brightness {
-        let Self { scene, hierarchy, radiosity, groups, .. } = self;
+        let Self { scene, hierarchy, radiosity, groups, transport, .. } = self;
         // Cells are laid out by what they were solved for.
+        if let Some(transport) = transport {
+            return transport.brightness(scene);
+        }
         match groups {
             Some(groups) => Brightness::of_surfaces(scene, |surface| groups.reflected_as_solved(surface)),
             None => Brightness::of_surfaces(scene, |surface| radiosity.reflected(scene, hierarchy, surface)),
@@ -186,6 +212,7 @@ impl Solution {
             + self.cell_radiosities.as_ref().map_or(0, CellRadiosities::memory_bytes)
             + self.mesh.as_ref().map_or(0, LitMesh::memory_bytes)
             + self.groups.as_ref().map_or(0, GroupedLight::memory_bytes)
+            + self.transport.as_ref().map_or(0, |transport| transport.memory_bytes())
     }
 
     /// Checks everything that later stages rely on: ids in range, trees well formed, numbers finite.
@@ -208,6 +235,9 @@ impl Solution {
         if self.groups.as_ref().is_some_and(|groups| !groups.tells_brightness(&self.scene)) {
             return Err("the light of groups does not fit the scene".to_owned());
         }
+        if self.transport.as_ref().is_some_and(|transport| !transport.tells_brightness(&self.scene)) {
+            return Err("the stored transport does not fit the scene".to_owned());
+        }
         if self.point_rays == 0 || self.point_rays > 1 << 20 {
             return Err("the number of rays to a point is out of range".to_owned());
         }
@@ -219,6 +249,12 @@ impl Solution {
             let cells = cell_count(&self.scene, &self.brightness(), resolution.size);
             if !cells.is_some_and(|cells| radiosities.is_valid(cells, channels)) {
                 return Err("the cell radiosities do not fit the scene".to_owned());
+            }
+        }
+        if let Some(transport) = &self.transport {
+            let cells = self.cell_radiosities.as_ref().filter(|_| self.groups.is_none()).map(CellRadiosities::cells);
+            if !cells.is_some_and(|cells| transport.is_valid(&self.scene, cells)) {
+                return Err("the stored transport does not fit the cells".to_owned());
             }
         }
         if !self.error_bars.is_none_or(|error_bars| error_bars.is_valid()) {

@@ -54,6 +54,42 @@ fn groups_are_weighted_and_written_as_anything() {
 }
 
 #[test]
+fn other_materials_are_solved_again_with_an_error_of_their_own() {
+    let place = Place::new();
+    place.run("solve room.obj --error 0.2 --keep-transport -o k.solution --report k.json").succeeded();
+    let report: serde_json::Value = serde_json::from_str(&place.read("k.json")).unwrap();
+    assert!(report["transport"]["terms"].as_u64().is_some_and(|terms| terms > 0), "{}", report["transport"]);
+    let material = place.read("room.mtl").split_whitespace().skip_while(|word| *word != "newmtl").nth(1).unwrap().to_owned();
+    let ran =
+        place.run(&format!("relight k.solution --reflectance {material}=0.4,0.5,0.6 --error 0.9 -o a.solution --report a.json"));
+    ran.succeeded();
+    assert!(ran.stderr.contains("90.00% asked for: reached"), "{}", ran.stderr);
+    let error: serde_json::Value = serde_json::from_str(&place.read("a.json")).unwrap();
+    assert!(error["estimate"].as_f64().is_some_and(|claimed| claimed > 0.0 && claimed < 0.9), "{error}");
+    place.run("sample a.solution P.csv -o a.csv").succeeded();
+
+    // Results are written where more is claimed than was asked for; numbers are those that are given, whatever was relit before.
+    let same =
+        place.run(&format!("relight a.solution --reflectance {material}=0.4,0.5,0.6 --error 0.0001 -o b.solution --report b.json"));
+    assert_eq!(same.code, 4, "{}", same.stderr);
+    assert!(same.stderr.contains("not reached"), "{}", same.stderr);
+    let again: serde_json::Value = serde_json::from_str(&place.read("b.json")).unwrap();
+    assert!((again["estimate"].as_f64().unwrap() / error["estimate"].as_f64().unwrap() - 1.0).abs() < 1e-3, "{again} {error}");
+
+    for (arguments, words) in [
+        ("relight k.solution --reflectance nothing=0.5 -o x.solution", &["--reflectance nothing=0.5", "no such material"][..]),
+        ("relight k.solution --reflectance wall -o x.solution", &["MATERIAL=X"]),
+        ("relight k.solution --error 0.1 -o x.solution", &["--error needs --reflectance"]),
+        ("relight k.solution --reflectance a=1 --set b=1 -o x.solution", &["cannot be used with"]),
+        ("solve room.obj --keep-transport --lit-mesh -o x.solution", &["keep_transport"]),
+    ] {
+        let ran = place.run(arguments);
+        assert_eq!(ran.code, 2, "{arguments}: {}", ran.stderr);
+        assert!(words.iter().all(|word| ran.stderr.contains(word)), "{arguments}: {}", ran.stderr);
+    }
+}
+
+#[test]
 fn what_cannot_be_grouped_or_weighted_is_said() {
     let place = Place::new();
     solve_with_groups(&place);

@@ -31,7 +31,15 @@ fn solutions() -> Vec<Solution> {
         assert!(solution.light_groups_report().is_some_and(|report| report.error.estimate.is_finite()));
         solution
     };
+    let with_transport = |name: &str| {
+        let options = SolveOptions { error: 0.9, keep_transport: true, ..SolveOptions::default() };
+        let solution = solved(scene(name, Sides::Front), &options).solution().clone();
+        assert!(solution.transport().is_some());
+        solution
+    };
     vec![
+        with_transport("furnace.obj"),
+        with_transport("cornell.obj"),
         with_groups("furnace.obj", Solver::Links, true),
         with_groups("cornell.obj", Solver::Cells, false),
         of("furnace.obj", Sides::Front, Solver::Links, Bounds::Guaranteed, 1000),
@@ -179,6 +187,63 @@ fn light_groups_that_are_none_are_refused() {
     refused("/scene/light_groups/weights/0/0", &|_| Value::from(2.0), "not what its light group says");
     refused("/scene/light_groups/weights/0/0", &|_| Value::from(-1.0), "do not fit the scene");
     refused("/scene/light_groups/names/0", &|_| Value::from(""), "names of their own");
+}
+
+/// What paths bring that does not fit, or comes from nowhere.
+#[test]
+fn transport_that_is_none_is_refused() {
+    let options = SolveOptions { error: 0.5, keep_transport: true, ..SolveOptions::default() };
+    let solution = solved(scene("cornell.obj", Sides::Front), &options).solution().clone();
+    let mut materials = solution.scene().materials().to_vec();
+    materials.iter_mut().for_each(|material| material.exitance.iter_mut().for_each(|e| *e *= 2.0));
+    let (brighter, _) = solution.with_materials(materials, &patchlight::progress::Silent).unwrap().unwrap();
+    for solution in [solution, brighter] {
+        let value = serde_json::to_value(&solution).unwrap();
+        let refused = |path: &str, change: &dyn Fn(&Value) -> Value| {
+            let mut value = value.clone();
+            let place = value.pointer_mut(path).unwrap_or_else(|| panic!("{path}"));
+            *place = change(place);
+            let error = Solution::deserialize(&value).unwrap().validate().unwrap_err();
+            assert!(error.contains("transport does not fit") || error.contains("cell radiosities"), "{path}: {error}");
+        };
+        let shorter = |all: &Value| Value::from(all.as_array().unwrap()[1..].to_vec());
+        for path in [
+            "products/steps",
+            "is_followed",
+            "is_sampled",
+            "reflected",
+            "rows",
+            "rows/0/material",
+            "rows/3/ends/ends",
+            "rows/0/ends/source",
+            "rows/0/seen/ends",
+            "rows/0/emission/weight",
+            "rows/8/emission/product",
+            "samples/surface",
+            "samples/stands_for",
+            "samples/residuals/ends",
+            "samples/values/source",
+        ] {
+            refused(&format!("/transport/{path}"), &shorter);
+        }
+        for path in [
+            "products/steps/0/0",
+            "products/steps/0/1",
+            "rows/0/material/0",
+            "rows/2/ends/source/0",
+            "rows/0/ends/product/0",
+            "rows/0/emission/source/0",
+            "rows/0/ends/ends/0",
+            "samples/surface/0",
+            "samples/residuals/source/0",
+            "samples/values/product/0",
+        ] {
+            refused(&format!("/transport/{path}"), &|_| Value::from(4_000_000_000_u32));
+        }
+        refused("/transport/reflected/0", &|_| Value::from(-1.0));
+        refused("/transport/samples/stands_for/0", &|_| Value::from(0.0));
+        refused("/cell_radiosities", &|_| Value::Null);
+    }
 }
 
 #[test]

@@ -30,9 +30,9 @@
 
 use std::path::Path;
 
+use super::super::changes::Property;
 use super::super::exit::Failure;
 use super::super::reader::{Entry, Said, Table, read};
-use super::changes::Property;
 use super::parameters::Parameter;
 
 /// What the file says; names in brackets are not filled in.

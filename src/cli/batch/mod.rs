@@ -3,7 +3,6 @@
 //! The file becomes a [plan], the plan's jobs become [tasks], lanes do them side by side, a [journal] keeps what is done, and a [table] tells
 //! all. Bytes of results are the same for any number of lanes, threads and shards.
 
-mod changes;
 mod identity;
 mod job_file;
 mod journal;
@@ -12,6 +11,7 @@ mod parameters;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod plan;
+mod shared_transport;
 mod stock;
 mod table;
 mod tasks;
@@ -37,6 +37,7 @@ use journal::{Journal, Record};
 use lanes::{Lanes, Mode, deal};
 use parameters::read_rows;
 use plan::{Job, Plan};
+use shared_transport::Transports;
 use stock::Stock;
 use table::Table;
 use tasks::{Common, Task};
@@ -208,6 +209,16 @@ impl Batch {
         let noted = if before == 0 { String::new() } else { format!("; {before} are noted as done, which is checked") };
         let (jobs, lanes, in_all) = (tasks.len(), threads.len(), threads.iter().sum::<usize>());
         self.voice.figure("plan", format_args!("{jobs} jobs{of_shard}, {lanes} at a time; threads in all: {in_all}{noted}"));
+        let over_transport: Vec<&Task> = tasks.iter().filter(|task| task.shares_transport()).collect();
+        if !over_transport.is_empty() {
+            let solves: BTreeSet<(usize, String)> =
+                over_transport.iter().map(|task| (task.scene, Transports::key(&task.request.options, &task.request.run))).collect();
+            let (count, solves) = (over_transport.len(), solves.len());
+            self.voice.figure(
+                "transport",
+                format_args!("{count} jobs change materials alone, over the stored transport of {solves} solves"),
+            );
+        }
         for task in tasks.iter().take(NAMED) {
             let Job { name, scene, values, .. } = &task.job;
             let values: Vec<String> =

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path};
 
+use super::super::changes::Change;
 use super::super::exit::Failure;
 use super::super::reader::Said;
-use super::changes::Change;
 use super::job_file::JobFile;
 use super::parameters::{Parameter, Rows};
 use super::template;

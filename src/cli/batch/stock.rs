@@ -13,6 +13,7 @@ use super::super::argument_groups::TrustArguments;
 use super::super::exit::{Exit, Failure};
 use super::super::progress::Voice;
 use super::identity;
+use super::shared_transport::Transports;
 
 /// A scene in memory.
 pub struct Stocked {
@@ -24,6 +25,8 @@ pub struct Stocked {
     pub digest: String,
     /// What answers for its geometry, once it is asked for.
     visibility: Mutex<Option<Arc<dyn Visibility>>>,
+    /// What paths bring in it, for jobs that change materials alone.
+    pub transports: Transports,
 }
 
 /// What tells scenes apart.
@@ -107,7 +110,13 @@ impl Stock {
                 .warn(format_args!("{path}: {warnings} warnings; 'patchlight info {path}' prints them", path = path.display()));
         }
         let digest = identity::digest(digests.as_bytes());
-        Ok(Stocked { scene: imported.scene, libraries: imported.libraries, digest, visibility: Mutex::default() })
+        Ok(Stocked {
+            scene: imported.scene,
+            libraries: imported.libraries,
+            digest,
+            visibility: Mutex::default(),
+            transports: Transports::default(),
+        })
     }
 }
 

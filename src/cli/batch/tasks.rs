@@ -35,6 +35,13 @@ pub struct Common<'a> {
     pub trust: TrustArguments,
 }
 
+impl Task {
+    /// Whether it changes materials alone, and shares what paths bring with the jobs that do.
+    pub fn shares_transport(&self) -> bool {
+        self.request.options.keep_transport && !self.job.changes.is_empty()
+    }
+}
+
 impl Common<'_> {
     /// The jobs, validated; their scenes are wanted of `stock`. Folders of outputs are made.
     pub fn tasks(&self, jobs: Vec<Job>, stock: &mut Stock) -> Result<Vec<Task>, Failure> {

@@ -70,6 +70,16 @@ impl SolveOptions {
                 "regular for the strategies of 1998, which subdivide surfaces evenly",
             );
         }
+        if self.keep_transport && (self.solver == Solver::Links || self.strategy != Strategy::Default) {
+            return reject("keep_transport", &true, "false over links, and with a strategy: what paths bring is kept over cells");
+        }
+        if self.keep_transport && (self.lit_mesh || self.bounds == Bounds::Guaranteed) {
+            return reject(
+                "keep_transport",
+                &true,
+                "false with a lit mesh, and with guaranteed bounds, which are not solved again",
+            );
+        }
         Ok(())
     }
 }

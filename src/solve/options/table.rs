@@ -50,6 +50,10 @@ options! {
         /// what the function is off them.
         lit_mesh: bool = false, Flag;
 
+        /// Whether what paths bring is kept with the solution, so that it can be solved again for other reflectances and emission, without a ray.
+        /// The solver is then that over cells.
+        keep_transport: bool = false, Flag;
+
         /// Seed of every random choice.
         seed: u64 = 0, any();
 

@@ -1,11 +1,11 @@
-//! Changes of materials.
+//! Changes of materials, as files of jobs and the command line tell them.
 
 use std::collections::BTreeSet;
 
 use patchlight::scene::{Material, Scene};
 
-use super::super::exit::Failure;
-use super::super::reader::Said;
+use super::exit::Failure;
+use super::reader::Said;
 
 /// What of a material is changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -49,6 +49,25 @@ impl Change {
         match numbers.filter(|numbers| !numbers.is_empty()) {
             Some(numbers) => Ok(Self { material: material.to_owned(), property, numbers, place: said.place.clone() }),
             None => Err(said.wrong(format_args!("'{}' must be one number or several, none negative", said.text))),
+        }
+    }
+
+    /// As it is typed on the command line: MATERIAL=NUMBER, or MATERIAL=NUMBER,NUMBER,NUMBER with one for each channel.
+    pub fn typed(flag: &str, property: Property, typed: &str) -> Result<Self, Failure> {
+        let place = format!("--{flag} {typed}");
+        let (material, numbers) = typed.rsplit_once('=').ok_or_else(|| {
+            Failure::usage(format_args!("{place}: write --{flag} MATERIAL=X, or a number for each channel, as in wall=0.5,0.4,0.3"))
+        })?;
+        let key = Self::name_of(property).to_owned();
+        let said = Said { key, text: numbers.replace(',', " "), place };
+        Self::new(material.trim(), &said).map_err(|failure| Failure::usage(failure.message))
+    }
+
+    fn name_of(property: Property) -> &'static str {
+        match property {
+            Property::Reflectance => Property::NAMES[0],
+            Property::Exitance => Property::NAMES[1],
+            Property::ExitanceFactor => Property::NAMES[2],
         }
     }
 
