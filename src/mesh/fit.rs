@@ -204,7 +204,7 @@ mod tests {
         let fitted = fitted(&all, &found, [1, 1]);
         let (before, after) = (rms_off(&all, &found, smooth), rms_off(&all, &fitted, smooth));
         let told = (fitted.iter().map(|of| f64::from(of[1])).sum::<f64>() / fitted.len() as f64).sqrt();
-        assert!((before / NOISE - 1.0).abs() < 0.1 && after < 0.5 * NOISE, "{before} {after}");
+        assert!((before / NOISE - 1.0).abs() < 0.1 && after < 0.6 * NOISE, "{before} {after}");
         assert!((after / told - 1.0).abs() < 0.25, "{after} {told}");
     }
 
