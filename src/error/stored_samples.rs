@@ -92,7 +92,7 @@ impl SampleRecorder<'_> {
             let place = Place { seed, ..sample.place };
             self.record_residual((place, sample.rays.max(1)), replicate, scratch, &mut terms.residuals);
         }
-        let budgets = [Some(self.budget), (index % TWICE == 0).then(|| by_other_rays(self.budget))];
+        let budgets = [Some(self.budget), index.is_multiple_of(TWICE).then(|| by_other_rays(self.budget))];
         let recorder = GatherRecorder { paths: self.paths, apart: self.apart };
         for (row, budget) in (0..).zip(budgets) {
             let Some(RayBudget { rays, seed, .. }) = budget else { continue };
@@ -188,7 +188,7 @@ impl StoredSamples {
                 searched: self.searched[index],
             };
             let first = value(surface, 2 * index);
-            let second = if index % TWICE == 0 { value(surface, 2 * index + 1) } else { first.clone() };
+            let second = if index.is_multiple_of(TWICE) { value(surface, 2 * index + 1) } else { first.clone() };
             (sample, [first, second])
         };
         let (samples, values) = self.surface.par_iter().enumerate().map(point).unzip();
