@@ -3,10 +3,12 @@
 //! The local norm is over all area that light comes to, however little of it, and relative to the median over that area. Where values and
 //! replicates find none, behind a small hole or deep in a slot, it may be rare: left out, that area would make the median too bright and the error too
 //! small. So longer paths look for light there, unless it would change nothing. A point from which one finds some counts as lit, and all that
-//! was found there counts as missed by values. As long as some points are found late, others may be that were not found at all: the error is
-//! taken with these and without, whichever is larger. Where not even the median is known then, nothing can be said.
+//! was found there counts as missed by values. Where some points of a surface are found late, others of it may be that were not found at all: the error
+//! is taken with these and without, whichever is larger. Where not even the median is known then, nothing can be said.
 //!
 //! It may miss light that less than one path in a hundred thousand finds: some five hundred leave each dark point.
+
+use std::collections::HashSet;
 
 use rayon::prelude::*;
 
@@ -16,6 +18,7 @@ use super::replicates::{ErrorSample, ReplicateGather, Replication, Searched};
 use crate::geometry::{sampling, streams};
 use crate::paths::{PathScratch, Place};
 use crate::progress::Stop;
+use crate::scene::SurfaceId;
 use crate::values::FinalGather;
 
 /// The paths of each round of a search.
@@ -45,32 +48,37 @@ impl ErrorSamples {
         }
 
         self.search(lit, least, with, stop)?;
-        self.add_searched(lit);
+        let late = self.add_searched(lit);
         let found = estimate(self, lit);
-        let may_be_missed =
-            self.samples.iter().filter_map(|sample| sample.searched).any(|searched| searched.light > 0.0 && searched.is_late);
-        let all = || estimate(self, &counted(lit, |_| true));
-        Some(if may_be_missed { worse(found, all()) } else { found.unwrap_or(ErrorEstimate::UNKNOWN) })
+        if late.is_empty() {
+            return Some(found.unwrap_or(ErrorEstimate::UNKNOWN));
+        }
+        let with_theirs = counted(lit, |index| late.contains(&self.samples[index].place.surface));
+        Some(worse(found, estimate(self, &with_theirs)))
     }
 
     /// The same where no path can be sent: over all area but where a search before found none, if `none_since` no other light can come.
     pub(super) fn with_area_searched_before(&self, lit: &[Lit], estimate: &EstimateLit<'_>, none_since: bool) -> ErrorEstimate {
-        let found = |light: fn(f64) -> bool| move |sample: &ErrorSample| sample.searched.is_some_and(|of| light(of.light));
-        if self.samples.iter().any(found(|light| light > 0.0)) {
+        let least = least_light(lit);
+        let found = |(sample, point): (&ErrorSample, &Lit)| sample.searched.filter(|_| point.light <= least).map(|of| of.light);
+        let found: Vec<Option<f64>> = self.samples.iter().zip(lit).map(found).collect();
+        if found.iter().flatten().any(|&light| light > 0.0) {
             return ErrorEstimate::UNKNOWN;
         }
-        let is_dark: Vec<bool> = self.samples.iter().map(|sample| none_since && found(|light| light == 0.0)(sample)).collect();
-        worse(estimate(self, lit), estimate(self, &counted(lit, |index| !is_dark[index])))
+        let is_dark = |index: usize| none_since && found[index].is_some();
+        worse(estimate(self, lit), estimate(self, &counted(lit, |index| !is_dark(index))))
     }
 
-    /// Marks the points where a search has found light.
-    fn add_searched(&self, lit: &mut [Lit]) {
-        let least = least_light(lit);
+    /// Marks the points where a search has found light that values and replicates still do not find; the surfaces where it found some late.
+    fn add_searched(&self, lit: &mut [Lit]) -> HashSet<SurfaceId> {
+        let (least, mut late) = (least_light(lit), HashSet::new());
         for (point, sample) in lit.iter_mut().zip(&self.samples).filter(|(point, _)| point.light <= least) {
             if let Some(searched) = sample.searched.filter(|searched| searched.light > 0.0) {
                 (point.is_reached, point.missed) = (true, searched.light);
+                late.extend(searched.is_late.then_some(sample.place.surface));
             }
         }
+        late
     }
 
     /// Looks for light at the points that are dark, each once. `None` if stopped.

@@ -293,10 +293,7 @@ impl ErrorSamples {
         let locally = locally(self, &mut lit, &|own, lit| in_norm(own, ErrorNorm::Local, lit))?;
         let [energy, local] =
             [&by_energy, &locally].map(|&ErrorEstimate { measured, claimed, .. }| ErrorFigure { measured, claimed });
-        let asked = match self.norm {
-            ErrorNorm::Energy => by_energy,
-            ErrorNorm::Local => locally,
-        };
+        let asked = if self.norm == ErrorNorm::Energy { by_energy } else { locally };
         let part = lit_points(&lit).map(|point| point.area).sum::<f64>() / lit.iter().map(|point| point.area).sum::<f64>();
         Some(ErrorEstimate { energy, local, lit: part, ..asked })
     }

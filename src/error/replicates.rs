@@ -1,14 +1,14 @@
 //! Independent replicates: at every point a few estimates, by other random numbers, of the true light or of by how much values are
 //! too bright.
 
+use serde::{Deserialize, Serialize};
+
 use crate::geometry::{sampling, streams};
 use crate::hierarchy::Hierarchy;
 use crate::paths::{PathScratch, Place};
 use crate::scene::Scene;
 use crate::sweep::Radiosity;
 use crate::values::FinalGather;
-
-use serde::{Deserialize, Serialize};
 
 use super::residual::ResidualGather;
 
