@@ -18,19 +18,9 @@ use patchlight::solve::{Bounds, Norm, RunOptions, Solution, SolveOptions, SolveR
 use rooms::{Room, points_of, straight};
 use triangles::Random;
 
-/// A room of 4 x 3 x 3 m with a block in it, lit by two lamps of one material and a third one of another colour.
 fn room() -> Scene {
-    let mut room = Room::default();
-    let walls = room.named_material("wall", &[0.7, 0.6, 0.5], &[0.0; 3]);
-    let block = room.named_material("block", &[0.3, 0.4, 0.5], &[0.0; 3]);
-    let lamp = room.named_material("lamp", &[0.2; 3], &[30.0, 28.0, 25.0]);
-    let tube = room.named_material("tube", &[0.0; 3], &[2.0, 5.0, 40.0]);
-    room.cuboid([0.0; 3], straight(4.0, 3.0, 3.0), true, |_, _| walls);
+    let (mut room, block) = Room::with_lamps();
     room.cuboid([1.2, 0.0, 1.0], straight(0.8, 1.1, 0.9), false, |_, _| block);
-    // They look down.
-    for (x, material) in [(0.6, lamp), (2.9, lamp), (1.9, tube)] {
-        room.quad([x, 2.98, 1.2], [0.4, 0.0, 0.0], [0.0, 0.0, 0.5], material);
-    }
     room.scene()
 }
 

@@ -19,7 +19,7 @@ use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
 use patchlight::scene::{LightGrouping, LightWeight};
 use patchlight::solve::{RunOptions, Solution, SolveOptions};
-use rooms::{Room, straight};
+use rooms::Room;
 
 fn solved(channels: usize, lit_mesh: bool) -> Evaluator {
     let options = SolveOptions { error: 0.2, lit_mesh, ..SolveOptions::default() };
@@ -116,16 +116,9 @@ fn a_page_loads_nothing_and_names_do_no_harm() {
     assert_eq!(page_of(&evaluator, "a"), page_of(&evaluator, "a"));
 }
 
-/// A room with two lamps of different colours, a light group each, solved with a mesh.
+/// A room with lamps of two colours, a light group each, solved with a mesh.
 fn solved_in_groups() -> Solution {
-    let mut room = Room::default();
-    let walls = room.named_material("wall", &[0.7, 0.6, 0.5], &[0.0; 3]);
-    let lamp = room.named_material("lamp", &[0.2; 3], &[30.0, 28.0, 25.0]);
-    let tube = room.named_material("tube", &[0.0; 3], &[2.0, 5.0, 40.0]);
-    room.cuboid([0.0; 3], straight(4.0, 3.0, 3.0), true, |_, _| walls);
-    room.quad([0.6, 2.98, 1.2], [0.4, 0.0, 0.0], [0.0, 0.0, 0.5], lamp);
-    room.quad([2.9, 2.98, 1.2], [0.4, 0.0, 0.0], [0.0, 0.0, 0.5], tube);
-    let scene = room.scene().with_light_groups(&LightGrouping::Materials).unwrap();
+    let scene = Room::with_lamps().0.scene().with_light_groups(&LightGrouping::Materials).unwrap();
     let options = SolveOptions { error: 0.2, lit_mesh: true, ..SolveOptions::default() };
     pipeline::solve(scene, &options, &RunOptions::default(), &Silent).unwrap().0.solution().clone()
 }

@@ -80,11 +80,11 @@ fn main() {
     // From scratch.
     let scratch = SolveOptions { error: request.asked, ..SolveOptions::default() };
     let (mut of_scratch, mut offs) = (0.0, Vec::new());
-    for materials in variants.iter().take(request.scratch) {
+    for (materials, number) in variants.iter().zip(0..).take(request.scratch) {
         let before = cpu_seconds();
         let (evaluator, report) = solved(scene.with_materials(materials.clone()).expect("materials"), &scratch);
         of_scratch += (cpu_seconds() - before) / request.scratch as f64;
-        offs.push([off(request, evaluator.solution().clone()), report.error.estimate]);
+        offs.push([off(request, number, evaluator.solution().clone()), report.error.estimate]);
     }
     println!(
         "From scratch to {}%: {of_scratch:.3} CPU-s each, mean of {}; {}.\n",
@@ -133,7 +133,8 @@ fn row(request: &Request, scene: &Scene, variants: &[Vec<Material>], (error, of_
     let from_scratch = variants.len() as f64 * of_scratch;
 
     // How far values are off.
-    let mut offs: Vec<[f64; 2]> = kept.into_iter().map(|(solution, error)| [off(request, solution), error.estimate]).collect();
+    let mut offs: Vec<[f64; 2]> =
+        kept.into_iter().zip(0..).map(|((solution, error), number)| [off(request, number, solution), error.estimate]).collect();
     claims.sort_by(f64::total_cmp);
     println!(
         "| {}% | {of_stored:.2} | {:.1} | {:.2} | {:.2}% | {} of {} | {all:.1} | {from_scratch:.1} | {:.1} | {} |",
@@ -180,11 +181,12 @@ fn variant(scene: &Scene, number: u64) -> Vec<Material> {
     materials
 }
 
-/// How far values are off in the local norm, by two independent estimates of the truth, whose noise leaves no bias.
-fn off(request: &Request, solution: Solution) -> f64 {
+/// How far values are off in the local norm, by two independent estimates of the truth, whose noise leaves no bias. What that is relative to is told by
+/// the values: by the truths, whose noise it would share, it would be too much where these are dim by chance. Points and paths are others for each variant.
+fn off(request: &Request, number: u64, solution: Solution) -> f64 {
     let scene = solution.scene().clone();
     let reflects = |material: &Material| material.reflectance.iter().any(|&rho| rho > 0.0);
-    let places = spread(&scene, reflects, LeftOut::AllBacks, request.points, 5);
+    let places = spread(&scene, reflects, LeftOut::AllBacks, request.points, 5 + number);
     let points: Vec<SurfacePoint> = places.iter().map(|(_, point)| *point).collect();
     let evaluator = Evaluator::new(solution, &RunOptions::default()).expect("a backend");
     let values = evaluator.values_at(&points, &Silent).expect("not cancelled").radiosity;
@@ -193,12 +195,13 @@ fn off(request: &Request, solution: Solution) -> f64 {
     let mut squares = Vec::new();
     for ((surface, point), value) in places.iter().zip(values.chunks(3)) {
         let exitance = &scene.material_of(SurfaceId(surface.0)).exitance;
-        let truths = [1, 2].map(|seed| tracer.batch(*surface, point.position, request.paths, seed).radiosity);
+        let truths = [2 * number, 2 * number + 1].map(|seed| tracer.batch(*surface, point.position, request.paths, seed).radiosity);
         let (mut light_sq, mut product) = (0.0, 0.0);
         for channel in 0..3 {
             let [first, second] = truths.map(|truth| truth[channel]);
-            light_sq += (0.5 * (first + second) - exitance[channel]).powi(2);
-            product += (f64::from(value[channel]) - first) * (f64::from(value[channel]) - second);
+            let value = f64::from(value[channel]);
+            light_sq += (value - exitance[channel]).powi(2);
+            product += (value - first) * (value - second);
         }
         squares.push([light_sq, product]);
     }

@@ -3,12 +3,13 @@
 //! The local norm is over all area that light comes to, however little of it, and relative to the median over that area. Where values and
 //! replicates find none, behind a small hole or deep in a slot, it may be rare: left out, that area would make the median too bright and the error too
 //! small. So longer paths look for light there, unless it would change nothing. A point from which one finds some counts as lit, and all that
-//! was found there counts as missed by values. Where some points of a surface are found late, others of it may be that were not found at all: the error
-//! is taken with these and without, whichever is larger. Where not even the median is known then, nothing can be said.
+//! was found there counts as missed by values.
 //!
-//! It may miss light that less than one path in a hundred thousand finds: some five hundred leave each dark point.
-
-use std::collections::HashSet;
+//! How much lit area is not found even so is told by what was found a single time: with A1 the area of points where one round of paths found light and no
+//! other did, and A2 that of points where more did, about A1^2 / (2 A2) is not found (Chao 1984), all of it if A2 is 0. The error is taken with
+//! this part of the dark area and without it, whichever is larger. Where not even the median is known then, nothing can be said.
+//!
+//! Light that no path finds at any point is missed: some five hundred leave each dark point.
 
 use rayon::prelude::*;
 
@@ -18,11 +19,10 @@ use super::replicates::{ErrorSample, ReplicateGather, Replication, Searched};
 use crate::geometry::{sampling, streams};
 use crate::paths::{PathScratch, Place};
 use crate::progress::Stop;
-use crate::scene::SurfaceId;
 use crate::values::FinalGather;
 
-/// The paths of each round of a search.
-const ROUNDS: [u32; 4] = [64, 64, 128, 256];
+/// The paths of each round of a search; each replicate makes one.
+const PATHS: u32 = 64;
 
 /// Bounces before such a path may end in a cell: cells that no light has found tell nothing.
 const BOUNCES: u32 = 8;
@@ -41,20 +41,19 @@ impl ErrorSamples {
         stop: Stop<'_>,
     ) -> Option<ErrorEstimate> {
         let least = least_light(lit);
-        let (apart, all) = (estimate(self, lit), estimate(self, &counted(lit, |_| true)));
+        let (apart, all) = (estimate(self, lit), estimate(self, &counted(lit, |_| 1.0)));
         let claimed = |of: &Option<ErrorEstimate>| of.as_ref().map_or(f64::INFINITY, |of| of.claimed);
         if claimed(&all) <= MATTERS * claimed(&apart) {
             return Some(worse(apart, all));
         }
 
         self.search(lit, least, with, stop)?;
-        let late = self.add_searched(lit);
+        let part = self.add_searched(lit);
         let found = estimate(self, lit);
-        if late.is_empty() {
+        if part == 0.0 {
             return Some(found.unwrap_or(ErrorEstimate::UNKNOWN));
         }
-        let with_theirs = counted(lit, |index| late.contains(&self.samples[index].place.surface));
-        Some(worse(found, estimate(self, &with_theirs)))
+        Some(worse(found, estimate(self, &counted(lit, |_| part))))
     }
 
     /// The same where no path can be sent: over all area but where a search before found none, if `none_since` no other light can come.
@@ -66,19 +65,23 @@ impl ErrorSamples {
             return ErrorEstimate::UNKNOWN;
         }
         let is_dark = |index: usize| none_since && found[index].is_some();
-        worse(estimate(self, lit), estimate(self, &counted(lit, |index| !is_dark(index))))
+        worse(estimate(self, lit), estimate(self, &counted(lit, |index| if is_dark(index) { 0.0 } else { 1.0 })))
     }
 
-    /// Marks the points where a search has found light that values and replicates still do not find; the surfaces where it found some late.
-    fn add_searched(&self, lit: &mut [Lit]) -> HashSet<SurfaceId> {
-        let (least, mut late) = (least_light(lit), HashSet::new());
+    /// Marks the points where a search has found light that values and replicates still do not find. The part of the other dark area that may be lit
+    /// as well.
+    fn add_searched(&self, lit: &mut [Lit]) -> f64 {
+        let least = least_light(lit);
+        let (mut once, mut more, mut never) = (0.0, 0.0, 0.0);
         for (point, sample) in lit.iter_mut().zip(&self.samples).filter(|(point, _)| point.light <= least) {
-            if let Some(searched) = sample.searched.filter(|searched| searched.light > 0.0) {
-                (point.is_reached, point.missed) = (true, searched.light);
-                late.extend(searched.is_late.then_some(sample.place.surface));
-            }
+            let Some(searched) = sample.searched.filter(|searched| searched.light > 0.0) else {
+                never += point.area;
+                continue;
+            };
+            (point.is_reached, point.missed) = (true, searched.light);
+            *if searched.is_once { &mut once } else { &mut more } += point.area;
         }
-        late
+        if once == 0.0 || never == 0.0 { 0.0 } else { (once * once / (2.0 * more * never)).min(1.0) }
     }
 
     /// Looks for light at the points that are dark, each once. `None` if stopped.
@@ -92,10 +95,17 @@ impl ErrorSamples {
     }
 }
 
-/// The same, with light at all of these points.
-fn counted(lit: &[Lit], is_reached: impl Fn(usize) -> bool) -> Vec<Lit> {
-    let points = lit.iter().enumerate();
-    points.map(|(index, &point)| Lit { is_reached: point.is_reached || is_reached(index), ..point }).collect()
+/// The same, with light on a part of the area of each point where none was found.
+fn counted(lit: &[Lit], part: impl Fn(usize) -> f64) -> Vec<Lit> {
+    let least = least_light(lit);
+    let of = |(index, &point): (usize, &Lit)| {
+        let part = part(index);
+        if point.is_reached || point.light > least || part == 0.0 {
+            return point;
+        }
+        Lit { is_reached: true, area: part * point.area, ..point }
+    };
+    lit.iter().enumerate().map(of).collect()
 }
 
 /// The one that claims more; unknown if either is.
@@ -107,22 +117,29 @@ fn worse(without: Option<ErrorEstimate>, with: Option<ErrorEstimate>) -> ErrorEs
     }
 }
 
-/// Looks for more light than `least` at a place, round by round, by paths of one replicate after the other.
+/// Looks for more light than `least` at a place, round by round, until two have found some.
 fn searched_from(place: Place, least: f64, with: &Replication<'_>, scratch: &mut PathScratch) -> Searched {
     let reflectance = &with.scene.material_of(place.surface).reflectance[..with.scene.deciding()];
     let mut found = vec![0.0; with.scene.channels()];
-    let mut cast = 0;
-    for (round, (rays, gather)) in ROUNDS.into_iter().zip(&with.gathers).enumerate() {
-        let place = Place { seed: sampling::hash(place.seed, streams::SEARCH + round as u64), ..place };
-        long_paths(gather).sampled_irradiance(&[place], rays, scratch, &mut found);
-        cast += rays;
-        let sum_sq: f64 = found.iter().zip(reflectance).map(|(h, rho)| (rho * h).powi(2)).sum();
-        let light = sum_sq.sqrt() * f64::from(rays) / f64::from(cast);
-        if light > least {
-            return Searched { light, is_late: round > 0 };
+    let (mut sum, mut rounds, mut hits) = (vec![0.0; reflectance.len()], 0, 0);
+    for gather in &with.gathers {
+        let place = Place { seed: sampling::hash(place.seed, streams::SEARCH + rounds), ..place };
+        long_paths(gather).sampled_irradiance(&[place], PATHS, scratch, &mut found);
+        rounds += 1;
+        let reflected = || found.iter().zip(reflectance).map(|(h, rho)| rho * h);
+        if length(reflected()) > least {
+            hits += 1;
+            sum.iter_mut().zip(reflected()).for_each(|(sum, b)| *sum += b);
+        }
+        if hits == 2 {
+            break;
         }
     }
-    Searched { light: 0.0, is_late: false }
+    Searched { light: length(sum.into_iter()) / rounds as f64, is_once: hits == 1 }
+}
+
+fn length(channels: impl Iterator<Item = f64>) -> f64 {
+    channels.map(|b| b * b).sum::<f64>().sqrt()
 }
 
 fn long_paths<'a>(gather: &ReplicateGather<'a>) -> FinalGather<'a> {

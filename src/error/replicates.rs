@@ -61,8 +61,8 @@ pub(super) struct ErrorSample {
 pub(super) struct Searched {
     /// What is reflected there, in W/m^2; 0 where no light was found.
     pub light: f64,
-    /// Whether the first round had found none.
-    pub is_late: bool,
+    /// Whether a single round of paths has found it.
+    pub is_once: bool,
 }
 
 impl ReplicateGather<'_> {

@@ -42,8 +42,7 @@ impl Evaluator {
         run: &RunOptions,
         observer: &dyn Observer,
     ) -> Result<Option<(Image, f64)>, PipelineError> {
-        run.validate()?;
-        self.render_shown(Shown::Radiance, camera, run.deadline_from(Instant::now()), observer)
+        self.render_shown_within(Shown::Radiance, camera, run, observer)
     }
 
     /// The same of irradiance over pi.
@@ -56,8 +55,18 @@ impl Evaluator {
         run: &RunOptions,
         observer: &dyn Observer,
     ) -> Result<Option<(Image, f64)>, PipelineError> {
+        self.render_shown_within(Shown::Irradiance, camera, run, observer)
+    }
+
+    fn render_shown_within(
+        &self,
+        shown: Shown,
+        camera: &Camera,
+        run: &RunOptions,
+        observer: &dyn Observer,
+    ) -> Result<Option<(Image, f64)>, PipelineError> {
         run.validate()?;
-        self.render_shown(Shown::Irradiance, camera, run.deadline_from(Instant::now()), observer)
+        self.render_shown(shown, camera, run.deadline_from(Instant::now()), observer)
     }
 
     /// A picture from the values at what its pixels see, and the part of the pixels that were taken by a deadline.

@@ -21,6 +21,22 @@ pub struct Room {
 }
 
 impl Room {
+    /// A room of 4 x 3 x 3 m, lit by two lamps of one material and a third one, `tube`, of another colour; what stands in it is of the material `block`,
+    /// whose number comes along.
+    pub fn with_lamps() -> (Self, u32) {
+        let mut room = Self::default();
+        let walls = room.named_material("wall", &[0.7, 0.6, 0.5], &[0.0; 3]);
+        let block = room.named_material("block", &[0.3, 0.4, 0.5], &[0.0; 3]);
+        let lamp = room.named_material("lamp", &[0.2; 3], &[30.0, 28.0, 25.0]);
+        let tube = room.named_material("tube", &[0.0; 3], &[2.0, 5.0, 40.0]);
+        room.cuboid([0.0; 3], straight(4.0, 3.0, 3.0), true, |_, _| walls);
+        // They look down.
+        for (x, material) in [(0.6, lamp), (2.9, lamp), (1.9, tube)] {
+            room.quad([x, 2.98, 1.2], [0.4, 0.0, 0.0], [0.0, 0.0, 0.5], material);
+        }
+        (room, block)
+    }
+
     /// Adds a material; the number to name it by.
     pub fn material(&mut self, reflectance: &[f64], exitance: &[f64]) -> u32 {
         self.named_material(&format!("m{}", self.materials.len()), reflectance, exitance)
