@@ -3,13 +3,13 @@
 //! The local norm is over all area that light comes to, however little of it, and relative to the median over that area. Where values and
 //! replicates find none, behind a small hole or deep in a slot, it may be rare: left out, that area would make the median too bright and the error too
 //! small. So longer paths look for light there, unless it would change nothing. A point from which one finds some counts as lit, and all that
-//! was found there counts as missed by values.
-//!
-//! How much lit area is not found even so is told by what was found a single time: with A1 the area of points where one round of paths found light and no
-//! other did, and A2 that of points where more did, about A1^2 / (2 A2) is not found (Chao 1984), all of it if A2 is 0. The error is taken with
-//! this part of the dark area and without it, whichever is larger. Where not even the median is known then, nothing can be said.
+//! was found there counts as missed by values. Then light comes to all dark points that see a surface where some was found, and to those that see
+//! their surfaces, and so on, however rare the paths are: the error is taken with all these and without, whichever is larger. Where not even the
+//! median is known then, nothing can be said.
 //!
 //! Light that no path finds at any point is missed: some five hundred leave each dark point.
+
+use std::collections::HashSet;
 
 use rayon::prelude::*;
 
@@ -19,9 +19,10 @@ use super::replicates::{ErrorSample, ReplicateGather, Replication, Searched};
 use crate::geometry::{sampling, streams};
 use crate::paths::{PathScratch, Place};
 use crate::progress::Stop;
+use crate::scene::SurfaceId;
 use crate::values::FinalGather;
 
-/// The paths of each round of a search; each replicate makes one.
+/// The paths of each round of a search, one by each replicate, and the rays that tell what a point sees.
 const PATHS: u32 = 64;
 
 /// Bounces before such a path may end in a cell: cells that no light has found tell nothing.
@@ -41,19 +42,20 @@ impl ErrorSamples {
         stop: Stop<'_>,
     ) -> Option<ErrorEstimate> {
         let least = least_light(lit);
-        let (apart, all) = (estimate(self, lit), estimate(self, &counted(lit, |_| 1.0)));
+        let (apart, all) = (estimate(self, lit), estimate(self, &counted(lit, |_| true)));
         let claimed = |of: &Option<ErrorEstimate>| of.as_ref().map_or(f64::INFINITY, |of| of.claimed);
         if claimed(&all) <= MATTERS * claimed(&apart) {
             return Some(worse(apart, all));
         }
 
         self.search(lit, least, with, stop)?;
-        let part = self.add_searched(lit);
+        let reached = self.add_searched(lit);
         let found = estimate(self, lit);
-        if part == 0.0 {
+        if reached.is_empty() {
             return Some(found.unwrap_or(ErrorEstimate::UNKNOWN));
         }
-        Some(worse(found, estimate(self, &counted(lit, |_| part))))
+        let is_reached = self.that_see(reached, lit, with);
+        Some(worse(found, estimate(self, &counted(lit, |index| is_reached[index]))))
     }
 
     /// The same where no path can be sent: over all area but where a search before found none, if `none_since` no other light can come.
@@ -65,23 +67,41 @@ impl ErrorSamples {
             return ErrorEstimate::UNKNOWN;
         }
         let is_dark = |index: usize| none_since && found[index].is_some();
-        worse(estimate(self, lit), estimate(self, &counted(lit, |index| if is_dark(index) { 0.0 } else { 1.0 })))
+        worse(estimate(self, lit), estimate(self, &counted(lit, |index| !is_dark(index))))
     }
 
-    /// Marks the points where a search has found light that values and replicates still do not find. The part of the other dark area that may be lit
-    /// as well.
-    fn add_searched(&self, lit: &mut [Lit]) -> f64 {
-        let least = least_light(lit);
-        let (mut once, mut more, mut never) = (0.0, 0.0, 0.0);
+    /// Marks the points where a search has found light that values and replicates still do not find. The surfaces that they lie on.
+    fn add_searched(&self, lit: &mut [Lit]) -> HashSet<SurfaceId> {
+        let (least, mut reached) = (least_light(lit), HashSet::new());
         for (point, sample) in lit.iter_mut().zip(&self.samples).filter(|(point, _)| point.light <= least) {
-            let Some(searched) = sample.searched.filter(|searched| searched.light > 0.0) else {
-                never += point.area;
-                continue;
-            };
-            (point.is_reached, point.missed) = (true, searched.light);
-            *if searched.is_once { &mut once } else { &mut more } += point.area;
+            if let Some(searched) = sample.searched.filter(|searched| searched.light > 0.0) {
+                (point.is_reached, point.missed) = (true, searched.light);
+                reached.insert(sample.place.surface);
+            }
         }
-        if once == 0.0 || never == 0.0 { 0.0 } else { (once * once / (2.0 * more * never)).min(1.0) }
+        reached
+    }
+
+    /// By point, whether it is dark and sees one of these surfaces, or that of another such point.
+    fn that_see(&self, mut reached: HashSet<SurfaceId>, lit: &[Lit], with: &Replication<'_>) -> Vec<bool> {
+        let least = least_light(lit);
+        let paths = long_paths(&with.gathers[0]).paths;
+        let seen_from = |(sample, point): (&ErrorSample, &Lit)| {
+            if point.light <= least { paths.sampled_seen(&sample.place, PATHS) } else { Vec::new() }
+        };
+        let seen: Vec<Vec<SurfaceId>> = self.samples.par_iter().zip(lit).map(seen_from).collect();
+        let mut sees = vec![false; seen.len()];
+        loop {
+            let sees_one = |index: &usize| !sees[*index] && seen[*index].iter().any(|surface| reached.contains(surface));
+            let more: Vec<usize> = (0..seen.len()).filter(sees_one).collect();
+            if more.is_empty() {
+                return sees;
+            }
+            for index in more {
+                sees[index] = true;
+                reached.insert(self.samples[index].place.surface);
+            }
+        }
     }
 
     /// Looks for light at the points that are dark, each once. `None` if stopped.
@@ -95,17 +115,10 @@ impl ErrorSamples {
     }
 }
 
-/// The same, with light on a part of the area of each point where none was found.
-fn counted(lit: &[Lit], part: impl Fn(usize) -> f64) -> Vec<Lit> {
-    let least = least_light(lit);
-    let of = |(index, &point): (usize, &Lit)| {
-        let part = part(index);
-        if point.is_reached || point.light > least || part == 0.0 {
-            return point;
-        }
-        Lit { is_reached: true, area: part * point.area, ..point }
-    };
-    lit.iter().enumerate().map(of).collect()
+/// The same, with light at all of these points.
+fn counted(lit: &[Lit], is_reached: impl Fn(usize) -> bool) -> Vec<Lit> {
+    let points = lit.iter().enumerate();
+    points.map(|(index, &point)| Lit { is_reached: point.is_reached || is_reached(index), ..point }).collect()
 }
 
 /// The one that claims more; unknown if either is.
@@ -117,29 +130,20 @@ fn worse(without: Option<ErrorEstimate>, with: Option<ErrorEstimate>) -> ErrorEs
     }
 }
 
-/// Looks for more light than `least` at a place, round by round, until two have found some.
+/// Looks for more light than `least` at a place, round by round.
 fn searched_from(place: Place, least: f64, with: &Replication<'_>, scratch: &mut PathScratch) -> Searched {
     let reflectance = &with.scene.material_of(place.surface).reflectance[..with.scene.deciding()];
     let mut found = vec![0.0; with.scene.channels()];
-    let (mut sum, mut rounds, mut hits) = (vec![0.0; reflectance.len()], 0, 0);
-    for gather in &with.gathers {
-        let place = Place { seed: sampling::hash(place.seed, streams::SEARCH + rounds), ..place };
+    for (round, gather) in (0..).zip(&with.gathers) {
+        let place = Place { seed: sampling::hash(place.seed, streams::SEARCH + round), ..place };
         long_paths(gather).sampled_irradiance(&[place], PATHS, scratch, &mut found);
-        rounds += 1;
-        let reflected = || found.iter().zip(reflectance).map(|(h, rho)| rho * h);
-        if length(reflected()) > least {
-            hits += 1;
-            sum.iter_mut().zip(reflected()).for_each(|(sum, b)| *sum += b);
-        }
-        if hits == 2 {
-            break;
+        let sum_sq: f64 = found.iter().zip(reflectance).map(|(h, rho)| (rho * h).powi(2)).sum();
+        let light = sum_sq.sqrt() / (round + 1) as f64;
+        if light > least {
+            return Searched { light };
         }
     }
-    Searched { light: length(sum.into_iter()) / rounds as f64, is_once: hits == 1 }
-}
-
-fn length(channels: impl Iterator<Item = f64>) -> f64 {
-    channels.map(|b| b * b).sum::<f64>().sqrt()
+    Searched { light: 0.0 }
 }
 
 fn long_paths<'a>(gather: &ReplicateGather<'a>) -> FinalGather<'a> {

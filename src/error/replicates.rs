@@ -61,8 +61,6 @@ pub(super) struct ErrorSample {
 pub(super) struct Searched {
     /// What is reflected there, in W/m^2; 0 where no light was found.
     pub light: f64,
-    /// Whether a single round of paths has found it.
-    pub is_once: bool,
 }
 
 impl ReplicateGather<'_> {

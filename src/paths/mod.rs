@@ -3,6 +3,7 @@
 //! Start with `trace`: how a path goes on, and where it ends. Paths end in the cells of `grid`. `emitters`, `reflectors`
 //! and `spots` say what is sampled by next-event estimation; `next_event` and `reflector_rays` how, both by draws from a `light_tree`.
 
+mod around;
 mod batch_sums;
 mod direct_sums;
 mod emission;

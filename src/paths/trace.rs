@@ -31,7 +31,7 @@ use crate::geometry::{sampling, streams};
 use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
-use crate::visibility::{Hit, NO_PLANE, Ray, Segment};
+use crate::visibility::{Hit, Ray};
 
 /// A cell is small from so many times its size. Nearer, values take more of their error from cells; farther, paths get longer.
 /// Empirical.
@@ -71,7 +71,7 @@ pub(crate) struct LightPaths<'a> {
     pub scene: &'a Scene,
     pub grids: Grids,
     open_parts: OpenParts<'a>,
-    rays: &'a Rays<'a>,
+    pub(super) rays: &'a Rays<'a>,
     emitters: Emitters<'a>,
     lights: Lights<'a>,
     has_sky: bool,
@@ -190,18 +190,6 @@ impl<'a> LightPaths<'a> {
     /// The exitance of a surface by channel; `None` if next-event estimation brings it.
     pub fn unsampled_exitance(&self, surface: SurfaceId) -> Option<&'a [f64]> {
         (!self.emitters.contains(surface)).then(|| &self.scene.material_of(surface).exitance[..])
-    }
-
-    /// The part of `count` cosine-distributed rays from a place that meet something within so many metres.
-    pub fn sampled_near(&self, place: &Place, count: u32, within: f64) -> f64 {
-        let to_end = |ray: Ray| {
-            let to = DVec3::from(ray.origin) + within * DVec3::from(ray.direction);
-            Segment { from: ray.origin, to: to.to_array(), from_plane: ray.origin_plane, to_plane: NO_PLANE }
-        };
-        let segments: Vec<Segment> = cosine_rays(&place.receiver(self.scene), 0..count).map(to_end).collect();
-        let mut occluded = Vec::new();
-        self.rays.occluded(&segments, &mut occluded);
-        occluded.iter().filter(|&&occluded| occluded).count() as f64 / f64::from(count)
     }
 
     /// Follows `count` paths from each place, each with at least `bounces` bounces; fills `scratch.ends`.
