@@ -7,24 +7,26 @@ use std::path::Path;
 use super::run::{Job, Measured};
 use super::scored::Scored;
 use super::section::percent;
+use super::tables;
 
 /// The whole of docs/error_vs_time.md.
 pub fn text(scenes: &[Scored]) -> String {
     let mut text = String::from(
-        "# Error against time, run by run\n\nWritten by `make bench-error`, like the medians in [BENCHMARKS.md](../BENCHMARKS.md), which says what the \
-         columns mean.\n",
+        "# Error against time, scene by scene and run by run\n\nWritten by `make bench-error`, like its part of [BENCHMARKS.md](../BENCHMARKS.md), which says what the \
+         columns mean. Medians over seeds, of two the larger value, stand above the runs.\n",
     );
     scenes.iter().for_each(|scored| scene(&mut text, scored));
     text
 }
 
-/// One row for every run of one scene, and peers.
+/// One scene: medians, then one row for every run and for peers.
 fn scene(text: &mut String, scored: &Scored) {
     let problem = &scored.problem;
     let _ = writeln!(text, "\n## {}\n\n{} points; reference: {}.\n", problem.name, problem.points.len(), problem.reference_is);
     let file = problem.file_name();
     let _ = writeln!(text, "![error against CPU time](error_vs_time_{file}_cpu.svg)");
     let _ = writeln!(text, "![error against wall time](error_vs_time_{file}_wall.svg)\n");
+    tables::medians(text, scored);
     let _ = writeln!(
         text,
         "| program | asked for | seed | CPU-s | wall s | measured | claimed | peers' CPU-s for the same error |\n|---|---|---|---|---|---|---|---|"

@@ -1,4 +1,4 @@
-//! The section of BENCHMARKS.md that this benchmark writes: medians over seeds, and whether claims are true.
+//! Medians over seeds, of runs as by default in the section of BENCHMARKS.md, of all in docs/error_vs_time.md; and whether claims are true.
 
 use std::fmt::Write as _;
 
@@ -9,45 +9,64 @@ use super::section::{median, percent};
 /// The peer that is meant where none is named.
 const USUAL_PEER: &str = "Mitsuba 3";
 
-/// All tables.
+/// The way of runs with nothing set but the error.
+const DEFAULT_WAY: &str = "auto";
+
+/// The section: what runs as by default cost in every scene, and whether claims are true.
 pub fn text(scenes: &[Scored]) -> String {
     let mut text = String::new();
-    for scored in scenes {
-        scene(&mut text, scored);
-    }
+    defaults(&mut text, scenes);
     claims(&mut text, scenes);
     text
 }
 
-/// One scene: a row for each way and requested error, and where peers are faster.
-fn scene(text: &mut String, scored: &Scored) {
-    let problem = &scored.problem;
-    let _ = writeln!(text, "### {}\n\n{} points; reference: {}.\n", problem.name, problem.points.len(), problem.reference_is);
-    let _ = writeln!(text, "![error against CPU time](docs/error_vs_time_{}_cpu.svg)\n", problem.file_name());
+/// Runs as by default in all scenes, each beside the fastest peer, and by which runs of any kind a peer was faster.
+fn defaults(text: &mut String, scenes: &[Scored]) {
     let _ = writeln!(
         text,
-        "| solver | asked for | CPU-s | measured | claimed | claims hold | peer's CPU-s |\n|---|---|---|---|---|---|---|"
+        "| scene | asked for | CPU-s | measured | claimed | claims hold | peer's CPU-s | times ours |\n|---|---|---|---|---|---|---|---|"
     );
-    let rows = scored.rows();
-    rows.iter().for_each(|row| line(text, row));
-    let lost: Vec<String> = rows.iter().filter_map(lost).collect();
-    let _ = match (scored.peers().is_empty(), lost.is_empty()) {
+    for scored in scenes {
+        for row in scored.rows().iter().filter(|row| row.way == DEFAULT_WAY) {
+            let times = row.peer.as_ref().map_or(String::new(), |(_, cpu_s)| format!("{:.1}", cpu_s / row.cpu_s));
+            let _ = writeln!(text, "| {} | {} {times} |", scored.problem.name, cells(row));
+        }
+    }
+
+    let lost_in = |scored: &Scored| {
+        let lost: Vec<String> = scored.rows().iter().filter_map(lost).collect();
+        (!lost.is_empty()).then(|| format!("{}, {}", scored.problem.name, lost.join(", ")))
+    };
+    let lost: Vec<String> = scenes.iter().filter_map(lost_in).collect();
+    let _ = match (scenes.iter().all(|scored| scored.peers().is_empty()), lost.is_empty()) {
         (true, _) => writeln!(text, "\nNo peers were installed for this run.\n"),
-        (false, true) => writeln!(text, "\nNo peer was faster.\n"),
+        (false, true) => writeln!(text, "\nNo peer was faster, nor than links alone, cells alone, obvhs or a bake.\n"),
         (false, false) => writeln!(text, "\nWhere we lose: {}.\n", lost.join("; ")),
     };
 }
 
-/// One row of a scene's table.
-fn line(text: &mut String, row: &Row) {
-    let Row { way, cpu_s, runs, holding, .. } = row;
+/// One scene in docs/error_vs_time.md: a row for each way and requested error.
+pub fn medians(text: &mut String, scored: &Scored) {
+    let _ = writeln!(
+        text,
+        "| solver | asked for | CPU-s | measured | claimed | claims hold | peer's CPU-s |\n|---|---|---|---|---|---|---|"
+    );
+    for row in scored.rows() {
+        let _ = writeln!(text, "| {} | {}", row.way, cells(&row));
+    }
+    let _ = writeln!(text);
+}
+
+/// What was asked for, found and claimed, as cells of a table.
+fn cells(row: &Row) -> String {
+    let Row { cpu_s, runs, holding, .. } = row;
     let requested = 100.0 * row.requested;
     let end = if row.reached < row.runs { format!(" ({} not reached)", row.runs - row.reached) } else { String::new() };
     let (error, claimed) = (percent(row.error), percent(row.claimed));
     let peer = row.peer.as_ref().map_or(String::new(), |(name, cpu_s)| {
         if name == USUAL_PEER { format!("{cpu_s:.2}") } else { format!("{cpu_s:.2} ({name})") }
     });
-    let _ = writeln!(text, "| {way} | {requested}%{end} | {cpu_s:.2} | {error} | {claimed} | {holding}/{runs} | {peer} |");
+    format!("{requested}%{end} | {cpu_s:.2} | {error} | {claimed} | {holding}/{runs} | {peer} |")
 }
 
 /// What to say of a row in which a peer was faster.

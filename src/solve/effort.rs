@@ -1,7 +1,7 @@
 //! The law of effort: how error falls with rays, positions, paths and tolerance, and what a requested error takes by that.
 //!
 //! Squares of errors add up, and each part falls as a power of what is spent on it. `cargo bench --bench effort` measures the powers over
-//! many scenes and prints them; BENCHMARKS shows their ranges. What must be known of a scene is what light meets in it
+//! many scenes and prints them; docs/full_tables.md shows their ranges. What must be known of a scene is what light meets in it
 //! ([`Illumination`]); pilots measure the rest on the scene itself: how noisy values are, and what links leave wrong. Numbers of surfaces,
 //! black things and far things are no part of it.
 //!
