@@ -6,6 +6,8 @@
 //!
 //! `-- comb gap --seeds 3 --errors 0.05,0.02 --norm energy` runs a part, and prints what came of it.
 //!
+//! `-- --file SCENE.obj` takes a scene of your own instead, or several; a reference that is not there yet is made in `target/hard_scenes`.
+//!
 //! `-- --references` makes references by path tracing, `-- --references comb --rays 1e9` those of some scenes, less noisy. They
 //! belong to a scene's very surfaces, so a generator that changes needs them made anew.
 #![allow(clippy::print_stderr, clippy::print_stdout, reason = "a benchmark tells how far it is, and prints its tables")]
@@ -27,6 +29,7 @@ mod run;
 mod scenes;
 #[path = "../support/section.rs"]
 mod section;
+mod subject;
 mod tables;
 #[path = "../../tests/support/triangles.rs"]
 mod triangles;
@@ -35,10 +38,9 @@ use std::path::{Path, PathBuf};
 
 use norms::Norm;
 use options::Options;
-use patchlight::scene::Scene;
 use reference::Reference;
 use run::{Asked, Problem, Run};
-use scenes::HardScene;
+use subject::Subject;
 use tables::Scored;
 
 fn main() {
@@ -47,20 +49,20 @@ fn main() {
     let folder = root.join("target/hard_scenes");
     std::fs::create_dir_all(&folder).expect("a folder for what is made");
     let (mut scored, mut known) = (Vec::new(), Vec::new());
-    for hard in scenes::all().into_iter().filter(|hard| options.wants(hard.name)) {
-        let made = hard.make();
-        let (file, scene) = obj::through_obj(&made.scene, &folder, hard.name);
-        let of_scene = root.join(format!("benches/hard_scenes/references/{}.csv", hard.name));
-        if options.references {
-            eprintln!("{}: {} surfaces", hard.name, scene.surfaces().len());
-            making::make(&scene, made.portal, made.backend, options.most_rays).write(&of_scene).expect("a reference is written");
-        }
-        let reference = read(&of_scene, &scene);
-        tell(&hard, &reference);
+    let mut run_on = |subject: &Subject| {
+        let reference = subject.reference(&options);
+        tell(&subject.name, &reference);
         if !options.references {
-            scored.push(runs(&hard, &file, &reference, &options, &folder));
+            scored.push(runs(subject, &reference, &options, &folder));
             tables::write_csv(&folder.join("runs.csv"), &scored).expect("runs are written");
         }
+        reference
+    };
+    for file in &options.files {
+        run_on(&Subject::of_file(file, &folder));
+    }
+    for hard in scenes::all().into_iter().filter(|hard| options.wants(hard.name)) {
+        let reference = run_on(&Subject::of_suite(&hard, root, &folder));
         known.push((hard, reference));
     }
 
@@ -77,20 +79,16 @@ fn main() {
     }
 }
 
-fn read(file: &Path, scene: &Scene) -> Reference {
-    Reference::read(file, scene).unwrap_or_else(|error| panic!("{}: {error}; --references makes it", file.display()))
-}
-
-fn tell(hard: &HardScene, reference: &Reference) {
+fn tell(name: &str, reference: &Reference) {
     let [local, energy] = Norm::ALL.map(|norm| section::percent(norm.noise(reference)));
-    eprintln!("{}: noise of the reference {local} (local), {energy} (energy)", hard.name);
+    eprintln!("{name}: noise of the reference {local} (local), {energy} (energy)");
 }
 
 /// All runs on a scene.
-fn runs(hard: &HardScene, scene: &Path, reference: &Reference, options: &Options, folder: &Path) -> Scored {
-    let points: PathBuf = folder.join(format!("{}_points.csv", hard.name));
+fn runs(subject: &Subject, reference: &Reference, options: &Options, folder: &Path) -> Scored {
+    let points: PathBuf = folder.join(format!("{}_points.csv", subject.name));
     points::write_points(&points, reference.points.iter());
-    let problem = Problem { scene, points: &points, reference };
+    let problem = Problem { scene: &subject.file, points: &points, reference };
     let mut runs: Vec<Run> = Vec::new();
     for &error in &options.errors {
         for seed in 0..options.seeds {
@@ -99,5 +97,5 @@ fn runs(hard: &HardScene, scene: &Path, reference: &Reference, options: &Options
             runs.push(run);
         }
     }
-    Scored { name: hard.name, runs }
+    Scored { name: subject.name.clone(), runs }
 }

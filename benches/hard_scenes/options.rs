@@ -1,5 +1,7 @@
 //! The command line of the benchmark.
 
+use std::path::PathBuf;
+
 use super::norms::Norm;
 
 /// Errors asked for where none are named.
@@ -12,6 +14,8 @@ const MOST_RAYS: f64 = 4e8;
 pub struct Options {
     /// Words of which one must be in a scene's name; none for all scenes.
     names: Vec<String>,
+    /// Scenes of the user's, in place of those of the suite.
+    pub files: Vec<PathBuf>,
     pub norm: Norm,
     pub errors: Vec<f64>,
     pub seeds: u64,
@@ -22,10 +26,11 @@ pub struct Options {
 }
 
 impl Options {
-    /// `[NAME...] [--norm local|energy] [--errors E,E...] [--seeds N] [--references [--rays N]]`
+    /// `[NAME... | --file SCENE...] [--norm local|energy] [--errors E,E...] [--seeds N] [--references [--rays N]]`
     pub fn read(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
         let mut options = Self {
             names: vec![],
+            files: vec![],
             norm: Norm::Local,
             errors: ERRORS.to_vec(),
             seeds: SEEDS,
@@ -35,6 +40,7 @@ impl Options {
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
             match argument.as_str() {
+                "--file" => options.files.push(value()?.into()),
                 "--norm" => options.norm = value()?.parse()?,
                 "--seeds" => options.seeds = number(&value()?)?,
                 "--errors" => options.errors = value()?.split(',').map(number).collect::<Result<_, _>>()?,
@@ -50,12 +56,17 @@ impl Options {
     }
 
     pub fn wants(&self, name: &str) -> bool {
-        self.names.is_empty() || self.names.iter().any(|word| name.contains(word.as_str()))
+        (self.names.is_empty() && self.files.is_empty()) || self.names.iter().any(|word| name.contains(word.as_str()))
     }
 
     /// Whether the documents tell what comes of it.
     pub fn is_whole(&self) -> bool {
-        self.names.is_empty() && self.norm == Norm::Local && self.errors == ERRORS && self.seeds == SEEDS && !self.references
+        self.names.is_empty()
+            && self.files.is_empty()
+            && self.norm == Norm::Local
+            && self.errors == ERRORS
+            && self.seeds == SEEDS
+            && !self.references
     }
 }
 

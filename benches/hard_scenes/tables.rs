@@ -12,7 +12,7 @@ use super::section::{median, percent};
 
 /// A scene and its runs.
 pub struct Scored {
-    pub name: &'static str,
+    pub name: String,
     pub runs: Vec<Run>,
 }
 
@@ -88,7 +88,7 @@ pub fn write_csv(file: &Path, scenes: &[Scored]) -> io::Result<()> {
         "code",
         "missed",
     ])?;
-    for (name, run) in scenes.iter().flat_map(|scored| scored.runs.iter().map(|run| (scored.name, run))) {
+    for (name, run) in scenes.iter().flat_map(|scored| scored.runs.iter().map(|run| (scored.name.as_str(), run))) {
         let six = |value: f64| format!("{value:.6}");
         let [local, energy] = run.measured.map(|measured| six(measured.error));
         let code = run.code.map_or(String::new(), |code| code.to_string());
