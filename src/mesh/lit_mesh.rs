@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+use super::fit;
 use super::judged::MeshError;
 use super::locate::Locator;
 use super::plane::Plane;
@@ -56,10 +57,11 @@ impl LitMesh {
     }
 
     /// Bytes that it takes to make one of so many elements: those of indirect light, as they stay, and those of all light, as they are refined:
-    /// with what was found at nodes, and what is fitted to that.
+    /// with what was found at nodes, and what is fitted to that and how.
     pub(crate) fn bytes_to_make(elements: usize, channels: usize) -> u64 {
         let kept = size_of::<[u32; 6]>() + NODES * (size_of::<DVec2>() + channels * size_of::<f32>());
-        (elements * (2 * kept + REFINED + 2 * NODES * channels * size_of::<[f32; 2]>())) as u64
+        let fitted = 2 * channels * size_of::<[f32; 2]>() + fit::bytes_of_node(channels);
+        (elements * (2 * kept + REFINED + NODES * fitted)) as u64
     }
 
     /// Bytes that this takes.
