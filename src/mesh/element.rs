@@ -27,6 +27,11 @@ pub(super) fn limited(nodes: [f64; 6], value: f64) -> f64 {
     if least < STEEP * most { value.clamp(least, most) } else { value }
 }
 
+/// The function where nodes have these weights, by their values.
+pub(super) fn value(nodes: [f64; 6], weights: [f64; 6]) -> f64 {
+    limited(nodes, nodes.iter().zip(weights).map(|(b, weight)| weight * b).sum())
+}
+
 /// The mean over an element of the sum of the squared weights: the squared noise of the function, where that of its nodes is 1.
 pub(super) const NOISE: f64 = 3.0 * (OF_CORNER + OF_MIDDLE);
 

@@ -1,8 +1,10 @@
-//! Noisy values at nodes, fitted to those around them where light is smooth.
+//! Noisy values at nodes, fitted to those around them as far as light is smooth.
 //!
-//! Around each node the quadratic function is found that is nearest to the values of nodes near by (local regression, Cleveland and Devlin 1988). If what is
-//! left is no more than their noise explains, there is nothing but noise to tell the node from the function, and it takes its value there: its variance
-//! falls to a small part. If not, fewer nodes are taken, and at last the node stays as it was found. Nodes beyond a step are not near: they are not joined.
+//! Around each node quadratic functions are found that are nearest to the values of more and more nodes (local regression, Cleveland and Devlin 1988). The
+//! more nodes, the less noise, and the more may light differ from such a function. What each is off at a node follows without bias from what it is off the
+//! node's own value, from the noise of that, and from what that has in it (Stein 1981); the mean over nodes near by tells the fits apart. Of all fits, and
+//! of the value as it was found, the node takes the mean, weighted by the exponential of what they are off (Leung and Barron 2006): where two are equally
+//! good there is no step from one to the other, which would show as a crease. Nodes beyond a step are not near: they are not joined.
 //!
 //! All nodes count alike: weights by their variances would favour the dark ones, which seem to have less noise.
 
@@ -14,14 +16,91 @@ use super::bisection::{Triangle, Triangles};
 /// Coefficients of a quadratic function.
 const TERMS: usize = 6;
 
-/// So many more nodes than coefficients tell whether a function fits.
-const SPARE: usize = 6;
+/// Fits are made to so many nodes: twice what tells the coefficients, then twice as many each time, for half of the variance. With the last the noise
+/// is about a quarter.
+const COUNTS: [usize; 4] = [12, 24, 48, 96];
 
-/// What is left may be larger than its expectation by so many standard deviations.
-const SIGNIFICANT: f64 = 1.0;
+/// The value as it was found, and the fits.
+const CHOICES: usize = COUNTS.len() + 1;
+
+/// So many nodes tell the fits apart: as many as a fit of middle size has.
+const POOLED: usize = COUNTS[1];
+
+/// The weight of an estimate is the exponential of what squares it is off in all, over so many times the variance of a value: the least for which the mean
+/// is proven to be about as good as the best of them.
+const TEMPERATURE: f64 = 4.0;
 
 /// Pivots below this part of the largest mean that nodes do not tell all coefficients.
 const SINGULAR: f64 = 1e-9;
+
+/// Nodes are looked for until there are so many times as many as wanted: those that are nearest by edges are not all the nearest.
+const LOOKED_FOR: usize = 2;
+
+/// Bytes that a node takes while it is fitted.
+pub(super) const fn bytes_of_node(channels: usize) -> usize {
+    size_of::<Estimates>() + CHOICES * channels * size_of::<[f32; 2]>()
+}
+
+/// The values of nodes with their variances, by node and channel, fitted; so many channels decide, of so many in all.
+pub(super) fn fitted(triangles: &Triangles, found: &[[f32; 2]], [deciding, channels]: [usize; 2]) -> Vec<[f32; 2]> {
+    // All fits of each node.
+    let patches = Patches::new(triangles);
+    let estimates_of = |scratch: &mut Scratch, node: usize| patches.estimates(node as u32, found, [deciding, channels], scratch);
+    let nodes = (0..triangles.nodes.len()).into_par_iter();
+    let estimates: Vec<(Estimates, Vec<[f32; 2]>)> = nodes.map_init(|| Scratch::new(triangles), estimates_of).collect();
+
+    // Their mean, by how good they are around it.
+    let mut fitted = found.to_vec();
+    fitted.par_chunks_mut(channels).enumerate().for_each(|(node, values)| {
+        let (of_node, by_choice) = &estimates[node];
+        let Some(weights) = of_node.weights(|other| &estimates[other as usize].0) else { return };
+        for (channel, value) in values.iter_mut().enumerate() {
+            // Fits share most of their nodes, so their noise adds up.
+            let (mut mean, mut deviation) = (0.0, 0.0);
+            for (weight, of_choice) in weights.iter().zip(by_choice.chunks(channels)) {
+                let [estimate, variance] = of_choice[channel].map(f64::from);
+                mean += weight * estimate;
+                deviation += weight * variance.sqrt();
+            }
+            *value = [mean as f32, (deviation * deviation) as f32];
+        }
+    });
+    fitted
+}
+
+/// How good the estimates of a node are.
+#[derive(Clone, Copy, Debug)]
+struct Estimates {
+    /// The nodes near by that tell it, and how many there are.
+    near: [u32; POOLED],
+    pooled: usize,
+    /// The variance of values there, channels added.
+    noise_sq: f32,
+    /// What squares each is off at the node, without bias, channels added; infinite where there is no such fit.
+    off_sq: [f32; CHOICES],
+}
+
+impl Estimates {
+    /// The weights of the estimates in their mean; `None` where there is nothing but the value as it was found, or no noise.
+    fn weights<'a>(&self, of: impl Fn(u32) -> &'a Self) -> Option<[f64; CHOICES]> {
+        let near = &self.near[..self.pooled];
+        let is_there = |choice: usize| self.off_sq[choice].is_finite();
+        let noise_sq: f64 = near.iter().map(|&node| f64::from(of(node).noise_sq)).sum::<f64>() / near.len().max(1) as f64;
+        if noise_sq <= 0.0 || !(1..CHOICES).any(is_there) {
+            return None;
+        }
+
+        // Sums over nodes near by, as many for all: fits that some of them lack are told by the others.
+        let off_sq = std::array::from_fn::<f64, CHOICES, _>(|choice| {
+            let found = || near.iter().map(|&node| f64::from(of(node).off_sq[choice])).filter(|off_sq| off_sq.is_finite());
+            if is_there(choice) { found().sum::<f64>() * near.len() as f64 / found().count() as f64 } else { f64::INFINITY }
+        });
+        let least = off_sq.into_iter().fold(f64::INFINITY, f64::min);
+        let weights = off_sq.map(|off_sq| (-(off_sq - least) / (TEMPERATURE * noise_sq)).exp());
+        let sum: f64 = weights.iter().sum();
+        Some(weights.map(|weight| weight / sum))
+    }
+}
 
 /// Which nodes are joined by triangles.
 struct Patches<'a> {
@@ -31,29 +110,20 @@ struct Patches<'a> {
     around: Vec<u32>,
 }
 
-/// The values of nodes with their variances, by node and channel, fitted; so many channels decide, of so many in all.
-pub(super) fn fitted(triangles: &Triangles, found: &[[f32; 2]], [deciding, channels]: [usize; 2]) -> Vec<[f32; 2]> {
-    let patches = Patches::new(triangles);
-    let mut fitted = found.to_vec();
-    fitted.par_chunks_mut(channels).enumerate().for_each(|(node, values)| {
-        let near = patches.grown(&[node as u32]);
-        let far = patches.grown(&near);
-        let fits = |patch: Vec<u32>| {
-            let fit = Fit::new(triangles, node as u32, &patch)?;
-            fit.explains(found, &patch, [deciding, channels]).then_some((patch, fit))
-        };
-        let Some((patch, fit)) = fits(far).or_else(|| fits(near)) else { return };
-        for (channel, value) in values.iter_mut().enumerate() {
-            let (mut sum, mut variance) = (0.0, 0.0);
-            for (&other, [weight, ..]) in patch.iter().zip(&fit.weights) {
-                let [b, noise] = found[other as usize * channels + channel].map(f64::from);
-                sum += weight * b;
-                variance += weight * weight * noise;
-            }
-            *value = [sum as f32, variance as f32];
-        }
-    });
-    fitted
+/// Memory that is reused from node to node.
+struct Scratch {
+    /// By node and triangle: the node for which it was last met.
+    node_met: Vec<u32>,
+    triangle_met: Vec<u32>,
+    /// Nodes with the squares of their distances.
+    near: Vec<(f64, u32)>,
+}
+
+impl Scratch {
+    fn new(triangles: &Triangles) -> Self {
+        let (nodes, triangles) = (triangles.nodes.len(), triangles.triangles.len());
+        Self { node_met: vec![u32::MAX; nodes], triangle_met: vec![u32::MAX; triangles], near: Vec::new() }
+    }
 }
 
 impl<'a> Patches<'a> {
@@ -73,70 +143,115 @@ impl<'a> Patches<'a> {
         Self { triangles, starts, around }
     }
 
-    /// All nodes of the triangles that some nodes belong to, ascending.
-    fn grown(&self, nodes: &[u32]) -> Vec<u32> {
-        let around = |&node: &u32| &self.around[self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize];
-        let mut triangles: Vec<u32> = nodes.iter().flat_map(around).copied().collect();
-        triangles.sort_unstable();
-        triangles.dedup();
-        let mut grown: Vec<u32> =
-            triangles.into_iter().flat_map(|triangle| self.triangles.triangles[triangle as usize].nodes()).collect();
-        grown.sort_unstable();
-        grown.dedup();
-        grown
+    /// Where the value of a node is taken.
+    fn at(&self, node: u32) -> DVec2 {
+        self.triangles.nodes[node as usize].sampled_at
     }
-}
 
-/// How values on a patch make the quadratic function that is nearest to them.
-struct Fit {
-    /// By node of the patch: the terms of the function there. They are about the node that is fitted.
-    terms: Vec<[f64; TERMS]>,
-    /// By node of the patch: what its value has in each coefficient. The first is the function at the node that is fitted.
-    weights: Vec<[f64; TERMS]>,
-}
-
-impl Fit {
-    /// `None` if a patch has too few nodes, or they lie so that they do not tell all coefficients.
-    fn new(triangles: &Triangles, node: u32, patch: &[u32]) -> Option<Self> {
-        if patch.len() < TERMS + SPARE {
-            return None;
+    /// The nodes nearest to one that are joined with it, and the squares of their distances, ascending: itself, and `count` others if there are so many.
+    fn nearest<'b>(&self, node: u32, count: usize, scratch: &'b mut Scratch) -> &'b [(f64, u32)] {
+        // Ring by ring.
+        let Scratch { node_met, triangle_met, near } = scratch;
+        near.clear();
+        near.push((0.0, node));
+        node_met[node as usize] = node;
+        let mut next = 0;
+        while next < near.len() && near.len() <= LOOKED_FOR * count {
+            let ring = next..near.len();
+            next = near.len();
+            for number in ring {
+                let (_, from) = near[number];
+                for &triangle in &self.around[self.starts[from as usize] as usize..self.starts[from as usize + 1] as usize] {
+                    if std::mem::replace(&mut triangle_met[triangle as usize], node) == node {
+                        continue;
+                    }
+                    for other in self.triangles.triangles[triangle as usize].nodes() {
+                        if std::mem::replace(&mut node_met[other as usize], node) != node {
+                            near.push((self.at(node).distance_squared(self.at(other)), other));
+                        }
+                    }
+                }
+            }
         }
-        let at = |node: u32| triangles.nodes[node as usize].sampled_at;
-        let reach = patch.iter().map(|&other| at(other).distance(at(node))).fold(0.0, f64::max);
-        let terms_at = |&other: &u32| {
-            let DVec2 { x, y } = (at(other) - at(node)) / reach;
+
+        // The nearest of them.
+        let by_distance = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        if near.len() > count + 1 {
+            near.select_nth_unstable_by(count, by_distance);
+            near.truncate(count + 1);
+        }
+        near.sort_unstable_by(by_distance);
+        near
+    }
+
+    /// What the value of a node is by itself and by all fits, by channel with its variance, and how good these are.
+    fn estimates(
+        &self,
+        node: u32,
+        found: &[[f32; 2]],
+        [deciding, channels]: [usize; 2],
+        scratch: &mut Scratch,
+    ) -> (Estimates, Vec<[f32; 2]>) {
+        let near = self.nearest(node, COUNTS[COUNTS.len() - 1], scratch);
+        let of = |node: u32, channel: usize| found[node as usize * channels + channel].map(f64::from);
+
+        // Variances of single values are noisy.
+        let pooled = near.len().min(POOLED);
+        let noise = |channel: usize| near[..pooled].iter().map(|&(_, other)| of(other, channel)[1]).sum::<f64>() / pooled as f64;
+        let noise: Vec<f64> = (0..channels).map(noise).collect();
+        let noise_sq: f64 = noise[..deciding].iter().sum();
+        let mut off_sq = [f32::INFINITY; CHOICES];
+        off_sq[0] = noise_sq as f32;
+        let mut estimates = vec![[0.0; 2]; CHOICES * channels];
+        estimates[..channels].copy_from_slice(&found[node as usize * channels..][..channels]);
+
+        for (choice, &count) in (1..).zip(&COUNTS) {
+            let Some(weights) = self.weights_of_fit(near, count) else { continue };
+            let mut sum_sq = 0.0;
+            for (channel, noise) in noise.iter().enumerate() {
+                let (mut estimate, mut variance) = (0.0, 0.0);
+                for (weight, &(_, other)) in weights.iter().zip(near) {
+                    let [value, noise] = of(other, channel);
+                    estimate += weight * value;
+                    variance += weight * weight * noise;
+                }
+                estimates[choice * channels + channel] = [estimate as f32, variance as f32];
+                if channel < deciding {
+                    sum_sq += (estimate - of(node, channel)[0]).powi(2) + (2.0 * weights[0] - 1.0) * noise;
+                }
+            }
+            off_sq[choice] = sum_sq as f32;
+        }
+        let mut pool = [0; POOLED];
+        pool.iter_mut().zip(near).for_each(|(pooled, &(_, other))| *pooled = other);
+        (Estimates { near: pool, pooled, noise_sq: noise_sq as f32, off_sq }, estimates)
+    }
+
+    /// What the values of the `count` nearest nodes have in the quadratic function that is fitted to them, at the first of them. They count less the farther
+    /// they are, as far as the next (Epanechnikov 1969), so that none comes in with a jump. `None` if there are too few, or they lie so that they do
+    /// not tell all coefficients.
+    fn weights_of_fit(&self, near: &[(f64, u32)], count: usize) -> Option<Vec<f64>> {
+        let (&(_, node), &(reach_sq, _)) = (near.first()?, near.get(count)?);
+        let reach = reach_sq.sqrt();
+        let terms_at = |&(_, other): &(f64, u32)| {
+            let DVec2 { x, y } = (self.at(other) - self.at(node)) / reach;
             [1.0, x, y, x * x, x * y, y * y]
         };
-        let terms: Vec<[f64; TERMS]> = patch.iter().map(terms_at).collect();
+        let terms: Vec<[f64; TERMS]> = near[..count].iter().map(terms_at).collect();
+        let counts: Vec<f64> = near[..count].iter().map(|(distance_sq, _)| 1.0 - distance_sq / reach_sq).collect();
         let mut normal = [[0.0; TERMS]; TERMS];
-        for of in &terms {
+        for (of, counts) in terms.iter().zip(&counts) {
             for (row, sums) in normal.iter_mut().enumerate() {
-                sums.iter_mut().zip(of).for_each(|(sum, term)| *sum += of[row] * term);
+                sums[..=row].iter_mut().zip(of).for_each(|(sum, term)| *sum += counts * of[row] * term);
             }
         }
         let lower = cholesky(normal)?;
-        let weights = terms.iter().map(|of| solved(&lower, *of)).collect();
-        Some(Self { terms, weights })
-    }
-
-    /// Whether what the values of a patch are off the function is no more than their noise.
-    fn explains(&self, found: &[[f32; 2]], patch: &[u32], [deciding, channels]: [usize; 2]) -> bool {
-        let (mut left, mut noise) = (0.0, 0.0);
-        for channel in 0..deciding {
-            let value = |node: u32| found[node as usize * channels + channel].map(f64::from);
-            let mut coefficients = [0.0; TERMS];
-            for (&node, weights) in patch.iter().zip(&self.weights) {
-                let [b, variance] = value(node);
-                coefficients.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight * b);
-                noise += variance;
-            }
-            for (&node, terms) in patch.iter().zip(&self.terms) {
-                let function: f64 = terms.iter().zip(coefficients).map(|(term, coefficient)| term * coefficient).sum();
-                left += (value(node)[0] - function).powi(2);
-            }
-        }
-        let free = (patch.len() - TERMS) as f64;
-        left <= noise * free / patch.len() as f64 * (1.0 + SIGNIFICANT * (2.0 / free).sqrt())
+        let mut first = [0.0; TERMS];
+        first[0] = 1.0;
+        let of_value = solved(&lower, first);
+        let weight =
+            |(of, counts): (&[f64; TERMS], &f64)| counts * of.iter().zip(of_value).map(|(term, of)| term * of).sum::<f64>();
+        Some(terms.iter().zip(&counts).map(weight).collect())
     }
 }
 
@@ -204,7 +319,7 @@ mod tests {
         let fitted = fitted(&all, &found, [1, 1]);
         let (before, after) = (rms_off(&all, &found, smooth), rms_off(&all, &fitted, smooth));
         let told = (fitted.iter().map(|of| f64::from(of[1])).sum::<f64>() / fitted.len() as f64).sqrt();
-        assert!((before / NOISE - 1.0).abs() < 0.1 && after < 0.6 * NOISE, "{before} {after}");
+        assert!((before / NOISE - 1.0).abs() < 0.1 && after < 0.4 * NOISE, "{before} {after}");
         assert!((after / told - 1.0).abs() < 0.25, "{after} {told}");
     }
 

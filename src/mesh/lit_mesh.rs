@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+use super::fit;
 use super::judged::MeshError;
 use super::locate::Locator;
 use super::plane::Plane;
@@ -56,10 +57,11 @@ impl LitMesh {
     }
 
     /// Bytes that it takes to make one of so many elements: those of indirect light, as they stay, and those of all light, as they are refined:
-    /// with what was found at nodes, and what is fitted to that.
+    /// with what was found at nodes, and what is fitted to that and how.
     pub(crate) fn bytes_to_make(elements: usize, channels: usize) -> u64 {
         let kept = size_of::<[u32; 6]>() + NODES * (size_of::<DVec2>() + channels * size_of::<f32>());
-        (elements * (2 * kept + REFINED + 2 * NODES * channels * size_of::<[f32; 2]>())) as u64
+        let fitted = 2 * channels * size_of::<[f32; 2]>() + fit::bytes_of_node(channels);
+        (elements * (2 * kept + REFINED + NODES * fitted)) as u64
     }
 
     /// Bytes that this takes.
@@ -162,20 +164,32 @@ impl<'a> MeshReader<'a> {
         Self { scene, meshes, index: Cow::Owned(MeshIndex::of(scene, meshes)) }
     }
 
+    /// The mesh of a surface and its plane, the triangle that a point lies in, and its barycentric coordinates there; `None` where there is no mesh.
+    pub(super) fn find(&self, point: DVec3, surface: SurfaceId) -> Option<(&SurfaceMesh, Plane, usize, [f64; 3])> {
+        let MeshIndex(index) = &*self.index;
+        let (mesh, (plane, locator)) = (self.meshes[surface.index()].as_ref()?, index[surface.index()].as_ref()?);
+        let (triangle, at) = locator.find(mesh, plane.to_plane(point))?;
+        Some((mesh, *plane, triangle, at))
+    }
+
     /// The reflected radiosity at a point of a surface, by channel; 0 where there is no mesh.
     pub fn reflected_at(&self, point: DVec3, surface: SurfaceId, reflected: &mut [f64]) {
         reflected.fill(0.0);
-        let MeshIndex(index) = &*self.index;
-        let (Some(mesh), Some((plane, locator))) = (&self.meshes[surface.index()], &index[surface.index()]) else { return };
-        if let Some((triangle, at)) = locator.find(mesh, plane.to_plane(point)) {
+        if let Some((mesh, _, triangle, at)) = self.find(point, surface) {
             mesh.reflected_at(triangle, at, reflected);
             self.scene.clear_dark(reflected);
         }
     }
 
+    /// Makes the radiosity of a surface of what elements say that it reflects, by channel.
+    pub(super) fn complete(&self, surface: SurfaceId, reflected: &mut [f64]) {
+        self.scene.clear_dark(reflected);
+        reflected.iter_mut().zip(&self.scene.material_of(surface).exitance).for_each(|(b, e)| *b += e);
+    }
+
     /// The radiosity at a point of a surface, by channel.
     pub fn radiosity_at(&self, point: DVec3, surface: SurfaceId, radiosity: &mut [f64]) {
         self.reflected_at(point, surface, radiosity);
-        radiosity.iter_mut().zip(&self.scene.material_of(surface).exitance).for_each(|(b, e)| *b += e);
+        self.complete(surface, radiosity);
     }
 }

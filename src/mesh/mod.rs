@@ -3,6 +3,7 @@
 mod bisection;
 mod build;
 mod crossings;
+mod cursor;
 mod effort;
 mod element;
 mod expected;
@@ -23,6 +24,7 @@ mod triangulation;
 mod validate;
 
 pub(crate) use build::{LEAST_GATHERS, MeshBuilder};
+pub(crate) use cursor::MeshCursor;
 pub(crate) use judged::MeshError;
 pub(crate) use limits::{MeshLimit, MeshLimits};
 pub use lit_mesh::{LitMesh, MeshPart};

@@ -86,9 +86,12 @@ impl SurfaceMesh {
     pub fn reflected_at(&self, triangle: usize, at: [f64; 3], reflected: &mut [f64]) {
         let (weights, channels) = (element::weights(at), reflected.len());
         for (channel, sum) in reflected.iter_mut().enumerate() {
-            let nodes = self.triangles[triangle].map(|node| f64::from(self.reflected[node as usize * channels + channel]));
-            let polynomial = nodes.iter().zip(weights).map(|(b, weight)| weight * b).sum();
-            *sum = element::limited(nodes, polynomial);
+            *sum = element::value(self.reflected_in(triangle, channel, channels), weights);
         }
+    }
+
+    /// The reflected radiosity at the six nodes of a triangle, in one of so many channels.
+    pub fn reflected_in(&self, triangle: usize, channel: usize, channels: usize) -> [f64; 6] {
+        self.triangles[triangle].map(|node| f64::from(self.reflected[node as usize * channels + channel]))
     }
 }

@@ -105,29 +105,29 @@ impl Antialiased<'_> {
         (!observer.cancelled()).then_some(seen)
     }
 
-    /// Shades all pixels, by channel: `shade` adds what a ray shows to the pixel. `None` if the observer cancels.
-    pub fn shaded(
+    /// Shades all pixels, by channel: `shade` adds what a ray shows to the pixel, with what `begin` makes for a row, along which neighbours follow each
+    /// other. `None` if the observer cancels.
+    pub fn shaded<Row>(
         &self,
         channels: usize,
         observer: &dyn Observer,
-        shade: impl Fn(Sight, &mut [f64], &mut [f32]) + Sync,
+        begin: impl Fn() -> Row + Sync,
+        shade: impl Fn(Sight, &mut Row, &mut [f32]) + Sync,
     ) -> Option<Vec<f32>> {
         let [width, height] = self.size.map(|side| side as usize);
         let (mut pixels, done) = (vec![0.0; channels * width * height], AtomicUsize::new(0));
-        pixels.par_chunks_mut(channels * width).enumerate().for_each_init(
-            || (Vec::new(), vec![0.0; channels]),
-            |(hits, numbers), (row, pixels)| {
-                if observer.cancelled() {
-                    return;
-                }
-                self.for_each_in_row(row as u32, hits, |sight| {
-                    shade(sight, numbers, &mut pixels[sight.column as usize * channels..][..channels]);
-                });
-                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-                let fraction = Some(done as f64 / height as f64);
-                observer.progress(&Progress { stage: Stage::Render, round: 0, fraction, links: 0, elements: 0, error: None });
-            },
-        );
+        pixels.par_chunks_mut(channels * width).enumerate().for_each_init(Vec::new, |hits, (row, pixels)| {
+            if observer.cancelled() {
+                return;
+            }
+            let mut of_row = begin();
+            self.for_each_in_row(row as u32, hits, |sight| {
+                shade(sight, &mut of_row, &mut pixels[sight.column as usize * channels..][..channels]);
+            });
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            let fraction = Some(done as f64 / height as f64);
+            observer.progress(&Progress { stage: Stage::Render, round: 0, fraction, links: 0, elements: 0, error: None });
+        });
         (!observer.cancelled()).then_some(pixels)
     }
 }

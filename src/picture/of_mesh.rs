@@ -4,7 +4,7 @@ use super::antialiased::{Antialiased, Met, Sight};
 use super::camera::CameraRays;
 use super::image::Image;
 use super::shown::Shown;
-use crate::mesh::{MeshReader, SeenSurfaces};
+use crate::mesh::{MeshCursor, MeshReader, SeenSurfaces};
 use crate::progress::Observer;
 use crate::scene::Scene;
 use crate::transmittance::Rays;
@@ -20,18 +20,19 @@ pub(crate) fn render_mesh(
     observer: &dyn Observer,
 ) -> Option<Image> {
     let ([width, height], channels) = (size, scene.channels());
-    let shade = |Sight { share, met, .. }: Sight, radiosity: &mut [f64], pixel: &mut [f32]| {
+    let begin = || (MeshCursor::new(mesh), vec![0.0; channels]);
+    let shade = |Sight { share, met, .. }: Sight, (cursor, radiosity): &mut (MeshCursor<'_>, Vec<f64>), pixel: &mut [f32]| {
         let (surface, point) = match met {
             Met::Surface(surface, point) => (surface, point),
             Met::Sky(direction) => return shown.add_sky(scene, direction, share, pixel),
         };
-        mesh.radiosity_at(point, surface, radiosity);
+        cursor.radiosity_at(point, surface, radiosity);
         let material = scene.material_of(surface);
         for (channel, (sum, &radiosity)) in pixel.iter_mut().zip(&*radiosity).enumerate() {
             *sum += (shown.of(material, channel, radiosity) * share) as f32;
         }
     };
-    let radiance = Antialiased { scene, visibility, camera, size }.shaded(channels, observer, shade)?;
+    let radiance = Antialiased { scene, visibility, camera, size }.shaded(channels, observer, begin, shade)?;
     Some(Image { width, height, channels, radiance, standard_error: None })
 }
 
