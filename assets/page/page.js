@@ -82,16 +82,17 @@
   const typed = new URLSearchParams(location.hash.slice(1));
   const sorted = Float32Array.from(shown).sort();
   const state = {
-    show: typed.get("show") === "lux" ? "lux" : "beauty",
+    show: ["lux", "texels"].find((name) => name === typed.get("show")) ?? "beauty",
     exposure: Number(typed.get("exposure") ?? exposure.toFixed(1)),
     scale: Number(typed.get("scale") ?? round(sorted[Math.floor(0.98 * (nodeCount - 1))])),
+    texel: Number(typed.get("texel") ?? 0.05), // what bakes take if nothing is said
     lines: typed.get("lines") === "1",
     isolines: typed.get("isolines") === "1",
     backs: typed.get("backs") === "1",
     factors: null,
   };
   if (!Number.isFinite(state.exposure)) state.exposure = 0;
-  if (!(state.scale > 0)) state.scale = 1;
+  [["scale", 1], ["texel", 0.05]].filter(([name]) => !(state[name] > 0)).forEach(([name, usual]) => (state[name] = usual));
 
   // The helix in Oklab of `output/false_colours.rs`, as GLSL and for the legend.
   const HELIX = { lightness: [0.25, 0.93], hue: [0.83, 0.3], chroma: 0.095 };
@@ -131,18 +132,18 @@
   geometry.setIndex(new THREE.BufferAttribute(index, 1));
   const ramp = Array.from({ length: 65 }, (_, k) => helix(k / 64)).map(([r, g, b]) => new THREE.Vector3(r, g, b));
   const material = new THREE.ShaderMaterial({
-    uniforms: { factor: { value: 1 }, scale: { value: 0 }, isolines: { value: 0 }, ramp: { value: ramp } },
+    uniforms: { factor: { value: 1 }, scale: { value: 0 }, isolines: { value: 0 }, texel: { value: 0 }, ramp: { value: ramp } },
     polygonOffset: true,
     polygonOffsetFactor: 1,
     polygonOffsetUnits: 1,
     vertexShader: `
       attribute vec3 radiance; attribute float shown;
-      varying vec3 light; varying float value;
-      void main() { light = radiance; value = shown; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }`,
+      varying vec3 light; varying float value; varying vec3 place;
+      void main() { light = radiance; value = shown; place = position; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }`,
     // The tone curve of output/png.rs: straight up to 0.5, then bent towards white, on the largest channel.
     fragmentShader: `
-      uniform float factor; uniform float scale; uniform float isolines; uniform vec3 ramp[65];
-      varying vec3 light; varying float value;
+      uniform float factor; uniform float scale; uniform float isolines; uniform float texel; uniform vec3 ramp[65];
+      varying vec3 light; varying float value; varying vec3 place;
       vec3 encoded(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
       void main() {
         if (scale > 0.0) {
@@ -164,7 +165,18 @@
           float kept = 1.0 / (1.0 + 0.15 * (peak - bent));
           c = bent + (c / peak * bent - bent) * kept;
         }
-        gl_FragColor = vec4(encoded(c), 1.0);
+        c = encoded(c);
+        if (texel > 0.0) {
+          // Squares along the axis that lies most in the surface; where they are smaller than two pixels, what they are in the mean.
+          vec3 n = normalize(cross(dFdx(place), dFdy(place)));
+          vec3 a = abs(n) - vec3(0.02, 0.01, 0.0); // of two that lie in it alike always the same
+          vec3 axis = a.x <= min(a.y, a.z) ? vec3(1.0, 0.0, 0.0) : a.y <= a.z ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
+          vec3 u = normalize(axis - dot(axis, n) * n);
+          vec2 at = vec2(dot(place, u), dot(place, cross(n, u))) / texel;
+          float odd = mod(floor(at.x + 1e-3) + floor(at.y + 1e-3), 2.0);
+          c *= mix(0.6 + 0.4 * odd, 0.8, clamp(2.0 * max(fwidth(at.x), fwidth(at.y)) - 0.5, 0.0, 1.0));
+        }
+        gl_FragColor = vec4(c, 1.0);
       }`,
   });
   const scene = new THREE.Scene();
@@ -187,8 +199,7 @@
   toStart();
 
   // Surfaces are seen from the front alone: where a back is shown, light that lands there is lost.
-  const BACK_SIDE = 1; // three.js has no name for it in the bundle
-  const backs = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ color: 0xc800c8, side: BACK_SIDE }));
+  const backs = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ color: 0xc800c8, side: 1 })); // THREE.BackSide is not in the bundle
   backs.visible = false;
   scene.add(backs);
 
@@ -225,14 +236,15 @@
     uniforms: material.uniforms,
     vertexShader: `
       attribute vec3 radiance; attribute float shown; attribute vec3 facing;
-      varying vec3 light; varying float value; varying float front;
+      varying vec3 light; varying float value; varying vec3 place; varying float front;
       void main() {
-        light = radiance; value = shown; front = dot(cameraPosition - position, facing);
+        light = radiance; value = shown; place = position; front = dot(cameraPosition - position, facing);
         gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
         gl_Position.z += 2e-4 * gl_Position.w;
       }`,
     fragmentShader: material.fragmentShader
       .replace("varying float value;", "varying float value; varying float front;")
+      .replace("if (texel > 0.0)", "if (false)")
       .replace("void main() {", "void main() { if (front <= 0.0) discard;"),
   });
   scene.add(new THREE.LineSegments(fillers, behind));
@@ -257,6 +269,7 @@
     const isLux = state.show === "lux";
     material.uniforms.factor.value = 2 ** state.exposure;
     material.uniforms.scale.value = isLux ? state.scale : 0;
+    material.uniforms.texel.value = state.show === "texels" ? state.texel : 0;
     if (state.lines && !lines) makeLines();
     if (lines) lines.visible = state.lines;
     material.uniforms.isolines.value = state.isolines ? 1 : 0;
@@ -265,6 +278,8 @@
     byId("exposure").value = state.exposure;
     byId("ev").textContent = `${Number(state.exposure).toFixed(1)} EV`;
     byId("scale").value = state.scale;
+    byId("texel").value = state.texel;
+    byId("texel-row").hidden = state.show !== "texels";
     byId("lines").checked = state.lines;
     byId("isolines").checked = state.isolines;
     byId("backs").checked = state.backs;
@@ -275,6 +290,7 @@
   };
   const changed = () => {
     const kept = new URLSearchParams({ show: state.show, exposure: state.exposure, scale: state.scale });
+    if (state.show === "texels") kept.set("texel", state.texel);
     ["lines", "isolines", "backs"].filter((name) => state[name]).forEach((name) => kept.set(name, 1));
     if (state.factors && state.factors.some((factor, g) => factor !== groups.solved[g])) kept.set("weights", state.factors.join(","));
     history.replaceState(null, "", `#${kept}`);
@@ -373,7 +389,7 @@
   controls.addEventListener("change", draw);
   byId("show").addEventListener("change", (event) => ((state.show = event.target.value), changed()));
   byId("exposure").addEventListener("input", (event) => ((state.exposure = Number(event.target.value)), changed()));
-  byId("scale").addEventListener("change", (event) => ((state.scale = Number(event.target.value) > 0 ? Number(event.target.value) : state.scale), changed()));
+  ["scale", "texel"].forEach((name) => byId(name).addEventListener("change", ({ target }) => (Number(target.value) > 0 && (state[name] = Number(target.value)), changed())));
   ["lines", "isolines", "backs"].forEach((name) => byId(name).addEventListener("change", (event) => ((state[name] = event.target.checked), changed())));
   byId("reset").addEventListener("click", () => (toStart(), draw()));
   addEventListener("resize", resize);

@@ -40,6 +40,11 @@ impl Site {
         self.surface != NO_SURFACE
     }
 
+    /// Where in the texel its value is taken, in texels from the middle.
+    pub fn offset(&self) -> [f32; 2] {
+        self.at
+    }
+
     /// Takes the texel's value away; faces cover it as before.
     pub fn hide(&mut self) {
         self.surface = NO_SURFACE;

@@ -6,9 +6,12 @@
 use std::time::Instant;
 
 use rayon::prelude::*;
+use serde::Serialize;
 
+use super::change::{self, Change};
 use super::cut_short::{Coarse, NotFound, complete};
 use super::lattice::{Cell, Misfit, Notes, first_cells, first_side};
+use super::record::{BakeRecord, Base, Terms};
 use super::texels::Texels;
 use crate::discontinuities::Discontinuities;
 use crate::error::ErrorNorm;
@@ -38,6 +41,8 @@ pub(crate) struct Asked<'a> {
     pub until: Option<Instant>,
     /// What has to do where there is nothing.
     pub coarse: Coarse<'a>,
+    /// On which terms a later bake may take from this one; `None` if none will.
+    pub keep: Option<Terms>,
 }
 
 /// Until when the part with this number may be gathered: each has the same share of the time that the ones before left.
@@ -56,16 +61,31 @@ pub(crate) struct Aim {
 }
 
 /// How texels were found. Errors are root mean squares relative to the light, in the norm.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Found {
     /// Texels that were gathered, by part.
     pub gathered: [u64; 2],
     /// How wrong these are; `None` where nothing is known.
     pub error: Option<f64>,
-    /// How far all are off gathers because some are interpolated.
+    /// How far all are off gathers because some are interpolated, or kept from an earlier bake.
     pub interpolated: f64,
+    /// What was kept, by part.
+    pub kept: [Kept; 2],
+    /// What a later bake can take; `None` if that is not wanted, or not all was found.
+    pub record: Option<BakeRecord>,
     /// Texels that a limit kept from being found, where parts differ the more of them.
     pub not_found: NotFound,
+}
+
+/// What of a part of the light was taken from an earlier bake.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Kept {
+    /// Texels whose light is the earlier one, with what it changed by.
+    pub texels: u64,
+    /// How far these are off gathers, relative in the norm, at two standard deviations.
+    pub off: f64,
+    /// Whether that was more than gathers are off: then all were found anew.
+    pub is_refused: bool,
 }
 
 /// A texel: the number of its chart, and its index there.
@@ -75,6 +95,8 @@ type Texel = (usize, usize);
 struct PartOfLight<'a> {
     scene: &'a Scene,
     part: Part,
+    /// Its place among the parts.
+    number: usize,
     aim: Aim,
     asked: Asked<'a>,
     until: Option<Instant>,
@@ -82,13 +104,13 @@ struct PartOfLight<'a> {
     squares: Vec<[f64; 2]>,
 }
 
-/// Finds the values of all texels that have none. `None` if cancelled.
+/// Finds the values of all texels that have none. `None` if cancelled. An earlier bake gives a base for charts, or none where it has nothing.
 pub(crate) fn gather(
     scene: &Scene,
     texels: &mut [Texels<'_>],
     lines: &Discontinuities,
-    aim: Aim,
-    asked: Asked<'_>,
+    bases: &[Option<Base<'_>>],
+    (aim, asked): (Aim, Asked<'_>),
 ) -> Option<Found> {
     let mut notes: Vec<Notes> = texels.par_iter().map(|texels| notes_of(texels, lines)).collect();
     let (mut found, mut wrong_sq, mut off_sq) = (Found::default(), 0.0, 0.0);
@@ -97,15 +119,22 @@ pub(crate) fn gather(
             texels.iter_mut().for_each(Texels::begin_next_part);
         }
         let until = asked.until.map(|until| until_of_part(number, until));
-        let mut light = PartOfLight { scene, part, aim, asked, until, squares: Vec::new() };
-        let filled = light.find(texels, &mut notes)?;
-        let share = filled.len() as f64 / (filled.len() + light.squares.len()).max(1) as f64;
-        off_sq += share * light.off_gathers_sq(texels, &filled)?;
+        let mut light = PartOfLight { scene, part, number, aim, asked, until, squares: Vec::new() };
+        let (kept, cells) = light.keep(texels, &mut notes, bases)?;
+        let filled = light.find(texels, &mut notes, cells)?;
+        let all = (kept.texels + (filled.len() + light.squares.len()) as u64).max(1) as f64;
+        off_sq += filled.len() as f64 / all * light.off_gathers_sq(texels, &filled)?;
+        if kept.texels > 0 {
+            off_sq += kept.texels as f64 / all * kept.off.powi(2);
+        }
         wrong_sq += light.wrong_sq();
         found.gathered[number] = light.squares.len() as u64;
+        found.kept[number] = kept;
     }
-    texels.iter_mut().for_each(Texels::join_parts);
     found.not_found = NotFound::of(texels);
+    let is_whole = found.not_found == NotFound::default();
+    found.record = asked.keep.filter(|_| is_whole).map(|terms| BakeRecord::of(scene, texels, &notes, terms));
+    texels.iter_mut().for_each(Texels::join_parts);
     let is_known = wrong_sq > 0.0 && wrong_sq.is_finite() && found.not_found == NotFound::default();
     Some(Found { error: is_known.then(|| wrong_sq.sqrt()), interpolated: off_sq.sqrt(), ..found })
 }
@@ -129,11 +158,60 @@ fn is_known(numbers: &[f32]) -> bool {
 }
 
 impl PartOfLight<'_> {
-    /// Finds this part for all texels: nodes are gathered, then cells are kept or quartered. Returns the texels that were interpolated.
-    fn find(&mut self, texels: &mut [Texels<'_>], notes: &mut [Notes]) -> Option<Vec<Texel>> {
+    /// Keeps the earlier light of cells where it changed by a linear function, unless what is kept turns out to be further off than what is found anew.
+    /// Returns the cells that are to be found.
+    fn keep(&mut self, texels: &mut [Texels<'_>], notes: &mut [Notes], bases: &[Option<Base<'_>>]) -> Option<(Kept, Vec<Cell>)> {
         let reflecting = (0..texels.len()).filter(|&chart| texels[chart].material.reflects());
         let side = first_side(texels);
-        let mut cells: Vec<Cell> = reflecting.flat_map(|chart| first_cells(chart, texels[chart].chart.size(), side)).collect();
+        let cells: Vec<Cell> = reflecting.flat_map(|chart| first_cells(chart, texels[chart].chart.size(), side)).collect();
+        if bases.is_empty() {
+            return Some((Kept::default(), cells));
+        }
+
+        // What the light of each cell has changed by.
+        let probes_of = |cell: &Cell| {
+            let base = bases[cell.chart].as_ref();
+            base.map_or(Vec::new(), |base| change::probes(*cell, &texels[cell.chart], &notes[cell.chart], base))
+        };
+        let probes: Vec<Vec<usize>> = cells.par_iter().map(probes_of).collect();
+        let chart_of =
+            |(cell, probes): (&Cell, &Vec<usize>)| probes.iter().map(|&index| (cell.chart, index)).collect::<Vec<Texel>>();
+        let mut wanted: Vec<Texel> = cells.iter().zip(&probes).flat_map(chart_of).collect();
+        wanted.par_sort_unstable();
+        wanted.dedup();
+        self.take(texels, notes, &wanted)?;
+
+        // Keep those where it is linear.
+        let scale_sq = self.scale_sq();
+        let (mut kept, mut rest) = (Vec::new(), Vec::new());
+        for (cell, probes) in cells.iter().zip(&probes) {
+            let base = bases[cell.chart].as_ref().map(|base| (base, self.number));
+            let change = base.and_then(|base| Change::of(&texels[cell.chart], &notes[cell.chart], base, probes));
+            match (
+                base,
+                change.filter(|change| self.is_small(change.misfit.off_sq - change.misfit.noise_sq, &change.misfit, scale_sq)),
+            ) {
+                (Some(base), Some(change)) => {
+                    let indices = change.apply(*cell, &mut texels[cell.chart], base);
+                    kept.extend(indices.into_iter().map(|index| (cell.chart, index)));
+                }
+                _ => rest.push(*cell),
+            }
+        }
+
+        // They may be as far off as gathers and interpolation are together.
+        let off_sq = self.off_gathers_sq(texels, &kept)?;
+        let is_refused = off_sq > self.allowed_sq() + self.wrong_sq();
+        let count = kept.len() as u64;
+        if is_refused {
+            kept.iter().for_each(|&(chart, index)| texels[chart].forget(std::iter::once(index)));
+        }
+        let found = Kept { texels: if is_refused { 0 } else { count }, off: off_sq.sqrt(), is_refused };
+        Some((found, if is_refused { cells } else { rest }))
+    }
+
+    /// Finds this part for all other texels: nodes are gathered, then cells are kept or quartered. Returns the texels that were interpolated.
+    fn find(&mut self, texels: &mut [Texels<'_>], notes: &mut [Notes], mut cells: Vec<Cell>) -> Option<Vec<Texel>> {
         let mut plain = Vec::new();
         while !cells.is_empty() {
             let mut wanted: Vec<Texel> = (cells.iter())
@@ -153,7 +231,8 @@ impl PartOfLight<'_> {
             let scale_sq = self.scale_sq();
             let is_good = |cell: &Cell| {
                 let (texels, notes) = (&texels[cell.chart], &notes[cell.chart]);
-                cell.is_plain(texels, notes) && self.is_close(&cell.misfit(texels, notes), scale_sq)
+                let is_close = |misfit: Misfit| self.is_small(misfit.true_sq(), &misfit, scale_sq);
+                cell.is_plain(texels, notes) && is_close(cell.misfit(texels, notes))
             };
             let (good, rest): (Vec<Cell>, Vec<Cell>) = cells.into_par_iter().partition(is_good);
             plain.extend(good);
@@ -182,7 +261,7 @@ impl PartOfLight<'_> {
 
     /// Gathers texels.
     fn take(&mut self, texels: &mut [Texels<'_>], notes: &mut [Notes], wanted: &[Texel]) -> Option<()> {
-        let found = self.gathers(texels, wanted, &|| self.is_over())?;
+        let found = self.gathers(texels, wanted, (self.aim.seed, &|| self.is_over()))?;
         let channels = self.scene.channels();
         let straight = found.straight.chunks(channels);
         let found = found.radiosity.chunks(channels).zip(found.standard_error.chunks(channels)).zip(straight);
@@ -198,8 +277,8 @@ impl PartOfLight<'_> {
     }
 
     /// Gathers at texels until it is stopped; `None` if cancelled.
-    fn gathers(&self, texels: &[Texels<'_>], wanted: &[Texel], late: Stop<'_>) -> Option<Reflected> {
-        let place = |&(chart, index): &Texel| texels[chart].place(self.scene, index, self.aim.seed);
+    fn gathers(&self, texels: &[Texels<'_>], wanted: &[Texel], (seed, late): (u64, Stop<'_>)) -> Option<Reflected> {
+        let place = |&(chart, index): &Texel| texels[chart].place(self.scene, index, seed);
         let places: Vec<Place> = wanted.iter().map(place).collect();
         let Asked { gather, error_bars, observer, .. } = self.asked;
         let stop = || observer.cancelled() || late();
@@ -228,10 +307,14 @@ impl PartOfLight<'_> {
         }
     }
 
-    /// Whether what the middles of a cell are truly off is no more than the part's share of the error that values may have.
-    fn is_close(&self, misfit: &Misfit, scale_sq: f64) -> bool {
-        let allowed_sq = self.aim.error.powi(2) / PARTS.len() as f64;
-        misfit.true_sq() <= allowed_sq * self.relative_to(misfit.light_sq, scale_sq)
+    /// The part's share of the squared error that values may have.
+    fn allowed_sq(&self) -> f64 {
+        self.aim.error.powi(2) / PARTS.len() as f64
+    }
+
+    /// Whether what values are truly off where there is so much light is no more than allowed.
+    fn is_small(&self, true_sq: f64, misfit: &Misfit, scale_sq: f64) -> bool {
+        true_sq <= self.allowed_sq() * self.relative_to(misfit.light_sq, scale_sq)
     }
 
     /// The mean square of the standard errors of what was gathered, relative in the norm.
@@ -244,8 +327,8 @@ impl PartOfLight<'_> {
         self.squares.iter().map(relative).sum::<f64>() / self.squares.len().max(1) as f64
     }
 
-    /// How far interpolated texels are off, relative in the norm: a mean square over some of them, free of the noise of the gathers that they are held
-    /// against, with what doubt there is about it.
+    /// How far texels that were filled are off, relative in the norm: a mean square over some of them, free of the noise of the gathers that they are held
+    /// against, with what doubt there is about it. These have random numbers of their own: a kept texel may have been gathered by those of all others.
     fn off_gathers_sq(&self, texels: &[Texels<'_>], filled: &[Texel]) -> Option<f64> {
         // One of each of as many strata.
         let count = CONTROLS.min(filled.len());
@@ -258,7 +341,8 @@ impl PartOfLight<'_> {
             return Some(0.0);
         }
         let late = || self.asked.until.is_some_and(|until| Instant::now() >= until);
-        let found = self.gathers(texels, &drawn, &late)?;
+        let seed = sampling::hash(self.aim.seed, streams::BAKE_CONTROLS);
+        let found = self.gathers(texels, &drawn, (seed, &late))?;
         let (channels, scale_sq) = (self.scene.channels(), self.scale_sq());
 
         let found = found.radiosity.chunks(channels).zip(found.standard_error.chunks(channels));

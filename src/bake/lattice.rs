@@ -102,8 +102,14 @@ impl Cell {
         (0..4).map(quarter).filter(is_new)
     }
 
+    /// Columns and rows of its corners and of its middle.
+    pub fn quincunx(&self) -> [[f64; 2]; 5] {
+        let [[left, top], [right, bottom]] = [self.from, self.to].map(|corner| corner.map(|at| at as f64));
+        [[left, top], [right, top], [0.5 * (left + right), 0.5 * (top + bottom)], [left, bottom], [right, bottom]]
+    }
+
     /// The texels within, corners included, with column and row.
-    fn texels(self, columns: usize) -> impl Iterator<Item = (usize, [usize; 2])> {
+    pub fn texels(self, columns: usize) -> impl Iterator<Item = (usize, [usize; 2])> {
         let [[left, top], [right, bottom]] = [self.from, self.to];
         (top..=bottom).flat_map(move |row| (left..=right).map(move |column| (row * columns + column, [column, row])))
     }

@@ -10,7 +10,8 @@ use super::atlas::{Atlas, Placed};
 use super::charts::Chart;
 use super::compose::{NO_CHART, compose};
 use super::fill::Canvas;
-use super::gathered::Found;
+use super::gathered::{Found, Kept};
+use super::record::BakeRecord;
 use super::seams::{self, Seams};
 use super::texels::Texels;
 use crate::picture::{Image, Shown};
@@ -31,6 +32,8 @@ pub struct Lightmap {
     pub(super) owners: Option<Vec<u32>>,
     /// What is known of it.
     pub report: BakeReport,
+    /// What a later bake can take from it, if that was to be [kept](super::BakeOptions::keep) and all was found.
+    pub record: Option<BakeRecord>,
 }
 
 /// A part of the light of a lightmap. Direct and indirect light add up to all of it, to rounding.
@@ -56,8 +59,10 @@ pub struct BakeReport {
     /// How wrong the gathered ones are; errors are root mean squares relative to the light, in the norm of the options. `None` if none were gathered, or
     /// if that is not known.
     pub error: Option<f64>,
-    /// How far interpolated ones are off gathers, at two standard deviations; infinite if the time was over before that was known.
+    /// How far interpolated and kept ones are off gathers, at two standard deviations; infinite if the time was over before that was known.
     pub interpolated: f64,
+    /// What was kept from an earlier bake, of direct and of indirect light.
+    pub kept: [Kept; 2],
     /// How wrong all are together: an estimate.
     pub whole: Option<f64>,
     /// Texels that the limit of time kept from being found: interpolated from what there was, or filled from others of their chart.
@@ -82,7 +87,7 @@ pub(crate) fn finish(
     scene: &Scene,
     atlas: &Atlas,
     texels: &[Texels<'_>],
-    (hidden, found): (u64, &Found),
+    (hidden, found): (u64, Found),
     stop: Stop<'_>,
 ) -> Lightmap {
     let channels = scene.channels();
@@ -112,12 +117,13 @@ pub(crate) fn finish(
         gathered: found.gathered,
         error: found.error,
         interpolated: found.interpolated,
+        kept: found.kept,
         whole: found.error.map(|error| error.hypot(found.interpolated)).filter(|whole| whole.is_finite()),
         filled: found.not_found.filled,
         coarse: found.not_found.coarse,
         ..report
     };
-    Lightmap { atlas: atlas.clone(), pages, direct, owners, report }
+    Lightmap { atlas: atlas.clone(), pages, direct, owners, report, record: found.record }
 }
 
 /// The numbers of pages that were laid out here, texel after texel.

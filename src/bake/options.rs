@@ -28,6 +28,8 @@ pub struct BakeOptions {
     pub only: Option<Only>,
     /// Whether direct and indirect light are kept apart as well.
     pub separate: bool,
+    /// Whether the lightmap comes with what a later bake of the scene, changed here and there, can take from it.
+    pub keep: bool,
 }
 
 /// A part of a scene by name, typed as `material X` or `object X`.
@@ -79,6 +81,44 @@ pub enum UvProblem {
         /// Where.
         uv: [f64; 2],
     },
+}
+
+/// Why nothing can be taken from an earlier bake.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum EarlierProblem {
+    /// Texels are of another size.
+    #[error("its texels are of {earlier} m, these of {now} m")]
+    Texel {
+        /// In metres.
+        earlier: f64,
+        /// In metres.
+        now: f64,
+    },
+    /// Light has other channels.
+    #[error("it has {earlier} channels, the scene {now}")]
+    Channels {
+        /// How many it has.
+        earlier: u32,
+        /// How many there are.
+        now: u32,
+    },
+    /// One of them keeps direct and indirect light apart.
+    #[error("direct and indirect light are kept apart in one of them alone")]
+    Parts,
+    /// Errors are in another norm.
+    #[error("its error was asked for in the other norm")]
+    Norm,
+    /// It was less exact.
+    #[error("it was made for an error of {earlier}, and {now} is asked for")]
+    Error {
+        /// Relative.
+        earlier: f64,
+        /// Relative.
+        now: f64,
+    },
+    /// It is of something else.
+    #[error("none of its charts lies in the scene where it lay")]
+    Nothing,
 }
 
 /// Why there can be no lightmap.
@@ -147,6 +187,9 @@ pub enum BakeError {
     /// The lightmap is of another scene.
     #[error("this atlas was made of another scene")]
     OtherScene,
+    /// An earlier bake does not fit.
+    #[error("nothing can be taken from the earlier bake: {0}; bake without it")]
+    Earlier(EarlierProblem),
     /// Direct and indirect light are asked for apart, of a mesh.
     #[error("a lit mesh holds all light as one: direct and indirect light are apart only where texels are gathered")]
     MeshIsWhole,
@@ -154,7 +197,7 @@ pub enum BakeError {
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { texel: 0.05, padding: 2, size: 4096, only: None, separate: false }
+        Self { texel: 0.05, padding: 2, size: 4096, only: None, separate: false, keep: false }
     }
 }
 

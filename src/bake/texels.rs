@@ -98,6 +98,12 @@ impl Texels<'_> {
         reflected.iter().zip(before).map(|(&a, &b)| f64::from(a + b).powi(2)).sum()
     }
 
+    /// Takes the values of texels away.
+    pub fn forget(&mut self, indices: impl Iterator<Item = usize>) {
+        let numbers = self.numbers();
+        indices.for_each(|index| self.reflected[index * numbers..][..numbers].fill(f32::NAN));
+    }
+
     /// What was found is a part: the other one is looked for.
     pub fn begin_next_part(&mut self) {
         if self.material.reflects() {

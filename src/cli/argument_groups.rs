@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use patchlight::scene::Sides;
 use patchlight::scene::import::{ImportOptions, Textures};
+use patchlight::scene::{Sides, Up};
 
 use super::option_help;
 
@@ -76,16 +76,42 @@ pub struct TrustArguments {
     /// What becomes of textures: each face has their mean over it (face), or a scene with textures is not read (reject)
     #[arg(long, value_name = "HOW", value_enum, default_value_t = Texture::Face)]
     pub texture: Texture,
+    /// What a unit of the coordinates of an OBJ, PLY or STL file is: m, cm, mm, inch, ft, or a number of metres; the scene is turned into metres as it is
+    /// read, and all other lengths, in results too, are metres [default: m]
+    #[arg(long, value_name = "UNIT", value_parser = metres)]
+    pub unit: Option<f64>,
+    /// The axis that points up in such a file, x, y or z: where views look from, planes are level and the sky is; coordinates stay as they are [default: y,
+    /// and for views y or z by floors and lamps]
+    #[arg(long, value_name = "AXIS", value_parser = str::parse::<Up>)]
+    pub up: Option<Up>,
+}
+
+/// The metres of a unit.
+fn metres(text: &str) -> Result<f64, String> {
+    const NAMED: [(&str, f64); 5] = [("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("inch", 0.0254), ("ft", 0.3048)];
+    let named = NAMED.iter().find(|(name, _)| *name == text).map(|(_, metres)| *metres);
+    let metres = named.or_else(|| text.parse().ok().filter(|metres| ImportOptions::UNITS.contains(metres)));
+    metres.ok_or_else(|| "it must be m, cm, mm, inch, ft, or a number of metres from 1e-9 to 1e9".to_owned())
 }
 
 impl TrustArguments {
+    /// What is for scenes alone, if it was typed: of a solution coordinates are what they are.
+    pub fn of_scenes(&self) -> Option<&'static str> {
+        match self {
+            Self { unit: Some(_), .. } => Some("--unit"),
+            Self { up: Some(_), .. } => Some("--up"),
+            _ => None,
+        }
+    }
+
     /// How a scene is read, with these lights beside it.
     pub fn import(&self, sides: Sides, lights: Option<PathBuf>) -> ImportOptions {
         let textures = match self.texture {
             Texture::Face => Textures::Face,
             Texture::Reject => Textures::Reject,
         };
-        ImportOptions { sides, allow_any_path: self.allow_any_path, textures, lights, ..ImportOptions::default() }
+        let Self { allow_any_path, unit, up, .. } = *self;
+        ImportOptions { sides, allow_any_path, textures, lights, unit, up, ..ImportOptions::default() }
     }
 }
 

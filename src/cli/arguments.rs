@@ -282,6 +282,13 @@ pub struct BakeArguments {
     /// others. Texels are gathered for it, whatever --from says by default
     #[arg(long)]
     pub separate: bool,
+    /// Write what a later bake of this scene, changed since, can take from this one
+    #[arg(long, value_name = "FILE.bake")]
+    pub keep: Option<PathBuf>,
+    /// What 'bake --keep' left of the scene before it was changed: light is kept where it changed by what few gathers tell, and found anew elsewhere; how
+    /// far all of it is off is measured, and told
+    #[arg(long, value_name = "FILE.bake")]
+    pub since: Option<PathBuf>,
     /// What .exr, .hdr and RGBM hold: radiosity (W/m^2), radiance (W/m^2/sr), irradiance (W/m^2) or illuminance (lx) [default: radiosity]
     #[arg(long, value_name = "QUANTITY")]
     pub quantity: Option<String>,

@@ -13,6 +13,7 @@ use patchlight::values::Values;
 
 use super::argument_groups::{PictureArguments, Whence, WhoseUv};
 use super::arguments::{BakeArguments, SolveArguments};
+use super::bake_again::Again;
 use super::exit::{Exit, Failure};
 use super::files::{self, Outputs};
 use super::interrupt;
@@ -32,6 +33,7 @@ pub struct BakeRequest {
     from: Option<Whence>,
     uv: Option<WhoseUv>,
     files: LightmapFiles,
+    again: Again,
     vertices: Option<PerVertex>,
     outputs: Outputs,
     limits: RunOptions,
@@ -71,7 +73,8 @@ impl BakeRequest {
         }
 
         // Outputs, before anything is computed: the first page of each, others once it is known how many there are.
-        let mut outputs = Outputs::beside(&[&typed.input]);
+        let read: Vec<&Path> = [Some(&typed.input), typed.since.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
+        let mut outputs = Outputs::beside(&read);
         let mut pages = Vec::new();
         for path in &typed.output {
             let format = ImageFormat::of_path(path).map_err(Failure::usage)?;
@@ -95,13 +98,14 @@ impl BakeRequest {
             typed.glb.as_deref().map(|path| check_extension(path, "glb", "--glb").and_then(|()| outputs.file(path))).transpose()?;
         let json = typed.json.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let vertices = per_vertex(&typed, &mut outputs)?;
+        let again = Again::new(&typed, pages_or_glb, &mut outputs)?;
         let (from, uv, voice) = (typed.from, typed.uv, Voice::new(typed.run.progress));
         if options.separate && from == Some(Whence::Mesh) {
             return Err(Failure::usage("--separate: a lit mesh holds all light as one; leave out --from mesh"));
         }
         let files = LightmapFiles { quantity, exposure, pages, glb, json, voice };
         let (input, limits) = Input::new(typed)?;
-        Ok(Self { input, options, from, uv, files, vertices, outputs, limits, start: Instant::now(), voice })
+        Ok(Self { input, options, from, uv, files, again, vertices, outputs, limits, start: Instant::now(), voice })
     }
 }
 
@@ -120,6 +124,9 @@ impl Input {
             if typed.lights.is_some() {
                 let path = typed.input.display();
                 return Err(Failure::usage(format_args!("--lights is for scenes; {path} is solved already")));
+            }
+            if let Some(flag) = typed.trust.of_scenes() {
+                return Err(Failure::usage(format_args!("{flag} is for scenes; {} is solved already", typed.input.display())));
             }
             if typed.uv == Some(WhoseUv::File) {
                 return Err(Failure::usage("--uv file: a solution does not keep the coordinates of its file; bake the scene"));
@@ -180,7 +187,7 @@ fn bake_options(typed: &BakeArguments) -> Result<BakeOptions, Failure> {
     }
     options.padding = typed.padding.unwrap_or(options.padding);
     options.size = typed.size.unwrap_or(options.size);
-    options.separate = typed.separate;
+    (options.separate, options.keep) = (typed.separate, typed.keep.is_some());
     options.only = typed.only.as_deref().map(str::parse).transpose().map_err(Failure::usage)?;
     options.validate().map_err(Failure::usage)?;
     Ok(options)
@@ -206,6 +213,7 @@ pub fn bake(request: BakeRequest) -> Result<Exit, Failure> {
             (Evaluator::new(solution, &request.limits)?, Exit::Done, atlas)
         }
         Input::Scene(solve) => {
+            request.again.check(options, solve.options.error)?;
             let planned = |scene: &Scene, uv: &FileUv| {
                 let atlas = layout(scene, uv, &request)?;
                 let demand = demand(scene, atlas.as_ref(), &request);
@@ -247,18 +255,25 @@ fn bake_map(request: &BakeRequest, evaluator: &Evaluator, atlas: &Atlas, time_s:
 
     let mesh = match (request.from, evaluator.mesh()) {
         (Some(Whence::Gather), _) => None,
-        (None, _) if request.options.separate => None,
+        (None, _) if request.options.separate || request.again.is_asked() => None,
         (Some(Whence::Mesh), None) => return Err(no_mesh("--from mesh")),
         (_, mesh) => mesh,
     };
-    let found = evaluator.bake_within(atlas, mesh, time_s, &Watcher::new(voice)).map_err(Failure::usage)?;
+    let observer = Watcher::new(voice);
+    let found = match &request.again.earlier {
+        Some(earlier) => evaluator.bake_since(atlas, earlier, time_s, &observer),
+        None => evaluator.bake_within(atlas, mesh, time_s, &observer),
+    };
+    let found = found.map_err(Failure::usage)?;
     let Some(lightmap) = found else {
         voice.warn(format_args!("no lightmap is written: interrupted"));
         return Ok(Exit::Cancelled);
     };
     tell_report(&lightmap.report, mesh, voice);
+    request.again.tell(&lightmap.report, voice);
     let provenance = Provenance::new(evaluator.solution().options());
     request.files.write(&files, &lightmap, evaluator.solution().scene(), &provenance)?;
+    request.again.write(&lightmap, &provenance, voice)?;
     Ok(if lightmap.report.is_complete() { Exit::Done } else { Exit::Limit })
 }
 

@@ -24,6 +24,9 @@ pub fn info(arguments: &InfoArguments) -> Result<Exit, Failure> {
         if arguments.lights.is_some() {
             return Err(Failure::usage(format_args!("--lights is for scenes; {} is solved already", path.display())));
         }
+        if let Some(flag) = arguments.trust.of_scenes() {
+            return Err(Failure::usage(format_args!("{flag} is for scenes; {} is solved already", path.display())));
+        }
         describe_solution(path, &files::read_solution(path)?)
     } else {
         describe_scene(path, &arguments.trust.import(sides, arguments.lights.clone()))?

@@ -5,6 +5,7 @@
 mod argument_groups;
 mod arguments;
 mod bake;
+mod bake_again;
 mod batch;
 mod changes;
 mod exit;

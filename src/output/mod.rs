@@ -14,6 +14,7 @@
 //! | `.ply` | [`write_ply`] | the leaves of the hierarchy with float radiosities |
 //! | `.glb`, `.vtp` | [`export_mesh`], [`export_elements`] | the same for viewers and for ParaView |
 //! | solution | [`write_solution`] | everything, to be read back by [`read_solution`] |
+//! | bake | [`write_bake_record`] | what a later bake of a changed scene takes, to be read back by [`read_bake_record`] |
 //! | `.csv` | [`write_values`] | radiosities at the points that [`read_points`] read |
 //! | `.csv` | [`write_irradiances`] | irradiances and illuminances at sensors |
 //! | `.csv` | [`write_fluxes`] | emitted, incident, absorbed and net power by face, object, group and material |
@@ -25,11 +26,13 @@
 //! | `.json` | [`write_report`] | what the run tells about itself |
 
 mod atomic;
+pub mod bake_file;
 mod export;
 pub mod exr;
 pub mod false_colours;
 pub mod flux;
 mod format;
+mod framed;
 mod glb;
 mod glyphs;
 mod hdr;
@@ -55,6 +58,7 @@ mod vertex_ply;
 mod vtp;
 
 pub use atomic::{Destination, DestinationError};
+pub use bake_file::{BakeFileError, read_bake_record, write_bake_record};
 pub use export::{export_elements, export_mesh, export_vertex_light};
 pub use exr::{write_exr, write_exr_layers};
 pub use false_colours::{Scale, ScaleError};

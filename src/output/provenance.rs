@@ -101,4 +101,9 @@ impl Provenance {
         statements.extend(self.error.clone().map(|claim| ("error", claim)));
         statements
     }
+
+    /// The same for people who open a binary file in a text viewer: one on each line.
+    pub(super) fn lines(&self, quantity: Quantity) -> String {
+        self.statements(quantity).iter().map(|(key, text)| format!("{key}: {text}\n")).collect()
+    }
 }

@@ -21,19 +21,19 @@
 //! stored as vertices and measured anew; of nodes and clusters all is found again that follows from them, and must be the same. What
 //! passes may tell a wrong answer, but takes no more memory or time than a solution of its size does.
 
-use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::framed::{Frame, FrameError};
 use super::{Provenance, Quantity};
 use crate::solve::Solution;
 
 /// The version that this software writes and reads.
-pub const SOLUTION_FORMAT_VERSION: u32 = 17;
+pub const SOLUTION_FORMAT_VERSION: u32 = 18;
 
-const MAGIC: [u8; 8] = *b"\x89PLSOL\r\n";
-const HEADER_LENGTH: usize = 24;
+const FRAME: Frame = Frame { magic: *b"\x89PLSOL\r\n", version: SOLUTION_FORMAT_VERSION };
 
 /// Why a solution cannot be read.
 #[derive(Debug, Error)]
@@ -85,11 +85,7 @@ pub enum SolutionFileError {
 
 /// Whether the file at `path` begins like a solution; `false` also for a file that cannot be read.
 pub fn is_solution_file(path: &Path) -> bool {
-    // To open a pipe that nobody writes to waits for ever.
-    let mut magic = [0; MAGIC.len()];
-    std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file())
-        && std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok()
-        && magic == MAGIC
+    FRAME.is_of(path)
 }
 
 /// Writes `solution` at the current position of `writer`.
@@ -97,25 +93,7 @@ pub fn is_solution_file(path: &Path) -> bool {
 /// # Errors
 /// What the writer says.
 pub fn write_solution(writer: &mut (impl Write + Seek), solution: &Solution, provenance: &Provenance) -> io::Result<()> {
-    // The body first: its length and checksum are known when it is written.
-    let start = writer.stream_position()?;
-    writer.write_all(&[0; HEADER_LENGTH])?;
-    let about = provenance.statements(Quantity::Radiosity).iter().map(|(key, text)| format!("{key}: {text}\n")).collect::<String>();
-    let body = Checksummed { writer: &mut *writer, crc: crc32fast::Hasher::new(), length: 0, failure: None };
-    let mut body = BufWriter::with_capacity(1 << 16, body);
-    if let Err(error) = postcard::to_io(&(about, solution), &mut body) {
-        // Of a full disk the encoder says that its buffer is full; what the system said is better.
-        return Err(body.get_mut().failure.take().unwrap_or_else(|| io::Error::other(error)));
-    }
-    let Checksummed { crc, length, .. } = body.into_inner().map_err(io::IntoInnerError::into_error)?;
-
-    let end = writer.stream_position()?;
-    writer.seek(SeekFrom::Start(start))?;
-    writer.write_all(&MAGIC)?;
-    writer.write_all(&SOLUTION_FORMAT_VERSION.to_le_bytes())?;
-    writer.write_all(&length.to_le_bytes())?;
-    writer.write_all(&crc.finalize().to_le_bytes())?;
-    writer.seek(SeekFrom::Start(end)).map(drop)
+    FRAME.write(writer, &(provenance.lines(Quantity::Radiosity), solution))
 }
 
 /// Reads the solution at `path` and validates it.
@@ -124,87 +102,24 @@ pub fn write_solution(writer: &mut (impl Write + Seek), solution: &Solution, pro
 /// See [`SolutionFileError`]: each says what to do.
 pub fn read_solution(path: &Path) -> Result<Solution, SolutionFileError> {
     let failed = |source| SolutionFileError::Read { path: path.to_owned(), source };
-    let metadata = std::fs::metadata(path).map_err(failed)?;
-    if !metadata.is_file() {
-        // A pipe or a device may wait, or go on, for ever.
-        return Err(failed(io::Error::other("it is not a regular file; copy the solution into one")));
-    }
-    read_solution_from(std::fs::File::open(path).map_err(failed)?, path)
+    read_solution_from(Frame::open(path, "solution").map_err(failed)?, path)
 }
 
 /// Reads a solution up to the end of `reader` and validates it; messages call it `path`.
 ///
 /// # Errors
 /// See [`SolutionFileError`]: each says what to do.
-pub fn read_solution_from(mut reader: impl Read, path: &Path) -> Result<Solution, SolutionFileError> {
-    let failed = |source| SolutionFileError::Read { path: path.to_owned(), source };
-    let damaged = |reason: String| SolutionFileError::Damaged { path: path.to_owned(), reason };
-
-    // What the file says it is.
-    let mut header = Vec::with_capacity(HEADER_LENGTH);
-    reader.by_ref().take(HEADER_LENGTH as u64).read_to_end(&mut header).map_err(failed)?;
-    if header.len() < MAGIC.len() || header[..MAGIC.len()] != MAGIC {
-        return Err(SolutionFileError::NotASolution(path.to_owned()));
-    }
-    let Ok::<[u8; HEADER_LENGTH], _>(header) = header.as_slice().try_into() else {
-        let (found, expected) = (header.len() as u64, HEADER_LENGTH as u64);
-        return Err(SolutionFileError::CutOff { path: path.to_owned(), found, expected });
-    };
-    let number = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
-    let (version, length, crc) = (number(8), u64::from(number(16)) << 32 | u64::from(number(12)), number(20));
-    if version != SOLUTION_FORMAT_VERSION {
-        return Err(SolutionFileError::WrongVersion { path: path.to_owned(), found: version });
-    }
-
-    // The body, as long as announced and unchanged. One byte more is asked for, to see whether the file goes on.
-    let mut body = Vec::new();
-    reader.take(length.saturating_add(1)).read_to_end(&mut body).map_err(failed)?;
-    let found = body.len() as u64;
-    if found < length {
-        let header = HEADER_LENGTH as u64;
-        return Err(SolutionFileError::CutOff {
-            path: path.to_owned(),
-            found: header + found,
-            expected: length.saturating_add(header),
-        });
-    }
-    if found > length {
-        return Err(SolutionFileError::TooLong(path.to_owned()));
-    }
-    if crc32fast::hash(&body) != crc {
-        return Err(damaged("its checksum is wrong".to_owned()));
-    }
-
-    // What it means.
-    let ((_, solution), rest): ((String, Solution), _) =
-        postcard::take_from_bytes(&body).map_err(|error| damaged(format!("it does not decode: {error}")))?;
-    if !rest.is_empty() {
-        return Err(damaged(format!("{} bytes are left over", rest.len())));
-    }
+pub fn read_solution_from(reader: impl Read, path: &Path) -> Result<Solution, SolutionFileError> {
+    let path = || path.to_owned();
+    let damaged = |reason| SolutionFileError::Damaged { path: path(), reason };
+    let (_, solution): (String, Solution) = FRAME.read(reader).map_err(|error| match error {
+        FrameError::Read(source) => SolutionFileError::Read { path: path(), source },
+        FrameError::OtherKind => SolutionFileError::NotASolution(path()),
+        FrameError::WrongVersion(found) => SolutionFileError::WrongVersion { path: path(), found },
+        FrameError::CutOff { found, expected } => SolutionFileError::CutOff { path: path(), found, expected },
+        FrameError::TooLong => SolutionFileError::TooLong(path()),
+        FrameError::Damaged(reason) => damaged(reason),
+    })?;
     solution.validate().map_err(damaged)?;
     Ok(solution)
-}
-
-/// Counts and sums what passes through.
-struct Checksummed<W> {
-    writer: W,
-    /// What the writer said when it failed.
-    failure: Option<io::Error>,
-    crc: crc32fast::Hasher,
-    length: u64,
-}
-
-impl<W: Write> Write for Checksummed<W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.writer.write(bytes).inspect_err(|error| {
-            self.failure = Some(error.raw_os_error().map_or_else(|| error.kind().into(), io::Error::from_raw_os_error));
-        })?;
-        self.crc.update(&bytes[..written]);
-        self.length += written as u64;
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.writer.flush()
-    }
 }

@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use super::camera::Camera;
 use crate::geometry::Aabb;
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::{Scene, SurfaceId, Up};
 use crate::visibility::{Hit, Ray, Visibility};
 
 /// Eyes that are tried inside the bounds of the scene.
@@ -43,10 +43,16 @@ impl Camera {
     /// A camera that shows `scene`; `visibility` must be of that scene. The same for the same scene and size, whatever the backend,
     /// as far as the backends agree.
     ///
-    /// Up is y or z, by the floors and the light that falls.
+    /// Up is where the [scene](Scene::up) says; else y or z, by the floors and the light that falls.
     pub fn default_view(scene: &Scene, visibility: &dyn Visibility, width: u32, height: u32) -> Self {
         let (bounds, detail) = (scene.bounds(), bounds_of_detail(scene));
-        let survey = Survey { scene, visibility, up: guess_up(scene), total_area: total_area(scene), detail };
+        let survey = Survey {
+            scene,
+            visibility,
+            up: scene.up().map_or_else(|| guess_up(scene), Up::vector),
+            total_area: total_area(scene),
+            detail,
+        };
         let pitches_inside = [-4.0, -14.0];
 
         // From inside: eyes that stand free, in all directions around.
@@ -130,7 +136,11 @@ struct Survey<'a> {
 impl Survey<'_> {
     /// Two horizontal directions, at right angles to each other and to up.
     fn level(&self) -> (DVec3, DVec3) {
-        if self.up == DVec3::Z { (DVec3::X, DVec3::Y) } else { (DVec3::Z, DVec3::X) }
+        match self.up {
+            DVec3::Z => (DVec3::X, DVec3::Y),
+            DVec3::X => (DVec3::Y, DVec3::Z),
+            _ => (DVec3::Z, DVec3::X),
+        }
     }
 
     /// The direction at `yaw` (a part of the full turn) and `pitch` (degrees above level).

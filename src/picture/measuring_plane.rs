@@ -6,7 +6,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::camera::parse_vector;
-use crate::scene::{Scene, SurfacePoint};
+use crate::scene::{Scene, SurfacePoint, Up};
 
 /// A plane has at most so many sensors: they must fit into memory.
 const MOST_SENSORS: u64 = 1 << 24;
@@ -33,8 +33,8 @@ pub enum PlaneRequest {
         height: f64,
         /// From sensor to sensor, in metres, at most; if not given, by the size of the plane ([`MeasuringPlane::over`]).
         spacing: Option<f64>,
-        /// The axis that points up: 0, 1 or 2.
-        up: usize,
+        /// The axis that points up, 0, 1 or 2; if not given, that of the scene, or y.
+        up: Option<usize>,
     },
 }
 
@@ -129,7 +129,10 @@ impl PlaneRequest {
     pub fn in_scene(&self, scene: &Scene) -> Result<MeasuringPlane, PlaneError> {
         match *self {
             Self::Given(plane) => Ok(plane),
-            Self::Horizontal { height, spacing, up } => MeasuringPlane::over(scene, height, spacing, up),
+            Self::Horizontal { height, spacing, up } => {
+                let up = up.or(scene.up().map(Up::index)).unwrap_or(Up::Y.index());
+                MeasuringPlane::over(scene, height, spacing, up)
+            }
         }
     }
 }
@@ -158,7 +161,7 @@ impl FromStr for PlaneRequest {
                 plane.validate().map(|()| Self::Given(plane))
             }
             Parts { vectors: [None, None, None], counts: None, lengths: [Some(height), spacing], up } => {
-                Ok(Self::Horizontal { height, spacing, up: up.unwrap_or(1) })
+                Ok(Self::Horizontal { height, spacing, up })
             }
             _ => Err(bad("is neither a plane in full nor a height")),
         }

@@ -6,14 +6,23 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Evaluator;
-use crate::bake::{self, Aim, Asked, Atlas, BakeError, Found, Lightmap, NotFound, Texels};
+use crate::bake::{self, Aim, Asked, Atlas, BakeError, BakeRecord, Base, Found, Lightmap, NotFound, Terms, Texels};
 use crate::discontinuities;
 use crate::mesh::{LitMesh, MeshReader};
 use crate::progress::{Observer, Stop};
 use crate::scene::{Scene, SurfaceId};
-use crate::solve;
+use crate::solve::{self, Norm};
 use crate::transmittance::Rays;
 use crate::visibility::Backend;
+
+/// How texels are found.
+#[derive(Clone, Copy)]
+enum Way<'a> {
+    /// Off a lit mesh.
+    Read(&'a LitMesh),
+    /// By rays, perhaps after an earlier bake.
+    Gather(Option<&'a BakeRecord>),
+}
 
 impl Evaluator {
     /// A lightmap, read off a lit mesh of this solution, or gathered where that is needed and interpolated between. `None` if the observer cancels.
@@ -24,7 +33,22 @@ impl Evaluator {
         self.bake_within(atlas, mesh, None, observer)
     }
 
-    /// The same in so many seconds: what is not found by then is interpolated from what there is, filled from beside it, or, where nothing is known of a
+    /// The same of a scene that was baked before and changed since, here and there: the `earlier` light of texels is kept where it changed by what few gathers
+    /// tell, and how far it is off is measured; the [report](bake::BakeReport) tells both. What is changed may be anything: lights, materials, surfaces.
+    ///
+    /// # Errors
+    /// [`BakeError::Earlier`] if the earlier bake is of another scene, or was made on other terms; else as [`Evaluator::bake`].
+    pub fn bake_since(
+        &self,
+        atlas: &Atlas,
+        earlier: &BakeRecord,
+        time_s: Option<f64>,
+        observer: &dyn Observer,
+    ) -> Result<Option<Lightmap>, BakeError> {
+        self.bake_of(atlas, Way::Gather(Some(earlier)), time_s, observer)
+    }
+
+    /// Like [`Evaluator::bake`], in so many seconds: what is not found by then is interpolated from what there is, filled from beside it, or, where nothing is known of a
     /// chart, taken from the solver's own elements; the [report](bake::BakeReport) tells how much. Laying out the pages comes after that.
     ///
     /// # Errors
@@ -36,36 +60,59 @@ impl Evaluator {
         time_s: Option<f64>,
         observer: &dyn Observer,
     ) -> Result<Option<Lightmap>, BakeError> {
+        self.bake_of(atlas, mesh.map_or(Way::Gather(None), Way::Read), time_s, observer)
+    }
+
+    fn bake_of(
+        &self,
+        atlas: &Atlas,
+        way: Way<'_>,
+        time_s: Option<f64>,
+        observer: &dyn Observer,
+    ) -> Result<Option<Lightmap>, BakeError> {
         let until = time_s.and_then(|seconds| Instant::now().checked_add(Duration::try_from_secs_f64(seconds).ok()?));
         let (scene, seed) = (self.solution.scene(), self.solution.options().seed);
         if !atlas.is_of(scene) {
             return Err(BakeError::OtherScene);
         }
-        if mesh.is_some() && atlas.options().separate {
-            return Err(BakeError::MeshIsWhole);
+        match way {
+            Way::Read(_) if atlas.options().separate || atlas.options().keep => return Err(BakeError::MeshIsWhole),
+            Way::Gather(Some(earlier)) => earlier.check(self.terms(atlas))?,
+            _ => {}
         }
         let rays = Rays::new(&*self.visibility, scene);
         let cancelled = || observer.cancelled();
-        Ok(self.pool.install(|| {
+        self.pool.install(|| {
             let mut texels = bake::texels_of(atlas, scene, &cancelled);
             let hidden = bake::hide(scene, &mut texels, &rays, seed, &cancelled);
             if cancelled() {
-                return None;
+                return Ok(None);
             }
-            let found = match mesh {
-                Some(mesh) => {
+            let found = match way {
+                Way::Read(mesh) => {
                     let stop = || observer.cancelled() || is_over(until);
                     read(&mut texels, &self.reader(mesh), scene, &stop);
                     let coarse = |surface, point| self.coarse_at(surface, point);
                     let nothing_between = vec![0; texels.len()];
                     bake::complete(scene, &mut texels, &nothing_between, &coarse);
-                    Found { not_found: NotFound::of(&texels), ..Found::default() }
+                    Some(Found { not_found: NotFound::of(&texels), ..Found::default() })
                 }
-                None => self.gather_texels(&mut texels, &rays, (atlas.options().separate, until), observer)?,
+                Way::Gather(earlier) => {
+                    let bases = earlier.map(|earlier| earlier.bases(scene, &texels)).transpose()?.unwrap_or_default();
+                    self.gather_texels((atlas, &mut texels), &bases, &rays, until, observer)
+                }
             };
-            let lightmap = bake::finish(scene, atlas, &texels, (hidden, &found), &cancelled);
-            (!observer.cancelled()).then_some(lightmap)
-        }))
+            let Some(found) = found else { return Ok(None) };
+            let lightmap = bake::finish(scene, atlas, &texels, (hidden, found), &cancelled);
+            Ok((!observer.cancelled()).then_some(lightmap))
+        })
+    }
+
+    /// What another bake must have in common with one of this atlas.
+    fn terms(&self, atlas: &Atlas) -> Terms {
+        let (options, bake) = (self.solution.options(), atlas.options());
+        let (channels, is_local) = (self.solution.scene().channels() as u32, options.norm == Norm::Local);
+        Terms { texel: bake.texel, channels, is_apart: bake.separate, error: options.error, is_local }
     }
 
     /// Bytes that baking takes with all that there is meanwhile, about: program, scene, visibility by this backend, solution and texels.
@@ -77,21 +124,23 @@ impl Evaluator {
     /// Gathers texels; `None` if the observer cancels.
     fn gather_texels(
         &self,
-        texels: &mut [Texels<'_>],
+        (atlas, texels): (&Atlas, &mut [Texels<'_>]),
+        bases: &[Option<Base<'_>>],
         rays: &Rays<'_>,
-        (is_separate, until): (bool, Option<Instant>),
+        until: Option<Instant>,
         observer: &dyn Observer,
     ) -> Option<Found> {
         let (scene, options) = (self.solution.scene(), self.solution.options());
         let stop = || observer.cancelled() || is_over(until);
         let paths = self.solution.light_paths(rays, &stop);
         let gather = self.solution.gather_at_points(rays, paths.as_ref());
-        let gather = if is_separate { gather.keeping_apart() } else { gather };
+        let gather = if atlas.options().separate { gather.keeping_apart() } else { gather };
         let lines = discontinuities::of_shape(scene, &stop);
         let coarse = |surface, point| self.coarse_at(surface, point);
-        let asked = Asked { gather: &gather, error_bars: self.solution.error_bars, observer, until, coarse: &coarse };
+        let keep = atlas.options().keep.then(|| self.terms(atlas));
+        let asked = Asked { gather: &gather, error_bars: self.solution.error_bars, observer, until, coarse: &coarse, keep };
         let aim = Aim { error: options.error, norm: options.norm.into(), seed: options.seed };
-        bake::gather(scene, texels, &lines, aim, asked)
+        bake::gather(scene, texels, &lines, bases, (aim, asked))
     }
 
     /// What the solver's element at a point reflects, by channel in W/m^2.

@@ -21,6 +21,7 @@ mod point;
 mod shared;
 mod summary;
 mod twins;
+mod up;
 
 pub(crate) use distinct_channels::DistinctChannels;
 pub(crate) use emission_apart::EmissionApart;
@@ -40,6 +41,7 @@ pub use lights::{
 pub use material::Material;
 pub use point::{PointError, SurfacePoint};
 pub use summary::{LightSummary, SceneSummary};
+pub use up::Up;
 
 use std::sync::Arc;
 
@@ -111,6 +113,8 @@ pub struct Scene {
     /// What sends light beside them.
     lights: Vec<Light>,
     sides: Sides,
+    /// Which axis points up, if that was said.
+    up: Option<Up>,
     /// What their faces belong to.
     objects: FaceNames,
     groups: FaceNames,
@@ -156,6 +160,7 @@ impl Scene {
             surfaces,
             lights: Vec::new(),
             sides,
+            up: None,
             objects,
             groups,
             light_groups: None,
@@ -195,6 +200,17 @@ impl Scene {
     #[must_use]
     pub fn with_names(self, objects: FaceNames, groups: FaceNames) -> Self {
         Self { objects, groups, ..self }
+    }
+
+    /// The same, of which is known where up is.
+    #[must_use]
+    pub fn with_up(self, up: Option<Up>) -> Self {
+        Self { up, ..self }
+    }
+
+    /// The axis that points up, if somebody has said so.
+    pub fn up(&self) -> Option<Up> {
+        self.up
     }
 
     /// Every material must have as many channels as the scene, of which there must be some, with values in range.

@@ -8,6 +8,7 @@ mod triangles;
 #[path = "../support/glb.rs"]
 mod glb;
 
+mod again;
 mod file_uv;
 mod files;
 mod layout;

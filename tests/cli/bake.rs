@@ -63,6 +63,28 @@ fn direct_and_indirect_light_are_layers_or_files_and_add_up() {
 }
 
 #[test]
+fn a_bake_takes_from_an_earlier_one_what_has_not_changed() {
+    let place = Place::new();
+    let bake = "bake room.obj --error 0.1 --texel 0.1";
+    let ran = place.run(&format!("{bake} -o a.exr --keep a.bake"));
+    assert!(ran.succeeded().stderr.contains("a.bake (for a later bake, --since)"), "{}", ran.stderr);
+    let materials = place.read("room.mtl").replace("Kd 0.6 0.5 0.4", "Kd 0.6 0.5 0.35");
+    fs::write(place.path("room.mtl"), materials).unwrap();
+    let ran = place.run(&format!("{bake} -o b.exr --since a.bake --keep b.bake"));
+    assert!(ran.succeeded().stderr.contains("kept      direct light of "), "{}", ran.stderr);
+    assert_eq!(place.new_files(), ["a.bake", "a.exr", "b.bake", "b.exr"]);
+
+    // What does not fit is told before anything is computed.
+    let finer = "bake room.obj --error 0.1 --texel 0.05 -o c.exr --since a.bake";
+    place.run(finer).failed(2, &["nothing can be taken from the earlier bake: its texels are of 0.1 m, these of 0.05 m"]);
+    place.run("bake room.obj --error 0.05 --texel 0.1 -o c.exr --since a.bake").failed(2, &["it was made for an error of 0.1"]);
+    place.run(&format!("{bake} -o c.exr --since room.solution")).failed(3, &["room.solution: this is nothing that a bake left"]);
+    place.run(&format!("{bake} -o c.exr --from mesh --keep c.bake")).failed(2, &["--keep", "leave out --from mesh"]);
+    place.run(&format!("{bake} -o c.exr --since a.bake --keep a.bake")).failed(2, &["a.bake"]);
+    place.run(&format!("{bake} --per-vertex c.ply --keep c.bake")).failed(2, &["--keep is for lightmaps"]);
+}
+
+#[test]
 fn a_scene_is_solved_first_and_pages_are_numbered() {
     let place = Place::new();
     let line = ["bake", "room.obj", "--error", "0.2", "--texel", "0.1", "--size", "32", "--only", "material wall", "-o", "l.exr"];

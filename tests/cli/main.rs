@@ -12,6 +12,7 @@ mod sensors;
 mod solve;
 #[path = "../support/mod.rs"]
 mod support;
+mod units;
 
 use std::fs;
 use std::io::Write;

@@ -5,6 +5,8 @@ mod furnished_room;
 #[path = "../support/glb.rs"]
 mod glb;
 mod lights;
+#[path = "../support/same_light.rs"]
+mod same_light;
 
 use std::f64::consts::PI;
 

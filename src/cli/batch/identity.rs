@@ -60,7 +60,8 @@ pub fn identity(job: &Job, request: &SolveRequest, options: &SolveOptions, input
 
     // What is read, and changed.
     let sides = if request.import.sides == Sides::Both { "both" } else { "front" };
-    lines.push(format!("scene {} {sides}", inputs.scene));
+    let unit = request.import.unit.map(f64::to_bits);
+    lines.push(format!("scene {} {sides} {unit:?} {:?}", inputs.scene, request.import.up));
     lines.push(format!("points {}", inputs.points.unwrap_or_default()));
     lines.extend(job.changes.iter().map(|change| format!("change {}", change.identity())));
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::options::ImportOptions;
 use crate::scene::SceneError;
 
 /// Why a file could not be read: fatal, exit code 3. Each names the file, and the line and face where there is one, and what to do.
@@ -12,6 +13,15 @@ pub enum ImportError {
     /// The observer cancelled.
     #[error("reading was cancelled")]
     Cancelled,
+    /// The metres of a unit are out of range.
+    #[error("a unit of {0} m is out of range: it must be from {least:e} to {most:e} m", least = ImportOptions::UNITS.start(), most = ImportOptions::UNITS.end())]
+    BadUnit(f64),
+    /// The format says itself what a unit is and where up is.
+    #[error("{}: glTF is in metres, and y is up: take unit and up away", file.display())]
+    KnowsUnits {
+        /// The file.
+        file: PathBuf,
+    },
     /// The name ends in no extension that a reader is for.
     #[error("{}: unknown kind of file; a scene is an .obj, .gltf, .glb, .ply or .stl file", file.display())]
     UnknownExtension {

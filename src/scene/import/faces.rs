@@ -43,6 +43,14 @@ pub(super) struct FaceFile {
 }
 
 impl FaceFile {
+    /// The same in metres, of which a unit of the file has so many.
+    pub fn scaled(mut self, metres: f64) -> Self {
+        self.corners.iter_mut().for_each(|corner| *corner *= metres);
+        let of_uv = self.uv.triangles.iter_mut().flat_map(|triangle| triangle.corners.as_flattened_mut());
+        of_uv.for_each(|x| *x *= metres);
+        self
+    }
+
     /// Adds a face.
     pub fn push(&mut self, number: u32, material: u32, corners: impl IntoIterator<Item = DVec3>) {
         let start = self.corners.len();

@@ -67,7 +67,7 @@ pub struct Imported {
 ///
 /// Of OBJ `Kd` is the reflectance and `pi Ke` the exitance, times the mean of `map_Kd` and `map_Ke` over the face; of glTF the base colour, and `pi` times factor and strength of the emission, which count as a
 /// radiance in W/m^2/sr. Polygons that are not convex and planar are cut; all pieces bear the number of their face. Triangles
-/// of a glTF primitive that lie in one plane are joined. Lights that are no surfaces come from glTF files and from [`ImportOptions::lights`].
+/// of a glTF primitive that lie in one plane are joined. glTF is in metres with y up; of other formats [`ImportOptions`] tells unit and up. Lights that are no surfaces come from glTF files and from [`ImportOptions::lights`].
 ///
 /// # Errors
 /// See [`ImportError`].
@@ -83,6 +83,12 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     let file = || path.to_owned();
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default().to_ascii_lowercase();
 
+    if let Some(unit) = options.unit.filter(|unit| !ImportOptions::UNITS.contains(unit)) {
+        return Err(ImportError::BadUnit(unit));
+    }
+    if matches!(extension.as_str(), "gltf" | "glb") && (options.unit.is_some() || options.up.is_some()) {
+        return Err(ImportError::KnowsUnits { file: file() });
+    }
     let mut diagnostics = Diagnostics::default();
     observer.progress(&Progress { stage: Stage::Read, round: 0, fraction: None, links: 0, elements: 0, error: None });
     let stop = || observer.cancelled();
@@ -96,6 +102,10 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     if stop() {
         return Err(ImportError::Cancelled);
     }
+    let read = match options.unit {
+        Some(metres) => read.scaled(metres),
+        None => read,
+    };
     let FaceFile { lines, vertices, faces, corners, materials, mut libraries, objects, groups, mut lights, uv } = read;
     let in_file = assemble::Faces { faces: &faces, corners: &corners, source: Some((path, &lines)), objects: &objects };
     let assembled = assemble::assemble(&in_file, &mut diagnostics, &stop).ok_or(ImportError::Cancelled)?;
@@ -109,7 +119,7 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
         return Err(ImportError::Cancelled);
     }
     if let Some(path) = &options.lights {
-        let read = read_lights(path, 3, options.allow_any_path)?;
+        let read = lights::read_lights_of(path, 3, options)?;
         lights.extend(read.lights);
         diagnostics.items.extend(read.diagnostics.items);
         libraries.extend(read.files);
@@ -117,7 +127,8 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     let scene = Scene::new(3, materials, assembled.polygons, options.sides)
         .and_then(|scene| scene.with_lights(lights))
         .map_err(|source| ImportError::Scene { file: file(), source })?
-        .with_names(objects, groups);
+        .with_names(objects, groups)
+        .with_up(options.up);
     if scene.is_dark() {
         let text = "no light: no face has a material that emits, and there are no lights, so everything is black";
         diagnostics.push(Diagnostic::new(DiagnosticKind::NoLight, text).at(path, 0));

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::scene::Sides;
+use crate::scene::{Sides, Up};
 
 /// What the reader may decide.
 #[derive(Clone, Debug, Default)]
@@ -16,8 +16,19 @@ pub struct ImportOptions {
     pub textures: Textures,
     /// A TOML file of lights that are no surfaces, see [`read_lights`](super::read_lights), beside those of the scene's own file.
     pub lights: Option<PathBuf>,
+    /// How many metres a unit of the file's coordinates is, if that is not one: the scene that is read is in metres. For formats that know no unit: OBJ, PLY
+    /// and STL.
+    pub unit: Option<f64>,
+    /// Which axis points up, for the same formats; coordinates stay as they are. The file of lights, if it does not say it itself, takes y if this is not
+    /// given.
+    pub up: Option<Up>,
     /// Whether to keep the coordinates that the file has for lightmaps: the second set (`TEXCOORD_1`) of glTF, the only one (`vt`) of OBJ.
     pub keep_uv: bool,
+}
+
+impl ImportOptions {
+    /// The range of [`ImportOptions::unit`]: from a nanometre to a million kilometres.
+    pub const UNITS: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 }
 
 /// What becomes of textures: materials have one colour.

@@ -45,7 +45,7 @@ use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 
 use super::text::read_regular_file;
-use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError};
+use super::{Diagnostic, DiagnosticKind, Diagnostics, ImportError, ImportOptions};
 use crate::scene::{LUMENS_PER_WATT, Light};
 use lamps::Reader;
 use place::Axes;
@@ -71,6 +71,11 @@ pub struct ImportedLights {
 /// # Errors
 /// See [`ImportError`]: whatever is wrong is told with file and line.
 pub fn read_lights(path: &Path, channels: usize, allow_any_path: bool) -> Result<ImportedLights, ImportError> {
+    read_lights_of(path, channels, &ImportOptions { allow_any_path, ..ImportOptions::default() })
+}
+
+/// The same beside a scene that is read with these options, which may tell where up is.
+pub(super) fn read_lights_of(path: &Path, channels: usize, options: &ImportOptions) -> Result<ImportedLights, ImportError> {
     let bytes = read_regular_file(path).map_err(|reason| ImportError::Unreadable { file: path.to_owned(), reason })?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     let text = std::str::from_utf8(bytes).map_err(|error| {
@@ -83,13 +88,13 @@ pub fn read_lights(path: &Path, channels: usize, allow_any_path: bool) -> Result
 
     // The top, then the tables in the order of the file.
     let top = Table::new(&text, parsed.get_ref(), 0);
-    let axes = Axes::of(&top)?;
+    let axes = Axes::of(&top, options.up)?;
     let tables = tables(&text, &top, parsed.get_ref())?;
     if tables.is_empty() {
         let reason = format_args!("it has no light: add a table of one, as [[point]]; kinds are {}", KINDS.join(", "));
         return Err(text.wrong(0, reason));
     }
-    let mut reader = Reader::new(path, channels, allow_any_path, axes);
+    let mut reader = Reader::new(path, channels, options.allow_any_path, axes);
     let (mut lights, mut names) = (Vec::with_capacity(tables.len()), HashSet::new());
     for (number, (kind, table)) in tables.iter().enumerate() {
         let name = table.get("name").map(|name| name.text()).transpose()?;

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::super::ImportError;
 use super::table::Table;
+use crate::scene::Up;
 
 /// The axes of the world: unit vectors.
 pub(super) struct Axes {
@@ -13,11 +14,11 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Of the table at the top of a file: `up` is "x", "y" or "z" or a vector, y if nothing is said; `north` is a vector across it: if nothing is said, -z
+    /// Of the table at the top of a file: `up` is "x", "y" or "z" or a vector; if nothing is said that of the scene, else y; `north` is a vector across it: if nothing is said, -z
     /// where y is up, y where z is up, z where x is up, and else the axis that is most across.
-    pub fn of(table: &Table<'_>) -> Result<Self, ImportError> {
+    pub fn of(table: &Table<'_>, of_scene: Option<Up>) -> Result<Self, ImportError> {
         let up = match table.get("up") {
-            None => DVec3::Y,
+            None => of_scene.unwrap_or(Up::Y).vector(),
             Some(up) if up.is_text() => match up.text()? {
                 "x" => DVec3::X,
                 "y" => DVec3::Y,
