@@ -554,6 +554,27 @@ typedef uint32_t patchlight_mesh_array;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// How lights are grouped. Values may be added.
+enum patchlight_light_grouping
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Not at all, as at first.
+  PATCHLIGHT_LIGHTS_TOGETHER = 0,
+  // A group for each material that emits, by its name, and for each light that is no surface.
+  PATCHLIGHT_LIGHTS_BY_MATERIAL = 1,
+  // A group for each object of a file that has emitters, and for each light that is no surface.
+  PATCHLIGHT_LIGHTS_BY_OBJECT = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum patchlight_light_grouping patchlight_light_grouping;
+#else
+typedef uint32_t patchlight_light_grouping;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Worker threads, and who hears what happens. Scenes, solves and solutions of a context use its threads.
 typedef struct patchlight_context patchlight_context;
 
