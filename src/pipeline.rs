@@ -4,6 +4,7 @@ mod baking;
 mod error;
 mod of_mesh;
 mod pictures;
+mod relit;
 mod sensors;
 mod vertices;
 mod workers;
@@ -12,7 +13,7 @@ pub use error::PipelineError;
 pub use of_mesh::ViewMesh;
 pub use workers::Workers;
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use crate::bounds::{self, BoundsInput, BoundsReport, FormFactorRule, ImportanceBounds, PointBounds, RadiosityBounds};
@@ -33,7 +34,7 @@ use crate::visibility::{self, Backend, OccluderMesh, Visibility, VisibilityError
 /// A solution with what is needed to look at it: visibility and a pool of threads.
 pub struct Evaluator {
     solution: Solution,
-    visibility: Box<dyn Visibility>,
+    visibility: Arc<dyn Visibility>,
     pool: Workers,
     /// Of the lit mesh, once it is asked for.
     mesh_index: OnceLock<MeshIndex>,
@@ -156,7 +157,7 @@ fn solve_in(
     let rays = if options.links.skips.clear { rays } else { rays.asking_between_clear_planes() };
     let beginning = Beginning { hierarchy, importance };
     let (solution, mut report) = pool.install(|| solve::solve(scene, options, run, beginning, &rays, observer));
-    let mut evaluator = Evaluator { solution, visibility, pool, mesh_index: OnceLock::new() };
+    let mut evaluator = Evaluator::asking_on(pool, visibility, solution);
     if options.bounds == Bounds::Guaranteed {
         let solved = Instant::now();
         let late = || run.time_s.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds);
@@ -206,7 +207,7 @@ impl Evaluator {
 
     /// Like [`Evaluator::new_on`], but asks `visibility`, whatever it is; see [`solve_asking`].
     pub fn asking_on(pool: Workers, visibility: Box<dyn Visibility>, solution: Solution) -> Self {
-        Self { solution, visibility, pool, mesh_index: OnceLock::new() }
+        Self { solution, visibility: Arc::from(visibility), pool, mesh_index: OnceLock::new() }
     }
 
     /// The solution.

@@ -12,6 +12,7 @@ use std::path::Path;
 use patchlight::output::{Provenance, read_solution_from, write_solution};
 use patchlight::pipeline::{Evaluator, PipelineError, solve};
 use patchlight::progress::{Observer, Progress, Silent};
+use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{LightGrouping, Material, Scene, SceneError, SurfacePoint};
 use patchlight::solve::{
     Bounds, ErrorReport, Norm, OtherMaterialsError, RunOptions, Solution, SolveOptions, SolveReport, Solver, Strategy,
@@ -132,6 +133,28 @@ fn other_materials_are_within_their_claim_of_solves_from_scratch() {
         // Elements, over the links.
         assert!(found.radiosity().values().iter().all(|b| b.is_finite()));
     }
+}
+
+#[test]
+fn paint_much_brighter_than_what_was_solved_is_claimed_truly() {
+    // Paths went on by the reflectances that were solved: with larger ones their weights sum to more than 1 in some rows.
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/room.obj");
+    let scene = read_scene(&file, &ImportOptions::default()).unwrap().scene;
+    let (evaluator, _) = solved(scene, &options(0.03), 0);
+    let solution = evaluator.solution();
+    let materials = changed(solution.scene(), |material| match material.name.as_str() {
+        "wall" | "floor" | "ceiling" | "sofa" | "rug" => material.reflectance.fill(0.84),
+        _ => {}
+    });
+    let (found, error) = again(solution, materials.clone());
+    let exact = SolveOptions { error: 0.01, norm: Norm::Energy, ..SolveOptions::default() };
+    let (truth, of_truth) = solved(solution.scene().with_materials(materials).unwrap(), &exact, 0);
+    let (points, exitance) = (points(solution.scene(), 600), exitance_at(solution.scene(), 600));
+    let off = off(&values(found, &points), &truth.values_at(&points, &Silent).unwrap().radiosity, &exitance);
+    println!("off by {off:.4}, claimed {:.4} by energy; the truth claims {:.4}", error.energy.estimate, of_truth.error.estimate);
+    // What the truth is off, and the scatter of 600 points.
+    assert!(off <= 1.1 * error.energy.estimate + of_truth.error.estimate, "{error:?}");
+    assert!((0.01..0.2).contains(&error.estimate), "{error:?}");
 }
 
 #[test]

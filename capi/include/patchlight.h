@@ -379,7 +379,7 @@ typedef uint32_t patchlight_sides;
 #endif // __cplusplus
 
 // A number that tells about a solution. Values may be added; from 100 on they are of the solve, and not there in a solution that was read
-// from a file.
+// from a file; one that follows from another has those of its error.
 enum patchlight_figure
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -551,6 +551,27 @@ enum patchlight_mesh_array
 typedef enum patchlight_mesh_array patchlight_mesh_array;
 #else
 typedef uint32_t patchlight_mesh_array;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How lights are grouped. Values may be added.
+enum patchlight_light_grouping
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Not at all, as at first.
+  PATCHLIGHT_LIGHTS_TOGETHER = 0,
+  // A group for each material that emits, by its name, and for each light that is no surface.
+  PATCHLIGHT_LIGHTS_BY_MATERIAL = 1,
+  // A group for each object of a file that has emitters, and for each light that is no surface.
+  PATCHLIGHT_LIGHTS_BY_OBJECT = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum patchlight_light_grouping patchlight_light_grouping;
+#else
+typedef uint32_t patchlight_light_grouping;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -947,6 +968,17 @@ patchlight_status patchlight_scene_diagnostic_text(struct patchlight_scene *scen
                                                    size_t capacity,
                                                    size_t *count);
 
+// Groups the lights of a scene that is not committed yet: `grouping` is a patchlight_light_grouping. patchlight_scene_commit finds the groups, and
+// patchlight_solution_relight weights them after the solve.
+patchlight_status patchlight_scene_group_lights(struct patchlight_scene *scene,
+                                                uint32_t grouping);
+
+// Adds lights to the group of a name, which is made with its first ones: `lights` is "material NAME", "object NAME" or "light NAME". Every surface that
+// emits must be in one group then, and every light. Takes the place of what patchlight_scene_group_lights said.
+patchlight_status patchlight_scene_add_to_light_group(struct patchlight_scene *scene,
+                                                      const char *group,
+                                                      const char *lights);
+
 // A number that tells about a committed scene: `what` is a patchlight_scene_figure.
 patchlight_status patchlight_scene_get_figure(struct patchlight_scene *scene, uint32_t what, double *figure);
 
@@ -974,8 +1006,9 @@ patchlight_status patchlight_solution_set_progress(struct patchlight_solution *s
                                                    patchlight_progress_function progress,
                                                    void *user);
 
-// How the solve ended, as patchlight_solve said. PATCHLIGHT_NOT_AVAILABLE for a solution that was read from a file.
-patchlight_status patchlight_solution_get_status(struct patchlight_solution *solution, patchlight_status *status);
+// How the solve ended, as patchlight_solve said. PATCHLIGHT_NOT_AVAILABLE for one that was read from a file or follows from another.
+patchlight_status patchlight_solution_get_status(struct patchlight_solution *solution,
+                                                 patchlight_status *status);
 
 // Writes a solution, to be read by patchlight_solution_load and by the program. A file that is there is replaced by a complete one.
 patchlight_status patchlight_solution_save(struct patchlight_solution *solution,
@@ -1036,6 +1069,33 @@ patchlight_status patchlight_solution_get_report(struct patchlight_solution *sol
                                                  char *buffer,
                                                  size_t capacity,
                                                  size_t *count);
+
+// How many light groups a solution has; 0 for one that was solved without.
+patchlight_status patchlight_solution_light_group_count(struct patchlight_solution *solution, size_t *count);
+
+// The name of a light group, counted from 0, and the zero behind it.
+patchlight_status patchlight_solution_light_group_name(struct patchlight_solution *solution,
+                                                       size_t group,
+                                                       char *buffer,
+                                                       size_t capacity,
+                                                       size_t *count);
+
+// A solution with other weights for its light groups: a weighted sum of what is stored, exact and quick. An item of `weights` is a group, in
+// their order, with a weight from 0 on for each channel; as it was solved they are 1. What is known of its error is by energy:
+// PATCHLIGHT_ERROR_ESTIMATE and PATCHLIGHT_ERROR_ENERGY. Visibility and the progress function are those of `solution`, which stays as it is.
+patchlight_status patchlight_solution_relight(struct patchlight_solution *solution,
+                                              const struct patchlight_array *weights,
+                                              struct patchlight_solution **relit);
+
+// A solution of the same surfaces with other materials, over the transport that was stored with the option `keep_transport`: no ray is cast. Items are the
+// materials, in their order, with a number for each channel, as in patchlight_scene_add_materials; NULL leaves reflectances or exitances as they
+// are. PATCHLIGHT_LIMIT if more than `error` is claimed, or where that is 0 more than the solution was asked for: there is a solution. The progress
+// function of `solution`, which stays as it is, may cancel. PATCHLIGHT_NOT_AVAILABLE without stored transport.
+patchlight_status patchlight_solution_with_materials(struct patchlight_solution *solution,
+                                                     const struct patchlight_array *reflectance,
+                                                     const struct patchlight_array *exitance,
+                                                     double error,
+                                                     struct patchlight_solution **changed);
 
 // Values at points that lie on surfaces, with the normals of the sides that are looked at. `missed` says how many lie on no surface; it may be
 // NULL.

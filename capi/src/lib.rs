@@ -47,6 +47,7 @@ pub use scene::diagnostics::{
     PATCHLIGHT_NONE, patchlight_diagnostic, patchlight_diagnostic_code, patchlight_scene_diagnostic,
     patchlight_scene_diagnostic_count, patchlight_scene_diagnostic_text, patchlight_severity,
 };
+pub use scene::light_groups::{patchlight_light_grouping, patchlight_scene_add_to_light_group, patchlight_scene_group_lights};
 pub use scene::read::{
     patchlight_scene_figure, patchlight_scene_get_figure, patchlight_scene_triangle_planes, patchlight_scene_triangles,
 };
@@ -62,6 +63,10 @@ pub use solution::picture::{
 pub use solution::read::{
     patchlight_figure, patchlight_items, patchlight_real, patchlight_solution_count, patchlight_solution_get_double,
     patchlight_solution_get_figure, patchlight_solution_get_report, patchlight_solution_get_uint32, patchlight_whole,
+};
+pub use solution::relight::{
+    patchlight_solution_light_group_count, patchlight_solution_light_group_name, patchlight_solution_relight,
+    patchlight_solution_with_materials,
 };
 pub use solution::values::{patchlight_solution_get_values, patchlight_values};
 pub use solution::{

@@ -15,7 +15,7 @@ use crate::memory::{Out, SizedStruct, read_sized};
 use crate::observer::{Listener, MemoryMonitor, Watcher, patchlight_memory_function, patchlight_progress_function};
 use crate::options::{Settings, patchlight_options};
 use crate::scene::{Committed, patchlight_scene};
-use crate::solution::{Report, Solution, patchlight_solution};
+use crate::solution::{Known, Report, Solution, patchlight_solution};
 use crate::status::{
     Ending, Outcome, PATCHLIGHT_CALLBACK_ERROR, PATCHLIGHT_CANCELLED, PATCHLIGHT_LIMIT, PATCHLIGHT_MEMORY_LIMIT, PATCHLIGHT_OK,
     patchlight_status,
@@ -114,7 +114,7 @@ pub unsafe extern "C" fn patchlight_solve(
         context.log(PATCHLIGHT_LOG_INFO, &told(&report));
         let (status, message) = ending(&report);
         let report = Report { json: json(&scene, &options, &report, context.workers.count()), solve: report, status };
-        out.set(handles::create(Arc::new(Solution::new(context, evaluator, Some(report), failed))))?;
+        out.set(handles::create(Arc::new(Solution::new(context, evaluator, Known::Solved(Box::new(report)), failed))))?;
         if status == PATCHLIGHT_OK { Ok(()) } else { Err(Ending::new(status, message)) }
     })
 }

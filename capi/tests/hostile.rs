@@ -65,12 +65,14 @@ const CALLS: &[Call] = calls! {
     patchlight_scene_add_file(h, h.scene, null(), 0);
     patchlight_scene_add_lights(h, h.scene, null(), 0);
     patchlight_scene_add_materials(h, h.scene, null(), null());
+    patchlight_scene_add_to_light_group(h, h.scene, null(), null());
     patchlight_scene_add_vertices(h, h.scene, null());
     patchlight_scene_create(h, h.context, 3, 0, null_mut());
     patchlight_scene_diagnostic(h, h.scene, 0, null_mut());
     patchlight_scene_diagnostic_count(h, h.scene, null_mut());
     patchlight_scene_diagnostic_text(h, h.scene, 0, null_mut(), 0, null_mut());
     patchlight_scene_get_figure(h, h.scene, 1, null_mut());
+    patchlight_scene_group_lights(h, h.scene, 9);
     patchlight_scene_triangle_planes(h, h.scene, null_mut(), 0, null_mut());
     patchlight_scene_triangles(h, h.scene, null_mut(), 0, null_mut());
     patchlight_solution_count(h, h.solution, 1, null_mut());
@@ -84,9 +86,13 @@ const CALLS: &[Call] = calls! {
     patchlight_solution_get_status(h, h.solution, null_mut());
     patchlight_solution_get_uint32(h, h.solution, 1, 1, null_mut(), 0, null_mut());
     patchlight_solution_get_values(h, h.solution, null(), null(), null(), null_mut());
+    patchlight_solution_light_group_count(h, h.solution, null_mut());
+    patchlight_solution_light_group_name(h, h.solution, 0, null_mut(), 0, null_mut());
     patchlight_solution_load(h, h.context, null(), null(), null_mut());
     patchlight_solution_make_mesh(h, h.solution, 0.5, null_mut());
+    patchlight_solution_relight(h, h.solution, null(), null_mut());
     patchlight_solution_save(h, h.solution, null());
+    patchlight_solution_with_materials(h, h.solution, null(), null(), 0.0, null_mut());
     patchlight_solution_write_picture(h, h.solution, null(), null());
     patchlight_solve(h, h.context, h.scene, null(), null_mut());
     patchlight_get_version(h, null_mut(), null_mut(), null_mut());

@@ -32,8 +32,8 @@ static const float BOX_VERTICES[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1,
 static const uint32_t BOX_CORNERS[24] = {0, 4, 5, 1, 3, 2, 6, 7, 4, 7, 6, 5, 0, 1, 2, 3, 0, 3, 7, 4, 1, 5, 6, 2};
 static const uint32_t BOX_COUNTS[6] = {4, 4, 4, 4, 4, 4};
 
-// A committed box of so many channels: walls are of material 0, the ceiling of material 1, which have as many numbers.
-static inline patchlight_scene *make_box(patchlight_context *context, uint32_t channels, const double *reflectance,
+// A box of so many channels: walls are of material 0, the ceiling of material 1, which have as many numbers.
+static inline patchlight_scene *open_box(patchlight_context *context, uint32_t channels, const double *reflectance,
                                          const double *exitance) {
     static const uint32_t materials[6] = {0, 1, 0, 0, 0, 0};
     patchlight_array reflectances = array_of(PATCHLIGHT_DOUBLE, reflectance, 2), exitances = array_of(PATCHLIGHT_DOUBLE, exitance, 2);
@@ -44,6 +44,13 @@ static inline patchlight_scene *make_box(patchlight_context *context, uint32_t c
     CHECK(patchlight_scene_add_materials(scene, &reflectances, &exitances));
     CHECK(patchlight_scene_add_vertices(scene, &positions));
     CHECK(patchlight_scene_add_faces(scene, &corners, &counts, &of_faces));
+    return scene;
+}
+
+// The same, committed.
+static inline patchlight_scene *make_box(patchlight_context *context, uint32_t channels, const double *reflectance,
+                                         const double *exitance) {
+    patchlight_scene *scene = open_box(context, channels, reflectance, exitance);
     CHECK(patchlight_scene_commit(scene));
     return scene;
 }

@@ -105,7 +105,7 @@ pub fn play(bytes: &[u8]) -> [usize; 2] {
         if bytes.0.is_empty() {
             break;
         }
-        match bytes.next() % 10 {
+        match bytes.next() % 11 {
             0 => world.make(&mut bytes),
             1 => world.set(&mut bytes),
             2 | 3 => world.add(&mut bytes),
@@ -114,6 +114,7 @@ pub fn play(bytes: &[u8]) -> [usize; 2] {
             6 => world.read(&mut bytes),
             7 => world.count(&mut bytes),
             8 => world.make_mesh(&mut bytes),
+            9 => world.relight(&mut bytes),
             _ => world.read_mesh(&mut bytes),
         }
     }
@@ -248,6 +249,28 @@ impl World {
                     patchlight_solution_get_picture(solution, &camera, floats.as_mut_ptr(), null_mut(), capacity, &mut count)
                 }
             });
+        }
+    }
+
+    fn relight(&mut self, bytes: &mut Bytes<'_>) {
+        let (scene, solution, mut relit, mut count) = (any(&self.scenes, bytes), any(&self.solutions, bytes), null_mut(), 0);
+        let numbers: Vec<f64> = (0..12).map(|_| bytes.number()).collect();
+        let array = array(patchlight_format::PATCHLIGHT_DOUBLE, &numbers, 3, bytes);
+        let (group, lights) =
+            (bytes.pick(&[c"a", c"b", c"", c"\xff"]), bytes.pick(&[c"material material 1", c"light a", c"a", c""]));
+        // SAFETY: Texts that end in a zero, places for handles and counts; three numbers an item are there for three channels.
+        unsafe {
+            check(match bytes.next() % 6 {
+                0 => patchlight_scene_group_lights(scene, u32::from(bytes.next() % 4)),
+                1 => patchlight_scene_add_to_light_group(scene, group.as_ptr(), lights.as_ptr()),
+                2 => patchlight_solution_light_group_count(solution, &mut count),
+                3 => patchlight_solution_light_group_name(solution, usize::from(bytes.next() % 3), null_mut(), 0, &mut count),
+                4 => patchlight_solution_with_materials(solution, &array, null(), bytes.number(), &mut relit),
+                _ => patchlight_solution_relight(solution, &array, &mut relit),
+            });
+        }
+        if !relit.is_null() {
+            self.solutions.push(relit);
         }
     }
 

@@ -5,8 +5,9 @@ use std::fmt::Display;
 use patchlight::output::{DestinationError, SolutionFileError, UnknownExtension};
 use patchlight::picture::CameraError;
 use patchlight::pipeline::PipelineError;
+use patchlight::scene::LightGroupError;
 use patchlight::scene::import::{DraftError, ImportError};
-use patchlight::solve::OptionsError;
+use patchlight::solve::{OptionsError, OtherMaterialsError};
 use patchlight::visibility::VisibilityError;
 use pyo3::prelude::*;
 
@@ -94,6 +95,18 @@ impl From<PipelineError> for Failure {
             PipelineError::Threads { .. } => "ResourceError",
         };
         Self::new(class, error)
+    }
+}
+
+impl From<LightGroupError> for Failure {
+    fn from(error: LightGroupError) -> Self {
+        Self::argument(error)
+    }
+}
+
+impl From<OtherMaterialsError> for Failure {
+    fn from(error: OtherMaterialsError) -> Self {
+        Self::argument(error)
     }
 }
 

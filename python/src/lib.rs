@@ -15,6 +15,7 @@ mod names;
 mod nodes;
 mod options;
 mod picture;
+mod relight;
 mod scene;
 mod solution;
 mod solve;

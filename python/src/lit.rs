@@ -3,7 +3,7 @@
 use patchlight::output::Provenance;
 use patchlight::picture::{Camera, CameraRequest};
 use patchlight::pipeline::Evaluator;
-use patchlight::solve::SolveReport;
+use patchlight::solve::{ErrorReport, SolveReport};
 use pyo3::prelude::*;
 
 use crate::camera::CameraView;
@@ -14,8 +14,20 @@ use crate::workers::Home;
 pub struct Lit {
     /// Always there, but while it is dropped.
     evaluator: Option<Evaluator>,
-    pub report: Option<Report>,
+    pub known: Known,
     home: Home,
+}
+
+/// What is known of how it came to be.
+pub enum Known {
+    /// It was solved.
+    Solved(Box<Report>),
+    /// Solved again for other materials, with this error.
+    Estimated(ErrorReport),
+    /// Light groups were weighted, with this error by energy.
+    Weighted(f64),
+    /// It was read from a file.
+    Nothing,
 }
 
 /// What the solve told.
@@ -25,8 +37,13 @@ pub struct Report {
 }
 
 impl Lit {
-    pub fn new(evaluator: Evaluator, report: Option<Report>) -> Self {
-        Self { evaluator: Some(evaluator), report, home: Home::here() }
+    pub fn new(evaluator: Evaluator, known: Known) -> Self {
+        Self { evaluator: Some(evaluator), known, home: Home::here() }
+    }
+
+    /// What the solve told, if it was solved.
+    pub fn report(&self) -> Option<&Report> {
+        if let Known::Solved(report) = &self.known { Some(report) } else { None }
     }
 
     /// The evaluator, where its threads are.

@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 use crate::arrays::{array, reals, vectors, wholes};
 use crate::diagnostic::Diagnostic;
 use crate::errors::{Failure, class_of};
+use crate::relight::grouping;
 use crate::watch::{Listener, watched};
 
 /// What is lit: faces with materials. Unchangeable; may be used by many threads.
@@ -82,6 +83,21 @@ impl Scene {
         let noted = self.noted.iter().filter(|noted| noted.kind != "no_light").cloned();
         let noted = noted.chain(read.diagnostics.items.iter().map(Diagnostic::of)).collect();
         Ok(Self { scene, file: self.file.clone(), warnings: read.diagnostics.warnings(), noted })
+    }
+
+    /// The same scene with its lights in groups, which `Solution.relight` weights after the solve.
+    ///
+    /// by: "material" or "object", for a group of each that emits, by its name, and of each light that is no surface; or a dict of groups by name, each a
+    ///     sequence of "material NAME", "object NAME" and "light NAME", in which every surface that emits and every light is once.
+    fn with_light_groups(&self, by: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let scene = self.scene.with_light_groups(&grouping(by)?).map_err(Failure::from)?;
+        Ok(Self { scene, file: self.file.clone(), warnings: self.warnings.clone(), noted: self.noted.clone() })
+    }
+
+    /// The names of its light groups, in their order; empty if it has none.
+    #[getter]
+    fn light_groups(&self) -> Vec<&str> {
+        self.scene.light_groups().map_or_else(Vec::new, |groups| groups.names().iter().map(String::as_str).collect())
     }
 
     /// The names of its lights that are no surfaces, in their order.

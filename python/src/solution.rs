@@ -1,11 +1,13 @@
 //! Solutions.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use patchlight::output::{Destination, ExportFormat, export_elements, write_solution};
 use patchlight::progress::Observer;
-use patchlight::solve::SolveOptions;
+use patchlight::scene::LightGroups;
+use patchlight::solve::{ErrorReport, SolveOptions};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -13,11 +15,12 @@ use crate::arrays::array;
 use crate::camera::CameraView;
 use crate::errors::{Failure, warn_of_limit};
 use crate::links::Links;
-use crate::lit::Lit;
+use crate::lit::{Known, Lit};
 use crate::mesh::Mesh;
 use crate::names::name_of;
 use crate::nodes::{Nodes, Which};
 use crate::picture::Picture;
+use crate::relight::{materials, weights};
 use crate::values::{Values, points};
 use crate::watch::{Listener, watched};
 
@@ -136,6 +139,61 @@ impl Solution {
         Ok(Mesh::new(self.lit.clone(), Some(made)))
     }
 
+    /// The same with other weights for its light groups: a weighted sum of what is stored, exact and quick. Groups that are not named keep theirs.
+    ///
+    /// weights: a dict from names of groups to a number from 0 on, or one for each channel; of what was solved they are 1.
+    ///
+    /// `error` is what is known by energy.
+    fn relight(&self, weights: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let (py, evaluator) = (weights.py(), self.lit.evaluator()?);
+        let weights = self::weights(weights, evaluator.solution().scene().channels())?;
+        let relit = py.detach(|| evaluator.relit(&weights)).map_err(Failure::from)?;
+        let known = relit.solution().light_groups_report().map_or(Known::Nothing, |report| Known::Weighted(report.error.estimate));
+        Ok(Self::of(Lit::new(relit, known)))
+    }
+
+    /// The same surfaces with other materials, over the transport that `solve(..., keep_transport=True)` stores: no ray is cast. Materials that are
+    /// not named stay as they are.
+    ///
+    /// reflectance: a dict from names of materials to a number from 0 to below 1, or one for each channel. exitance: the same in W/m^2.
+    /// error: what is asked for; that of the solution if left out.
+    /// progress: as in `solve`; returns it True, `Cancelled` is raised.
+    ///
+    /// If more is claimed than was asked for, it warns with `LimitWarning`; `error` tells.
+    #[pyo3(signature = (reflectance=None, exitance=None, *, error=None, progress=None))]
+    fn with_materials(
+        &self,
+        py: Python<'_>,
+        reflectance: Option<&Bound<'_, PyDict>>,
+        exitance: Option<&Bound<'_, PyDict>>,
+        error: Option<f64>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let evaluator = self.lit.evaluator()?;
+        let (listener, lit) = (Listener::new(progress)?, evaluator.solution());
+        let requested = error.unwrap_or(lit.options().error);
+        SolveOptions { error: requested, ..SolveOptions::default() }.validate().map_err(Failure::from)?;
+        let materials = materials(lit.scene(), reflectance, exitance)?;
+        let found = watched(py, &listener, |observer: &dyn Observer| evaluator.with_materials(materials, observer))?;
+        let (changed, known) = found.map_err(Failure::from)?.ok_or_else(Failure::cancelled)?;
+        if known.estimate > requested {
+            let claimed = known.estimate;
+            warn_of_limit(py, &format!("solve the scene anew: an error of {claimed} is claimed, {requested} was asked for"))?;
+        }
+        Ok(Self::of(Lit::new(changed, Known::Estimated(ErrorReport { requested, ..known }))))
+    }
+
+    /// The weights of its light groups: a dict from names to a weight for each channel; empty if it was solved without.
+    #[getter]
+    fn light_groups(&self) -> PyResult<BTreeMap<String, Vec<f64>>> {
+        let groups = self.lit.evaluator()?.solution().scene().light_groups();
+        let of = |groups: &LightGroups| {
+            let weights = |(number, name): (usize, &String)| (name.clone(), groups.weights_of(number).to_vec());
+            groups.names().iter().enumerate().map(weights).collect()
+        };
+        Ok(groups.map_or_else(BTreeMap::new, of))
+    }
+
     /// Writes it, to be read by `patchlight.load` and by the program. A file that is there is replaced by a complete one.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let (lit, provenance) = (self.lit.evaluator()?.solution(), self.lit.provenance()?);
@@ -204,29 +262,37 @@ impl Solution {
         Ok(self.lit.evaluator()?.solution().memory_bytes())
     }
 
-    /// The error that is claimed for values: an upper confidence limit; infinite where none was estimated. None if it was read from a file.
+    /// The error that is claimed for values: an upper confidence limit; infinite where none was estimated; by energy where light groups
+    /// were weighted. None if it was read from a file.
     #[getter]
     fn error(&self) -> Option<f64> {
-        Some(self.lit.report.as_ref()?.solve.error.estimate)
+        match &self.lit.known {
+            Known::Solved(report) => Some(report.solve.error.estimate),
+            Known::Estimated(error) => Some(error.estimate),
+            Known::Weighted(estimate) => Some(*estimate),
+            Known::Nothing => None,
+        }
     }
 
-    /// Whether the error that was asked for is reached. None if it was read from a file.
+    /// Whether the error that was asked for is reached. None if it was read from a file, or follows from another.
     #[getter]
     fn converged(&self) -> Option<bool> {
-        Some(self.lit.report.as_ref()?.solve.converged)
+        Some(self.lit.report()?.solve.converged)
     }
 
-    /// What ended the solve: "error", "max_links", "memory", "time", "cancelled" or "exhausted". None if it was read from a file.
+    /// What ended the solve: "error", "max_links", "memory", "time", "cancelled" or "exhausted". None if it was
+    /// read from a file, or follows from another.
     #[getter]
     fn stopped_by(&self) -> Option<String> {
-        Some(name_of(&self.lit.report.as_ref()?.solve.stopped_by))
+        Some(name_of(&self.lit.report()?.solve.stopped_by))
     }
 
-    /// What the solve tells about itself: the dict of the report that the program writes. None if it was read from a file.
+    /// What the solve tells about itself: the dict of the report that the program writes. None if it was read from a file, or follows from
+    /// another.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let loads = py.import("json")?.getattr("loads")?;
-        self.lit.report.as_ref().map(|report| loads.call1((&report.json,))).transpose()
+        self.lit.report().map(|report| loads.call1((&report.json,))).transpose()
     }
 
     fn __repr__(&self) -> PyResult<String> {

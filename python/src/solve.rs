@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors::{Failure, warn_of_limit};
-use crate::lit::{Lit, Report};
+use crate::lit::{Known, Lit, Report};
 use crate::options::Settings;
 use crate::scene::Scene;
 use crate::solution::Solution;
@@ -54,7 +54,7 @@ pub fn solve(
         warn_of_limit(py, &limit)?;
     }
     let json = json(scene, &settings.solve, &report, workers.count());
-    Ok(Solution::of(Lit::new(evaluator, Some(Report { json, solve: report }))))
+    Ok(Solution::of(Lit::new(evaluator, Known::Solved(Box::new(Report { json, solve: report })))))
 }
 
 /// Reads a solution that this version of Patchlight stored. Nothing in the file is trusted before it is checked.
@@ -69,7 +69,7 @@ pub fn load(py: Python<'_>, path: PathBuf, threads: Option<usize>, backend: Opti
     let workers = workers(threads)?;
     let evaluator =
         py.detach(|| -> Result<Evaluator, Failure> { Ok(Evaluator::new_on(workers, read_solution(&path)?, backend)?) })?;
-    Ok(Solution::of(Lit::new(evaluator, None)))
+    Ok(Solution::of(Lit::new(evaluator, Known::Nothing)))
 }
 
 /// What is warned of, if the error that was asked for is not reached and nobody wanted that.

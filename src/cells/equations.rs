@@ -2,25 +2,15 @@
 
 use rayon::prelude::*;
 
+use super::iteration::{MAX_STEPS, iterated};
 use crate::paths::NO_CELL;
 use crate::progress::Stop;
 
 /// The most that the weights in a row may sum to where terms of reflectors are in it: below 1, so that sweeps converge.
-const MOST_TAKEN: f32 = 0.99;
+pub(super) const MOST_TAKEN: f32 = 0.99;
 
 /// Cells whose rows are made and multiplied together.
 pub(super) const BATCH: usize = 256;
-
-/// Sweeps end once all changes still to come are estimated below this part of the brightest radiosity, or after so many sweeps.
-const TOLERANCE: f64 = 1e-5;
-const MAX_SWEEPS: u32 = 5000;
-
-/// The ratio of successive changes is steady if the rest of their geometric series is known to this part.
-const STEADY: f64 = 0.02;
-
-/// That ratio is taken to be at most this: rows sum to less than 1, so sweeps converge. Terms of Russian roulette may be negative, but each is
-/// at most a quarter of its path.
-const MAX_RATIO: f64 = 0.9999;
 
 /// One equation for each cell: `B = constant + sum over paths of weight * B_end + terms of reflectors`.
 pub(super) struct Equations {
@@ -55,12 +45,6 @@ impl ReflectorTerms {
         self.weight.extend(weights.zip(reflectance).map(|(weight, rho)| (rho * weight) as f32));
     }
 
-    /// Adds terms of other rows, whose limits are kept.
-    pub fn append(&mut self, other: Self) {
-        self.cells.extend(other.cells);
-        self.weight.extend(other.weight);
-    }
-
     /// Scales terms down where the weights of a row sum to more than [`MOST_TAKEN`]: with noise they may reach 1, and light would
     /// grow from sweep to sweep. `end` and `weight` are those of the batch's paths, `count` from each cell.
     pub fn limit_row_sums(&mut self, end: &[u32], weight: &[f32], count: usize, channels: usize) {
@@ -70,19 +54,8 @@ impl ReflectorTerms {
         let mut of_paths = vec![0.0_f32; end.len() / count * channels];
         let ending = end.iter().zip(weight.chunks(channels)).enumerate().filter(|(_, (end, _))| **end != NO_CELL);
         ending.for_each(|(path, (_, weights))| add_weights(&mut of_paths, path / count, weights));
-        self.limit_beside(&of_paths, channels);
-    }
-
-    /// The sums of the weights of so many rows, by row and channel.
-    pub fn row_sums(&self, rows: usize, channels: usize) -> Vec<f32> {
-        let mut sums = vec![0.0; rows * channels];
-        self.cells.iter().zip(self.weight.chunks(channels)).for_each(|(&(by, _), weights)| add_weights(&mut sums, by, weights));
-        sums
-    }
-
-    /// The same where the weights of paths sum to `of_paths`, by row and channel.
-    pub fn limit_beside(&mut self, of_paths: &[f32], channels: usize) {
-        let seen = self.row_sums(of_paths.len() / channels, channels);
+        let mut seen = vec![0.0_f32; of_paths.len()];
+        self.cells.iter().zip(self.weight.chunks(channels)).for_each(|(&(by, _), weights)| add_weights(&mut seen, by, weights));
 
         // The terms get what paths leave.
         for (&(by, _), weights) in self.cells.iter().zip(self.weight.chunks_mut(channels)) {
@@ -116,60 +89,17 @@ impl Equations {
         }
     }
 
-    /// The radiosities of all cells, by Jacobi sweeps with Aitken extrapolation.
+    /// The radiosities of all cells; `None` if stopped before.
     ///
-    /// Changes that fall by a steady ratio are a geometric series, whose rest is added at once; else a reflectance of 0.999 would
-    /// take some ten thousand sweeps. Two sweeps make one step: light between two facing surfaces changes the one and the other in
-    /// turn. `None` if stopped before.
+    /// Two Jacobi sweeps make one step: light between two facing surfaces changes the one and the other in turn.
     pub fn iterate(&self, stop: Stop<'_>) -> Option<Vec<f64>> {
-        let mut values = self.constant.clone();
-        let (mut between, mut next) = (vec![0.0; values.len()], vec![0.0; values.len()]);
-        let (mut previous, mut previous_ratio) = (f64::INFINITY, f64::INFINITY);
-        let mut slowest: f64 = 0.0;
-        let mut before_extrapolation: Option<(f64, Vec<f64>)> = None;
-        for _ in 0..MAX_SWEEPS / 2 {
-            if stop() {
-                return None;
-            }
-
-            // A step, and how much it changes.
-            self.sweep(&values, &mut between);
-            self.sweep(&between, &mut next);
-            let pairs = next.par_chunks(self.channels).zip(values.par_chunks(self.channels)).with_min_len(1024);
-            let deciding = pairs.flat_map_iter(|(new, old)| new.iter().zip(old).take(self.deciding));
-            let changes = deciding.map(|(new, old)| ((new - old).abs(), *new));
-            let (change, brightest) = changes.reduce(|| (0.0, 0.0), |a, b| (f64::max(a.0, b.0), f64::max(a.1, b.1)));
-
-            // An extrapolation after which changes are larger is taken back.
-            if let Some((change_before, values_before)) = before_extrapolation.take()
-                && change > change_before
-            {
-                values = values_before;
-                (previous, previous_ratio) = (f64::INFINITY, f64::INFINITY);
-                continue;
-            }
-
-            // Done once the rest of the series is small. After an extrapolation fast changes hide the slow ones, so the slowest
-            // ratio counts.
-            std::mem::swap(&mut values, &mut next);
-            let ratio = if previous.is_finite() { (change / previous).min(MAX_RATIO) } else { MAX_RATIO };
-            let slow = ratio.max(slowest);
-            if change * slow <= TOLERANCE * brightest * (1.0 - slow) {
-                break;
-            }
-
-            // Extrapolate a steady series.
-            if (ratio - previous_ratio).abs() <= STEADY * (1.0 - ratio) {
-                slowest = slowest.max(ratio);
-                before_extrapolation = Some((change, values.clone()));
-                let to_come = ratio / (1.0 - ratio);
-                values.par_iter_mut().zip(&next).with_min_len(1024).for_each(|(new, old)| *new += to_come * (*new - old));
-                (previous, previous_ratio) = (f64::INFINITY, f64::INFINITY);
-            } else {
-                (previous, previous_ratio) = (change, ratio);
-            }
-        }
-        Some(values)
+        let mut between = vec![0.0; self.constant.len()];
+        let step = |values: &[f64], next: &mut [f64]| {
+            self.sweep(values, &mut between);
+            self.sweep(&between, next);
+        };
+        let found = iterated(self.constant.clone(), ([self.channels, self.deciding], MAX_STEPS), step, stop)?;
+        Some(found.values)
     }
 
     /// One Jacobi sweep: `next` is the right-hand side of all equations for the radiosities `values`.

@@ -5,9 +5,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::assemble::{Positions, starts};
-use super::equations::{BATCH, Equations, ReflectorTerms};
+use super::equations::BATCH;
 use super::positions::sampled_positions;
 use super::radiosity::CellRadiosities;
+use super::stored_system::StoredSystem;
 use super::view_points::{Arrival, view_point_count, view_points};
 use crate::geometry::{sampling, streams};
 use crate::paths::{BatchSums, Brought, LightPaths, PathScratch, Place, ProductNumbers, RowTerm, Terms, Trail, UNREFLECTED};
@@ -149,37 +150,31 @@ impl StoredRows {
     /// The radiosities of all cells with these materials; `None` if stopped before.
     pub fn solve(&self, with: &RowMaterials<'_>, stop: Stop<'_>) -> Option<CellRadiosities> {
         let channels = with.scene.channels();
-        let mut equations = Equations::empty(self.material.len(), 0, [channels; 2]);
-        let fill = |(batch, constant): (usize, &mut [f64])| {
-            let (mut ends, mut seen) = (ReflectorTerms::default(), ReflectorTerms::default());
-            for (index, constant) in constant.chunks_mut(channels).enumerate() {
-                let row = batch * BATCH + index;
-                let Some(material) = with.scene.materials().get(self.material[row] as usize) else { continue };
-                self.begin_row(row, with, constant);
-                for (stored, terms) in [(&self.ends, &mut ends), (&self.seen, &mut seen)] {
-                    for (product, cell, weight) in stored.row(row) {
-                        let product = &with.products[product as usize * channels..][..channels];
-                        terms.add(index, cell, product.iter().map(|product| f64::from(weight) * product), &material.reflectance);
-                    }
-                }
-            }
-            seen.limit_beside(&ends.row_sums(constant.len() / channels, channels), channels);
-            ends.append(seen);
-            ends
-        };
-        equations.of_reflectors = equations.constant.par_chunks_mut(BATCH * channels).enumerate().map(fill).collect();
-        Some(CellRadiosities::of_values(channels, &equations.iterate(stop)?))
-    }
+        let mut system = StoredSystem::filled(channels, self.material.len(), |row, system| {
+            let number = self.material[row] as usize;
+            let Some(material) = with.scene.materials().get(number) else { return };
 
-    /// Finds what a row begins with: the exitance that rays do not bring, and light that is collected.
-    fn begin_row(&self, row: usize, with: &RowMaterials<'_>, constant: &mut [f64]) {
-        let number = self.material[row] as usize;
-        let (material, is_sampled) = (&with.scene.materials()[number], with.is_sampled[number]);
-        self.emission.add_row(row, with.products, with.emission, constant);
-        for (channel, constant) in constant.iter_mut().enumerate() {
-            let own = if is_sampled { 0.0 } else { material.exitance[channel] };
-            *constant = own + material.reflectance[channel] * *constant;
-        }
+            // What the row begins with: the exitance that rays do not bring, and light that is collected.
+            self.emission.add_row(row, with.products, with.emission, system.constant());
+            for (channel, constant) in system.constant().iter_mut().enumerate() {
+                let own = if with.is_sampled[number] { 0.0 } else { material.exitance[channel] };
+                *constant = own + material.reflectance[channel] * *constant;
+            }
+
+            // What it takes from other cells.
+            let mut add = |terms: &Terms| {
+                for (product, cell, weight) in terms.row(row) {
+                    let product = &with.products[product as usize * channels..][..channels];
+                    let weights = product.iter().zip(&material.reflectance);
+                    system.push(cell, weights.map(|(product, rho)| (rho * f64::from(weight) * product) as f32));
+                }
+                system.terms()
+            };
+            let of_ends = add(&self.ends);
+            add(&self.seen);
+            system.limit_seen(of_ends);
+        });
+        Some(CellRadiosities::of_values(channels, &system.solved(stop)?))
     }
 
     /// How many cells there are.

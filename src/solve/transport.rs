@@ -4,6 +4,7 @@
 //! Where paths go hangs on geometry and random numbers. Which of them are taken hangs on the materials that were solved, and so does how noisy their sum
 //! is for others: the error is estimated anew, by the rays of the replicates, which are stored as well.
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::judge::{Judge, cell_seed};
@@ -99,11 +100,13 @@ impl Transport {
         let products = self.products.of(scene.materials(), scene.channels());
         let emission = scene.emission_by_source();
         let with = RowMaterials { scene, products: &products, emission: &emission, is_sampled: &self.is_sampled };
-        let mut cells = self.rows.iter().map(|rows| rows.solve(&with, stop)).collect::<Option<Vec<_>>>()?;
+        let mut cells = self.rows.par_iter().map(|rows| rows.solve(&with, stop)).collect::<Option<Vec<_>>>()?;
         let onward = cells.split_off(1);
         let of_values = cells.pop()?;
         let no_new_light = light_of_materials(scene).zip(&self.had_light).all(|(now, had)| now[0] <= had[0] && now[1] <= had[1]);
-        let error = self.samples.estimate(norm, &with, (&of_values, &onward), no_new_light);
+        let is_known = onward.iter().all(|cells| cells.is_valid(of_values.cells(), scene.channels()));
+        let estimate = || self.samples.estimate(norm, &with, (&of_values, &onward), no_new_light);
+        let error = if is_known { estimate() } else { ErrorEstimate::UNKNOWN };
         Some((of_values, error))
     }
 

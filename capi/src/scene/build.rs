@@ -1,7 +1,7 @@
 //! From what was added to a scene that can be solved.
 
-use patchlight::scene::Scene;
 use patchlight::scene::import::Draft;
+use patchlight::scene::{LightGrouping, Scene};
 
 use super::note::Note;
 use crate::status::{Ending, Outcome, PATCHLIGHT_INVALID_SCENE};
@@ -15,13 +15,17 @@ pub struct Committed {
     pub warnings: Vec<String>,
 }
 
-/// The scene, and what was noted.
-pub fn build(draft: &Draft) -> (Outcome<Committed>, Vec<Note>) {
+/// The scene, with its lights grouped if they are, and what was noted.
+pub fn build(draft: &Draft, grouping: Option<&LightGrouping>) -> (Outcome<Committed>, Vec<Note>) {
     match draft.build() {
         Ok((scene, diagnostics)) => {
+            let grouped = match grouping {
+                None => Ok(scene),
+                Some(grouping) => scene.with_light_groups(grouping).map_err(|error| Ending::new(PATCHLIGHT_INVALID_SCENE, error)),
+            };
             let files: Vec<String> = draft.files.iter().map(|file| file.file.display().to_string()).collect();
             let notes = diagnostics.items.iter().map(Note::of).collect();
-            (Ok(Committed { scene, files: files.join(", "), warnings: diagnostics.warnings() }), notes)
+            (grouped.map(|scene| Committed { scene, files: files.join(", "), warnings: diagnostics.warnings() }), notes)
         }
         Err(error) => {
             let notes = error.diagnostics.items.iter().map(Note::of).chain(error.mistakes.iter().map(Note::of_mistake)).collect();

@@ -2,6 +2,7 @@
 
 mod build;
 pub mod diagnostics;
+pub mod light_groups;
 mod note;
 mod object;
 pub mod read;

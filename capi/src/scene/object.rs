@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use patchlight::scene::Sides;
 use patchlight::scene::import::Draft;
+use patchlight::scene::{LightGrouping, Sides};
 
 use super::build::{Committed, build};
 use super::note::Note;
@@ -30,6 +30,8 @@ pub struct SceneObject {
 /// What there is of a scene.
 pub struct State {
     pub draft: Draft,
+    /// How its lights are grouped, if they are.
+    grouping: Option<LightGrouping>,
     /// Once it is committed.
     scene: Option<Arc<Committed>>,
     /// What the last commit noted.
@@ -38,7 +40,7 @@ pub struct State {
 
 impl SceneObject {
     pub fn new(context: Arc<Context>, channels: usize, sides: Sides) -> Self {
-        let state = State { draft: Draft::new(channels, sides), scene: None, notes: Vec::new() };
+        let state = State { draft: Draft::new(channels, sides), grouping: None, scene: None, notes: Vec::new() };
         Self { context, state: Mutex::new(state) }
     }
 
@@ -52,13 +54,24 @@ impl SceneObject {
         self.state().scene.clone().ok_or_else(|| Ending::new(PATCHLIGHT_WRONG_STATE, message))
     }
 
-    /// Changes what is not committed yet.
-    pub fn change(&self, change: impl FnOnce(&mut Draft) -> Outcome) -> Outcome {
-        let mut state = self.state();
+    /// What is not committed yet.
+    fn open(&self) -> Outcome<MutexGuard<'_, State>> {
+        let state = self.state();
         if state.scene.is_some() {
             return Err(Ending::new(PATCHLIGHT_WRONG_STATE, "the scene is committed and cannot be changed: make a new one"));
         }
-        change(&mut state.draft)
+        Ok(state)
+    }
+
+    /// Changes what is not committed yet.
+    pub fn change(&self, change: impl FnOnce(&mut Draft) -> Outcome) -> Outcome {
+        change(&mut self.open()?.draft)
+    }
+
+    /// Changes how lights are grouped, of what is not committed yet.
+    pub fn group_lights(&self, change: impl FnOnce(&mut Option<LightGrouping>)) -> Outcome {
+        change(&mut self.open()?.grouping);
+        Ok(())
     }
 
     /// Makes a scene of what was added, and returns what was repaired or is suspicious.
@@ -67,7 +80,7 @@ impl SceneObject {
         if state.scene.is_some() {
             return Err(Ending::new(PATCHLIGHT_WRONG_STATE, "the scene is committed already"));
         }
-        let (built, notes) = build(&state.draft);
+        let (built, notes) = build(&state.draft, state.grouping.as_ref());
         state.notes = notes;
         let committed = Arc::new(built?);
         let warnings = committed.warnings.clone();

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use patchlight::output::{Destination, ExportFormat, Provenance, export_elements, read_solution, write_solution};
 use patchlight::pipeline::Evaluator;
 
-use super::{Solution, patchlight_solution};
+use super::{Known, Solution, patchlight_solution};
 use crate::context::patchlight_context;
 use crate::entry::enter;
 use crate::handles;
@@ -65,6 +65,6 @@ pub unsafe extern "C" fn patchlight_solution_load(
             Some(visibility) => Evaluator::asking_on(workers, Box::new(visibility), lit),
         };
         check_answers(&failed)?;
-        out.set(handles::create(Arc::new(Solution::new(context, evaluator, None, failed))))
+        out.set(handles::create(Arc::new(Solution::new(context, evaluator, Known::Nothing, failed))))
     })
 }

@@ -3,6 +3,7 @@
 pub mod files;
 pub mod picture;
 pub mod read;
+pub mod relight;
 pub mod values;
 
 use std::ffi::c_void;
@@ -10,7 +11,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use patchlight::pipeline::Evaluator;
-use patchlight::solve::SolveReport;
+use patchlight::solve::{ErrorFigure, ErrorReport, SolveReport};
 
 use crate::context::Context;
 use crate::entry::enter;
@@ -32,13 +33,24 @@ impl Handle for patchlight_solution {
 /// Behind a handle.
 pub struct Solution {
     /// Kept for its threads.
-    _context: Arc<Context>,
+    context: Arc<Context>,
     pub evaluator: Evaluator,
-    /// Unless it was read from a file.
-    report: Option<Report>,
+    known: Known,
     listener: Mutex<Listener>,
     /// Set by visibility functions of the caller's.
     pub failed: Arc<AtomicBool>,
+}
+
+/// What is known of how it came to be.
+pub enum Known {
+    /// It was solved.
+    Solved(Box<Report>),
+    /// Solved again for other materials, with this error.
+    Estimated(ErrorReport),
+    /// Light groups were weighted, with this error by energy.
+    Weighted(ErrorFigure),
+    /// It was read from a file.
+    Nothing,
 }
 
 /// What the solve told.
@@ -49,17 +61,24 @@ pub struct Report {
 }
 
 impl Solution {
-    pub fn new(context: Arc<Context>, evaluator: Evaluator, report: Option<Report>, failed: Arc<AtomicBool>) -> Self {
-        Self { _context: context, evaluator, report, listener: Mutex::new(Listener::NONE), failed }
+    pub fn new(context: Arc<Context>, evaluator: Evaluator, known: Known, failed: Arc<AtomicBool>) -> Self {
+        Self { context, evaluator, known, listener: Mutex::new(Listener::NONE), failed }
     }
 
     fn report(&self) -> Outcome<&Report> {
-        let message = "a solution that was read from a file has no report";
-        self.report.as_ref().ok_or_else(|| Ending::new(PATCHLIGHT_NOT_AVAILABLE, message))
+        let message = "a solution that was read from a file, or follows from another, has no report";
+        match &self.known {
+            Known::Solved(report) => Ok(report),
+            _ => Err(Ending::new(PATCHLIGHT_NOT_AVAILABLE, message)),
+        }
     }
 
     pub fn listener(&self) -> Listener {
         *self.listener.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub fn set_listener(&self, listener: Listener) {
+        *self.listener.lock().unwrap_or_else(PoisonError::into_inner) = listener;
     }
 }
 
@@ -88,13 +107,12 @@ pub unsafe extern "C" fn patchlight_solution_set_progress(
     user: *mut c_void,
 ) -> patchlight_status {
     enter(|| {
-        let solution = handles::get(solution)?;
-        *solution.listener.lock().unwrap_or_else(PoisonError::into_inner) = Listener { function: progress, user };
+        handles::get(solution)?.set_listener(Listener { function: progress, user });
         Ok(())
     })
 }
 
-/// How the solve ended, as patchlight_solve said. PATCHLIGHT_NOT_AVAILABLE for a solution that was read from a file.
+/// How the solve ended, as patchlight_solve said. PATCHLIGHT_NOT_AVAILABLE for one that was read from a file or follows from another.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn patchlight_solution_get_status(
     solution: *mut patchlight_solution,

@@ -6,14 +6,14 @@ use patchlight::hierarchy::NodeId;
 use patchlight::scene::SurfaceId;
 use patchlight::solve::Solution as Lit;
 
-use super::{Solution, patchlight_solution};
+use super::{Known, Solution, patchlight_solution};
 use crate::entry::enter;
 use crate::handles;
 use crate::memory::{Buffer, Out};
 use crate::status::{Ending, Outcome, PATCHLIGHT_NOT_AVAILABLE, patchlight_status};
 
 /// A number that tells about a solution. Values may be added; from 100 on they are of the solve, and not there in a solution that was read
-/// from a file.
+/// from a file; one that follows from another has those of its error.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum patchlight_figure {
@@ -169,6 +169,32 @@ fn reals_of(solution: &Solution, what: u32, nodes: &[NodeId]) -> Outcome<Vec<f64
     })
 }
 
+impl Solution {
+    /// A number that tells about the error; `None` if `what` is another.
+    fn error_figure(&self, what: u32) -> Option<f64> {
+        let error = match &self.known {
+            Known::Solved(report) => &report.solve.error,
+            Known::Estimated(error) => error,
+            Known::Weighted(error) => {
+                let is_estimate = [PATCHLIGHT_ERROR_ESTIMATE, PATCHLIGHT_ERROR_ENERGY].iter().any(|&figure| what == figure as u32);
+                let is_measured = what == PATCHLIGHT_ERROR_MEASURED as u32;
+                return is_estimate.then_some(error.estimate).or(is_measured.then_some(error.measured));
+            }
+            Known::Nothing => return None,
+        };
+        Some(match what {
+            _ if what == PATCHLIGHT_ERROR_REQUESTED as u32 => error.requested,
+            _ if what == PATCHLIGHT_ERROR_ESTIMATE as u32 => error.estimate,
+            _ if what == PATCHLIGHT_ERROR_MEASURED as u32 => error.measured,
+            _ if what == PATCHLIGHT_ERROR_CONFIDENCE as u32 => error.confidence,
+            _ if what == PATCHLIGHT_ERROR_ENERGY as u32 => error.energy.estimate,
+            _ if what == PATCHLIGHT_ERROR_LOCAL as u32 => error.local.estimate,
+            _ if what == PATCHLIGHT_LIT as u32 => error.lit,
+            _ => return None,
+        })
+    }
+}
+
 /// How many items a solution has: `items` is a patchlight_items.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn patchlight_solution_count(
@@ -262,16 +288,11 @@ pub unsafe extern "C" fn patchlight_solution_get_figure(
             _ if what == PATCHLIGHT_POINT_RAYS as u32 => return out.set(f64::from(lit.point_rays())),
             _ => {}
         }
+        if let Some(error) = solution.error_figure(what) {
+            return out.set(error);
+        }
         let report = &solution.report()?.solve;
-        let error = &report.error;
         out.set(match what {
-            _ if what == PATCHLIGHT_ERROR_REQUESTED as u32 => error.requested,
-            _ if what == PATCHLIGHT_ERROR_ESTIMATE as u32 => error.estimate,
-            _ if what == PATCHLIGHT_ERROR_MEASURED as u32 => error.measured,
-            _ if what == PATCHLIGHT_ERROR_CONFIDENCE as u32 => error.confidence,
-            _ if what == PATCHLIGHT_ERROR_ENERGY as u32 => error.energy.estimate,
-            _ if what == PATCHLIGHT_ERROR_LOCAL as u32 => error.local.estimate,
-            _ if what == PATCHLIGHT_LIT as u32 => error.lit,
             _ if what == PATCHLIGHT_RAYS as u32 => report.counts.rays as f64,
             _ if what == PATCHLIGHT_CONVERGED as u32 => f64::from(u8::from(report.converged)),
             _ if what == PATCHLIGHT_ERROR_MESH as u32 => match &report.lit_mesh {

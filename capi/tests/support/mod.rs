@@ -155,4 +155,4 @@ impl<'a> Build<'a> {
 }
 
 /// The examples in C.
-pub const EXAMPLES: [&str; 7] = ["room", "progress", "bands", "visibility", "many_lights", "form_factors", "mesh"];
+pub const EXAMPLES: [&str; 8] = ["room", "progress", "bands", "visibility", "many_lights", "form_factors", "mesh", "relight"];
