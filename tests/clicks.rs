@@ -53,7 +53,7 @@ fn a_page_does_what_a_user_asks_of_it() {
     for id in ["lines", "backs"] {
         browser.click_on(id);
         assert_eq!(browser.value(&format!("document.getElementById('{id}').checked")), true);
-        assert_eq!(browser.value("location.hash.slice(1)").as_str().unwrap().contains(&format!("{id}=1")), true);
+        assert!(browser.value("location.hash.slice(1)").as_str().unwrap().contains(&format!("{id}=1")));
         browser.click_on(id);
         assert!(browser.picture() == marked, "{id} leaves something");
     }

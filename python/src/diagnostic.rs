@@ -69,6 +69,8 @@ impl Diagnostic {
     pub fn of_import(error: &ImportError) -> Self {
         let (kind, file, line, face) = match error {
             ImportError::Cancelled => ("cancelled", None, 0, None),
+            ImportError::BadUnit(_) => ("bad_unit", None, 0, None),
+            ImportError::KnowsUnits { file } => ("knows_units", Some(file), 0, None),
             ImportError::UnknownExtension { file } => ("unknown_extension", Some(file), 0, None),
             ImportError::Unreadable { file, .. } => ("unreadable", Some(file), 0, None),
             ImportError::MissingLibrary { file, line, .. } => ("missing_library", Some(file), *line, None),
