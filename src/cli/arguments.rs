@@ -5,22 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use super::argument_groups::{PictureArguments, RunArguments, SettingArguments, TrustArguments, Whence, WhoseUv};
-use super::option_help;
-
-const EXIT_CODES: &str = "\
-Exit codes:
-    0  done
-    1  the machine failed (disk full, no threads)
-    2  the command line asks for something impossible; nothing was done
-    3  an input file is bad
-    4  a limit ended the solve before the requested error was reached, or the bake before all was gathered; results are
-       written
-    5  out of memory: the budget of --memory ended the solve, and results are written; or the budget is too small to
-       begin, or the machine has no more, and nothing is written
-    6  jobs of a batch failed; the others are done, and the table tells of each
-  130  interrupted; what there is, is written
-
-Messages go to stderr, only asked-for data to stdout.";
+use super::option_help::{self, EXIT_CODES};
 
 /// Hierarchical radiosity: lights polygonal scenes, and tells how wrong the answer can be.
 #[derive(Debug, Parser)]

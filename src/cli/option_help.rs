@@ -1,6 +1,22 @@
-//! Help on the options of a solve, from the table of the library.
+//! Help on exit codes, and on the options of a solve from the table of the library.
 
 use patchlight::solve::{OptionEntry, SolveOptions};
+
+/// The exit codes, at the end of every help.
+pub const EXIT_CODES: &str = "\
+Exit codes:
+    0  done
+    1  the machine failed (disk full, no threads)
+    2  the command line asks for something impossible; nothing was done
+    3  an input file is bad
+    4  a limit ended the solve before the requested error was reached, or the bake before all was gathered; results are
+       written
+    5  out of memory: the budget of --memory ended the solve, and results are written; or the budget is too small to
+       begin, or the machine has no more, and nothing is written
+    6  jobs of a batch failed; the others are done, and the table tells of each
+  130  interrupted; what there is, is written
+
+Messages go to stderr, only asked-for data to stdout.";
 
 /// Columns of the list of options.
 const COLUMNS: usize = 100;

@@ -30,7 +30,7 @@ impl Furnished {
         let (wall, wood) = (room.material(&[0.7], &[0.0]), room.material(&[self.wood], &[0.0]));
         let lamp = room.material(&[0.0], &[self.lamp]);
         room.cuboid([0.0; 3], straight(2.0, 2.0, 2.0), true, |_, _| wall);
-        room.quad([0.2, 0.2, 1.99], [0.0, 0.6, 0.0], [0.6, 0.0, 0.0], lamp);
+        room.quad([0.2, 0.2, 1.9], [0.0, 0.6, 0.0], [0.6, 0.0, 0.0], lamp);
         room.cuboid([self.x, 0.927, 0.0], straight(0.5, 0.4, 0.3), false, |_, _| wood);
         room.scene()
     }

@@ -150,3 +150,30 @@ fn a_picture_from_outside_of_a_closed_room_is_warned_of() {
     assert!(ran.succeeded().stderr.contains("warning: the picture is black"), "{}", ran.stderr);
     assert!(!place.run("render room.solution -o a.png --size 8x6").succeeded().stderr.contains("warning"));
 }
+
+#[test]
+fn an_existing_output_survives_a_failed_run() {
+    let place = Place::new();
+    for name in ["V.csv", "a.png", "a.exr", "a.ply", "m.ply", "out.solution", "r.json"] {
+        fs::write(place.path(name), "precious").unwrap();
+    }
+    let mut bytes = fs::read(place.path("room.solution")).unwrap();
+    bytes.truncate(1000);
+    fs::write(place.path("bad.solution"), bytes).unwrap();
+    fs::write(place.path("bad.csv"), "x,y,z,nx,ny,nz\nbad\n").unwrap();
+    for arguments in [
+        "sample bad.solution P.csv -o V.csv",
+        "sample room.solution bad.csv -o V.csv",
+        "render bad.solution -o a.png",
+        "render bad.solution -o a.exr",
+        "export bad.solution -o a.ply",
+        "solve missing.obj -o out.solution --report r.json --image a.png --points P.csv --values V.csv --mesh m.ply",
+    ] {
+        assert_eq!(place.run(arguments).code, 3, "{arguments}");
+    }
+    for name in ["V.csv", "a.png", "a.exr", "a.ply", "m.ply", "out.solution", "r.json"] {
+        assert_eq!(place.read(name), "precious", "{name}");
+    }
+    let expected = ["V.csv", "a.exr", "a.ply", "a.png", "bad.csv", "bad.solution", "m.ply", "out.solution", "r.json"];
+    assert_eq!(place.new_files(), expected);
+}
