@@ -55,11 +55,22 @@ fn lit_meshes_are_read_back() {
 
 #[test]
 fn spoilt_scenes_are_read_back() {
+    // Three times each way with one side and two, with a mesh and without.
+    assert_spoilt_scenes_are_read_back(126);
+}
+
+#[test]
+#[ignore = "takes ten minutes"]
+fn five_hundred_spoilt_scenes_are_read_back() {
+    assert_spoilt_scenes_are_read_back(500);
+}
+
+fn assert_spoilt_scenes_are_read_back(count: usize) {
     let names = ["cornell", "furnace", "four_polygons", "two_rooms"];
     let scenes = names.map(|name| super::scene(&format!("{name}.obj"), Sides::Front));
     let folder = tempfile::tempdir().unwrap();
     let (mut random, mut read_back) = (Random(11), 0);
-    for number in 0..500 {
+    for number in 0..count {
         let chosen = random.below(scenes.len());
         let scene = &scenes[chosen];
         let library = scene_files()[0].with_file_name(format!("{}.mtl", names[chosen]));
@@ -75,5 +86,5 @@ fn spoilt_scenes_are_read_back() {
         assert_reads_back(&solved(imported.scene, &options), 4, &format!("scene {number}"));
         read_back += 1;
     }
-    assert!(read_back >= 490, "{read_back}");
+    assert!(read_back as f64 >= 0.98 * count as f64, "{read_back} of {count}");
 }
