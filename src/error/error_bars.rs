@@ -5,7 +5,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::ops::Range;
 
 use super::compared::{Judging, by_other_rays, compared, values_at};
-use super::estimate::{AGAIN, ErrorSamples, Moments, TWICE};
+use super::estimate::{AGAIN, ErrorSamples, TWICE};
+use super::moments::Moments;
 use super::norm::{ErrorNorm, NormWeights};
 use super::pairs::PairProducts;
 use crate::paths::Place;

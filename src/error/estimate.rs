@@ -31,6 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use super::claim::{Doubts, FEW_REPLICATES, claim};
 use super::compared::{Judging, by_other_rays, compared, lit, values_at};
+use super::moments::Moments;
 use super::norm::{ErrorNorm, Lit, NormWeights, lit_points};
 use super::pairs::{PairProducts, mean_and_variance, variance_by_noise};
 use super::points::{ErrorPoint, Surroundings};
@@ -78,7 +79,7 @@ impl ErrorEstimate {
         claimed: f64::INFINITY,
         energy: ErrorFigure::UNKNOWN,
         local: ErrorFigure::UNKNOWN,
-        doubts: Doubts { replicates: 0.0, common: 0.0, noise: 0.0 },
+        doubts: Doubts { replicates: 0.0, common: 0.0, noise: 0.0, skewness: 0.0 },
         ray_share: 0.0,
         value_noise: None,
         lit: 0.0,
@@ -95,28 +96,6 @@ pub(crate) const TWICE: usize = 2;
 
 /// The noise of values over links is sampled at one of so many points.
 pub(super) const AGAIN: usize = 4;
-
-/// Sums over points.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Moments {
-    count: f64,
-    pub sum: f64,
-    sum_sq: f64,
-}
-
-impl Moments {
-    pub fn add(&mut self, value: f64) {
-        self.count += 1.0;
-        self.sum += value;
-        self.sum_sq += value * value;
-    }
-
-    /// The standard deviation of the sum, by the scatter of what was added.
-    pub fn deviation_of_sum(&self) -> f64 {
-        let scatter = (self.sum_sq - self.sum * self.sum / self.count).max(0.0);
-        (scatter / (self.count - 1.0).max(1.0) * self.count).sqrt()
-    }
-}
 
 /// A prediction of the noise of values and replicates, relative to the light.
 pub(crate) struct Pilot {
@@ -303,7 +282,7 @@ impl ErrorSamples {
         // Point by point, the products of replicates and the variances of values.
         let (mut replicates, mut noise, mut both) = (Moments::default(), Moments::default(), Moments::default());
         let mut all = PairProducts::default();
-        let (mut variance_at_points, mut ray_variance) = (0.0, 0.0);
+        let (mut variance_at_points, mut ray_variance, mut noise_of_rays) = (0.0, 0.0, 0.0);
         for ((sample, values), &weight) in self.samples.iter().zip(&self.values).zip(weights) {
             let (mut products, mut of_rays, mut of_values) = (PairProducts::default(), 0.0, 0.0);
             for compared in compared(sample, judging, values, channels.clone()) {
@@ -317,17 +296,20 @@ impl ErrorSamples {
             all.add_all(&products);
             variance_at_points += products.variance();
             ray_variance += variance_by_noise(products.all, of_rays);
+            noise_of_rays += of_rays;
         }
 
-        // The scatter of the points, and what replicates have in common beyond that, give the confidence limit. Where a single ray of a
-        // single replicate finds much light, products are small, but not the scatter of the replicates.
-        let of_replicates = replicates.deviation_of_sum().max(ray_variance.sqrt());
+        // The scatter of the points, and what replicates have in common beyond that, give the confidence limit. Where single rays of single
+        // replicates find much light, products are small, but not the scatter of replicates: as much as if all points were as noisy counts at least.
+        let of_noise = variance_by_noise(0.0, noise_of_rays).sqrt() / (self.samples.len() as f64).sqrt();
+        let of_replicates = replicates.deviation_of_sum().max(of_noise);
         let common = FEW_REPLICATES * (all.variance() - variance_at_points).max(0.0).sqrt();
+        let scatter = both.scatter_of_sum().at_least(of_replicates).beside(common);
         let ray_share = if of_replicates > 0.0 { (ray_variance / of_replicates.powi(2)).clamp(0.0, 1.0) } else { 0.0 };
         ErrorEstimate {
             measured: both.sum.max(0.0).sqrt(),
-            claimed: claim(both.sum, both.deviation_of_sum().max(of_replicates).hypot(common)),
-            doubts: Doubts { replicates: of_replicates, common, noise: noise.deviation_of_sum() },
+            claimed: claim(both.sum, scatter),
+            doubts: Doubts { replicates: of_replicates, common, noise: noise.deviation_of_sum(), skewness: scatter.skewness },
             ray_share,
             value_noise: judging.is_taken_twice.then(|| noise.sum.sqrt()),
             ..ErrorEstimate::default()

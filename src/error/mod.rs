@@ -1,7 +1,7 @@
 //! How wrong values are: an estimate with a confidence, from light paths that share nothing with the values.
 //!
 //! Start with `estimate`: what is estimated; `norm` says relative to what, `dark` where light may be that no one found. `points` says where, `replicates` by which rays, `residual` what
-//! replicates estimate where values go over cells. `pairs` combines them, and `claim` tells the confidence limit.
+//! replicates estimate where values go over cells. `pairs` combines them, `moments` tells how their sums scatter, and `claim` the confidence limit.
 //! `stored_samples` keeps all of it for other materials.
 
 mod claim;
@@ -10,6 +10,7 @@ mod dark;
 mod error_bars;
 mod estimate;
 mod groups;
+mod moments;
 mod norm;
 mod pairs;
 mod points;
@@ -20,6 +21,9 @@ mod stored_samples;
 pub(crate) use claim::{CONFIDENCE, Doubts, SIGMAS, claim, doubt_for_claim, upper_limit};
 pub(crate) use estimate::{ErrorEstimate, ErrorFigure, ErrorParts, ErrorSamples, Pilot, TWICE};
 pub(crate) use groups::{GroupErrors, KnownErrors};
+pub(crate) use moments::Moments;
+#[cfg(test)]
+pub(crate) use moments::Scatter;
 pub(crate) use norm::ErrorNorm;
 pub(crate) use replicates::{REPLICATES, ReplicateGather, Replication};
 pub(crate) use residual::ResidualGather;

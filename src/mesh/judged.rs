@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::growing::{Growing, Test};
-use crate::error::{ErrorNorm, claim, upper_limit};
+use crate::error::{ErrorNorm, Moments, claim, upper_limit};
 
 /// A norm over the surfaces of a mesh.
 #[derive(Clone, Copy, Debug)]
@@ -35,12 +35,10 @@ pub(crate) struct MeshError {
 
 impl MeshError {
     /// By squared errors at places that each stand for as much of the area.
-    fn by(squares: impl Iterator<Item = f64> + Clone) -> Self {
-        let count = squares.clone().count() as f64;
-        let mean = squares.clone().sum::<f64>() / count;
-        let scatter: f64 = squares.map(|square| (square - mean).powi(2)).sum();
-        let deviation = (scatter / (count * (count - 1.0).max(1.0))).sqrt();
-        Self { measured: mean.max(0.0).sqrt(), claimed: upper_limit(mean, deviation) }
+    fn by(squares: impl ExactSizeIterator<Item = f64>) -> Self {
+        let (count, mut parts) = (squares.len() as f64, Moments::default());
+        parts.extend(squares.map(|square| square / count));
+        Self { measured: parts.sum.max(0.0).sqrt(), claimed: upper_limit(parts.sum, parts.scatter_of_sum()) }
     }
 
     /// Of so many channels for each.
@@ -101,15 +99,13 @@ impl Judged {
     /// By tests that each stand for as much of the whole, with their squared errors, of all light and of each light group.
     pub fn by(tests: &[(Test, Vec<f64>)], whole: f64, norm: &Norm) -> Self {
         let count = tests.len() as f64;
-        let parts = || tests.iter().map(|(test, errors_sq)| whole / count * norm.weight(test.light_sq) * errors_sq[0]);
-        let sum: f64 = parts().sum();
-        let scatter: f64 = parts().map(|part| (part - sum / count).powi(2)).sum();
-        let deviation = (scatter * count / (count - 1.0).max(1.0)).sqrt();
+        let mut parts = Moments::default();
+        parts.extend(tests.iter().map(|(test, errors_sq)| whole / count * norm.weight(test.light_sq) * errors_sq[0]));
         let noise_sq = tests.iter().map(|(test, _)| whole / count * norm.weight(test.light_sq) * test.of_nodes_sq).sum();
         let groups = tests.first().map_or(0, |(_, errors_sq)| errors_sq.len());
         let of_group = |group: usize| MeshError::by(tests.iter().map(move |(_, errors_sq)| errors_sq[group]));
         let by_group = if groups > 1 { (0..groups).map(of_group).collect() } else { Vec::new() };
-        Self { measured: sum.max(0.0).sqrt(), claimed: claim(sum, deviation), noise_sq, by_group }
+        Self { measured: parts.sum.max(0.0).sqrt(), claimed: claim(parts.sum, parts.scatter_of_sum()), noise_sq, by_group }
     }
 
     /// Of two errors that have nothing to do with each other.

@@ -148,7 +148,7 @@ impl<'a> Doubtful<'a> {
     /// What takes away the largest part of the square of the claim; nothing where that is the bias of links. To know closer what is more than
     /// is asked for would not do.
     fn worst(&self, requested: f64) -> Choice {
-        let Doubts { replicates, common, noise } = self.error.doubts;
+        let Doubts { replicates, common, noise, .. } = self.error.doubts;
         let doubt = SIGMAS * replicates.hypot(common);
         let noise_sq = self.noise_sq + SIGMAS * noise;
         if noise_sq >= self.other_sq.max(doubt) {
@@ -191,6 +191,8 @@ impl<'a> Doubtful<'a> {
             replicates: doubts.replicates * of_replicates,
             common: doubts.common * if self.is_common() { left } else { of_replicates },
             noise: by_points * doubts.noise * noise_left,
+            // That of a sum of independent parts falls as one over the root of how many there are.
+            skewness: by_points * doubts.skewness,
         };
         claim(self.noise_sq * noise_left + of_values * self.other_sq, doubts.all())
     }
@@ -199,6 +201,11 @@ impl<'a> Doubtful<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Scatter;
+
+    fn normal(deviation: f64) -> Scatter {
+        Scatter { deviation, skewness: 0.0 }
+    }
 
     fn estimate(measured: f64, replicates: f64, ray_share: f64) -> ErrorEstimate {
         ErrorEstimate { measured, doubts: Doubts { replicates, ..Doubts::default() }, ray_share, ..ErrorEstimate::default() }
@@ -211,13 +218,13 @@ mod tests {
         let noisy = Doubtful::new(&error, 0.02, true);
         assert!(noisy.is_noise());
         let noise_left = Law::left_by_rays(4.0);
-        assert!((noisy.estimate_claim(&rays) / claim(4e-4 * noise_left, 0.0) - 1.0).abs() < 1e-12);
+        assert!((noisy.estimate_claim(&rays) / claim(4e-4 * noise_left, Scatter::default()) - 1.0).abs() < 1e-12);
         assert_eq!(noisy.estimate_claim(&cells), noisy.estimate_claim(&Choice::NOTHING));
         let coarse = Doubtful::new(&error, 0.0, true);
         assert!(!coarse.is_noise());
         assert_eq!(coarse.estimate_claim(&rays), coarse.estimate_claim(&Choice::NOTHING));
         let left = Law::left_by_cells(MORE_POSITIONS, f64::from(MORE_POSITION_RAYS));
-        assert!((coarse.estimate_claim(&cells) / claim(4e-4 * left, 0.0) - 1.0).abs() < 1e-12);
+        assert!((coarse.estimate_claim(&cells) / claim(4e-4 * left, Scatter::default()) - 1.0).abs() < 1e-12);
     }
 
     #[test]
@@ -226,15 +233,15 @@ mod tests {
         let rays = Choice { replicate_rays: 4.0, ..Choice::NOTHING };
         let foreseen = |share: f64, choice: &Choice| Doubtful::new(&estimate(0.01, 1e-4, share), 0.0, true).estimate_claim(choice);
         for share in [0.0, 1.0] {
-            assert!((foreseen(share, &points) / claim(1e-4, 0.5e-4) - 1.0).abs() < 1e-12);
+            assert!((foreseen(share, &points) / claim(1e-4, normal(0.5e-4)) - 1.0).abs() < 1e-12);
         }
-        assert!((foreseen(1.0, &rays) / claim(1e-4, 0.25e-4) - 1.0).abs() < 1e-12);
+        assert!((foreseen(1.0, &rays) / claim(1e-4, normal(0.25e-4)) - 1.0).abs() < 1e-12);
         assert_eq!(foreseen(0.0, &rays), foreseen(0.0, &Choice::NOTHING));
     }
 
     #[test]
     fn the_error_is_not_thought_below_the_noise_of_values() {
         let error = estimate(0.0, 1e-5, 1.0);
-        assert_eq!(Doubtful::new(&error, 0.008, true).estimate_claim(&Choice::NOTHING), claim(0.008_f64.powi(2), 1e-5));
+        assert_eq!(Doubtful::new(&error, 0.008, true).estimate_claim(&Choice::NOTHING), claim(0.008_f64.powi(2), normal(1e-5)));
     }
 }
