@@ -49,8 +49,9 @@ uninstall:
 wheel: setup
 	scripts/wheel.sh build
 
+# With what is left out by default and builds everywhere: one build for all tests.
 test: setup
-	cargo test --locked
+	cargo test --locked --features parquet
 	scripts/wheel.sh test
 
 test-python: setup
@@ -58,7 +59,7 @@ test-python: setup
 
 lint: setup
 	cargo fmt --all --check
-	cargo clippy --locked --all-targets -- -D warnings
+	cargo clippy --locked --all-targets --features parquet -- -D warnings
 	PYO3_BUILD_EXTENSION_MODULE=1 PYO3_NO_PYTHON=1 cargo clippy --locked -p patchlight-python -- -D warnings
 
 bench: setup
@@ -69,7 +70,7 @@ bench-error: setup
 	cargo bench --locked --bench hard_scenes
 
 counters: setup
-	PATCHLIGHT_WRITE_COUNTERS=1 cargo test --locked --test counters
+	PATCHLIGHT_WRITE_COUNTERS=1 cargo test --locked --features parquet --test counters
 	git --no-pager diff --stat -- tests/counters.json
 
 test-debian13:

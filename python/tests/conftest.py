@@ -1,5 +1,6 @@
 """Scenes that tests share. Those of files lie in `scenes/` of the repository."""
 
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,14 @@ def cornell():
 def office():
     """A scene that takes seconds."""
     return patchlight.Scene.read(REPOSITORY / "scenes/full_office.obj")
+
+
+@pytest.fixture
+def interruptible():
+    """Ctrl-C interrupts, also where the tests run in the background of a shell, which ignores it there."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def lamp_box(rho=0.5, exitance=1.0, **more):

@@ -157,6 +157,7 @@ def test_the_progress_function_ends_it(office):
 
 
 @pytest.mark.parametrize("what", ["mesh", "values"])
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_ends_what_would_take_minutes(office, lit, mesh, what):
     coarse = patchlight.solve(office, error=0.5) if what == "mesh" else None
     points = np.random.default_rng(1).uniform([0, 0, 0], [2, 3, 0], (20_000_000, 3)) if what == "values" else None

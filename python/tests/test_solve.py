@@ -166,6 +166,7 @@ def test_the_bar_is_for_people_alone(cornell, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("what", ["solve", "values", "render"])
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_ends_what_would_take_minutes(office, cornell, what):
     # The signal comes when the work is under way.
     begun = threading.Event()
