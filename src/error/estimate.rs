@@ -281,8 +281,7 @@ impl ErrorSamples {
     pub(super) fn estimate_weighted(&self, judging: Judging<'_>, weights: &[f64], channels: Range<usize>) -> ErrorEstimate {
         // Point by point, the products of replicates and the variances of values.
         let (mut replicates, mut noise, mut both) = (Moments::default(), Moments::default(), Moments::default());
-        let mut all = PairProducts::default();
-        let (mut variance_at_points, mut ray_variance, mut noise_of_rays) = (0.0, 0.0, 0.0);
+        let (mut ray_variance, mut noise_of_rays) = (0.0, 0.0);
         for ((sample, values), &weight) in self.samples.iter().zip(&self.values).zip(weights) {
             let (mut products, mut of_rays, mut of_values) = (PairProducts::default(), 0.0, 0.0);
             for compared in compared(sample, judging, values, channels.clone()) {
@@ -293,17 +292,15 @@ impl ErrorSamples {
             replicates.add(products.all);
             noise.add(of_values);
             both.add(products.all + of_values);
-            all.add_all(&products);
-            variance_at_points += products.variance();
             ray_variance += variance_by_noise(products.all, of_rays);
             noise_of_rays += of_rays;
         }
 
-        // The scatter of the points, and what replicates have in common beyond that, give the confidence limit. Where single rays of single
+        // The scatter of the points, and what replicates have in common at all of them, give the confidence limit. Where single rays of single
         // replicates find much light, products are small, but not the scatter of replicates: as much as if all points were as noisy counts at least.
         let of_noise = variance_by_noise(0.0, noise_of_rays).sqrt() / (self.samples.len() as f64).sqrt();
         let of_replicates = replicates.deviation_of_sum().max(of_noise);
-        let common = FEW_REPLICATES * (all.variance() - variance_at_points).max(0.0).sqrt();
+        let common = FEW_REPLICATES * self.common_variance(judging, weights, channels).sqrt();
         let scatter = both.scatter_of_sum().at_least(of_replicates).beside(common);
         let ray_share = if of_replicates > 0.0 { (ray_variance / of_replicates.powi(2)).clamp(0.0, 1.0) } else { 0.0 };
         ErrorEstimate {

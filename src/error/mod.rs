@@ -1,10 +1,12 @@
 //! How wrong values are: an estimate with a confidence, from light paths that share nothing with the values.
 //!
 //! Start with `estimate`: what is estimated; `norm` says relative to what, `dark` where light may be that no one found. `points` says where, `replicates` by which rays, `residual` what
-//! replicates estimate where values go over cells. `pairs` combines them, `moments` tells how their sums scatter, and `claim` the confidence limit.
+//! replicates estimate where values go over cells. `pairs` combines them, `moments` tells how their sums scatter, `common` what replicates have in common
+//! at all points, and `claim` the confidence limit.
 //! `stored_samples` keeps all of it for other materials.
 
 mod claim;
+mod common;
 mod compared;
 mod dark;
 mod error_bars;

@@ -1,8 +1,7 @@
 //! Products of pairs of independent replicates, and how much they scatter.
 //!
-//! The mean product of two replicates of a residual is its square, without the noise of either. All pairs are taken. What replicates have in
-//! common at all points, the noise of their cells, does not show in the scatter between points; it shows when one replicate is left out
-//! (the jackknife over replicates), beyond what the noise at single points does to that.
+//! The mean product of two replicates of a residual is its square, without the noise of either. All pairs are taken, and all but those of one
+//! replicate: the jackknife over replicates.
 
 use super::replicates::REPLICATES;
 

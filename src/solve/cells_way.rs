@@ -101,7 +101,6 @@ impl<'a> Way<'a> for CellsWay<'a> {
                 ReplicateGather::Residual(ResidualGather { paths, of_values: &own.radiosities[0], onward })
             },
             |rays| user_gather(linked, own, rays),
-            true,
         );
         linked.claimed = judge.error.map(|error| error.claimed);
         if judge.error.is_some() {

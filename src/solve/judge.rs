@@ -60,14 +60,13 @@ impl<'a> Judge<'a> {
     }
 
     /// Estimates the error of the values that `gather` gives for so many rays. What replicates find, `replicate` tells by number, their paths
-    /// and cells. Before the first replicates are taken `pilot` may fit their rays, and those of values.
+    /// and cells. Before the first replicates are taken a pilot may fit their rays, and those of values.
     pub fn estimate_error<'b>(
         &'b mut self,
         linked: &'b Linked<'a>,
         plan: &mut Plan,
         replicate: impl Fn(&'b SolvedCells<'a, REPLICATES>, usize) -> ReplicateGather<'b>,
         gather: impl Fn(u32) -> Gather<'b>,
-        pilots: bool,
     ) {
         let Self { cells, samples, error } = self;
         *error = None;
@@ -81,9 +80,8 @@ impl<'a> Judge<'a> {
             gathers: std::array::from_fn(|number| replicate(cells, number)),
             seed: sampling::hash(job.options.seed, streams::ERROR),
         };
-        let is_first = samples.is_empty();
         let is_spread = samples.add_points(plan.error_points(), plan.replicate_pilot_rays(), &with, &stop);
-        if is_spread && is_first && pilots {
+        if is_spread && plan.wants_pilot() {
             let pilot: Option<Pilot> = samples.pilot(&gather(plan.pilot_rays()), &stop);
             pilot.iter().for_each(|pilot| plan.fit_rays(pilot));
         }

@@ -88,7 +88,6 @@ impl<'a> Way<'a> for LinksWay<'a> {
                 ReplicateGather::Truth(FinalGather { paths, radiosities, bounces })
             },
             |rays| user_gather(linked, rays),
-            false,
         );
         linked.claimed = judge.error.map(|error| error.claimed);
         if judge.error.is_some() {

@@ -142,7 +142,7 @@ impl<'a> Doubtful<'a> {
 
     /// Whether replicates have much in common, beyond what may be chance of their noise at points.
     fn is_common(&self) -> bool {
-        self.error.doubts.common > 2.0 * self.error.doubts.replicates
+        self.error.doubts.common > self.error.doubts.replicates
     }
 
     /// What takes away the largest part of the square of the claim; nothing where that is the bias of links. To know closer what is more than

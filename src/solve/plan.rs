@@ -226,6 +226,11 @@ impl Plan {
         }
     }
 
+    /// Whether a pilot is wanted: of values over cells, before there is an estimate of the error, which tells more.
+    pub fn wants_pilot(&self) -> bool {
+        self.over_cells && self.estimates == 0
+    }
+
     /// Fits rays to points and of replicates to what a pilot found with [`Self::pilot_rays`].
     pub fn fit_rays(&mut self, pilot: &Pilot) {
         let tried = self.pilot_rays();
