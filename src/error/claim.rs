@@ -22,6 +22,9 @@ pub(crate) const SIGMAS: f64 = 2.413;
 /// Schwarz; 3, as of a lognormal sum, where errors at points differ: measured over seven scenes (docs/experiments.md).
 const LEAST_SKEWNESS: f64 = 3.0;
 
+/// The largest skewness that is found: that of a sum of any number of values, one of which holds all.
+const ALL_IN_ONE: f64 = 1.0;
+
 /// By how much quantiles are larger where a deviation is known from the scatter of the replicates alone: Student's t with seven degrees of
 /// freedom beside the normal quantile, both of the risk of a single look, 0.8%.
 pub(super) const FEW_REPLICATES: f64 = 1.31;
@@ -47,12 +50,8 @@ pub(crate) fn upper_limit(error_sq: f64, scatter: Scatter) -> f64 {
 /// The upper limit of a sum, from the sum and its skewness, both numbers in units of its deviation: the largest true value that is not too far above
 /// what was measured, if the sum is as skewed as was found and as that value says.
 fn limit_in_deviations(measured: f64, skewness: f64) -> f64 {
-    /// A sum of any number of values, one of which holds all, has this skewness; no more is found.
-    const ALL_IN_ONE: f64 = 1.0;
-
-    let found = skewness.min(ALL_IN_ONE);
-    let rejects = |limit: f64| limit >= measured + sigmas(found.max(LEAST_SKEWNESS / limit));
-    let (mut below, mut above) = (measured + sigmas(found), measured + sigmas(ALL_IN_ONE));
+    let rejects = |limit: f64| limit >= measured + sigmas(expected_skewness(skewness, limit));
+    let (mut below, mut above) = (measured + sigmas(skewness.min(ALL_IN_ONE)), measured + sigmas(ALL_IN_ONE));
     if rejects(below) {
         return below;
     }
@@ -62,6 +61,11 @@ fn limit_in_deviations(measured: f64, skewness: f64) -> f64 {
         *(if rejects(middle) { &mut above } else { &mut below }) = middle;
     }
     above
+}
+
+/// The skewness of a sum that is as large as a limit, from what was found and from the limit in units of the sum's deviation.
+fn expected_skewness(found: f64, limit: f64) -> f64 {
+    (LEAST_SKEWNESS / limit).clamp(found.min(ALL_IN_ONE), ALL_IN_ONE)
 }
 
 /// How many of the deviations that were found with it a sum of this skewness lies below its mean, with the risk of a look: as a multiple of a chi-square
@@ -85,6 +89,16 @@ pub(crate) fn doubt_for_claim(error_sq: f64) -> f64 {
     let cube_root_of_part = (1.0 + 0.5 * LEAST_SKEWNESS * (1.0 - error_sq).max(0.0)).cbrt().recip();
     let skewness = 3.0 * ((SIGMAS * SIGMAS + 4.0 * (1.0 - cube_root_of_part)).sqrt() - SIGMAS);
     skewness / LEAST_SKEWNESS
+}
+
+/// The largest measured square that scatters so and lets `limit` be claimed; below 0 where none does.
+pub(crate) fn largest_sq_for_claim(limit: f64, scatter: Scatter) -> f64 {
+    let limit_sq = (limit - LEFT_BY_SWEEPS).max(0.0).powi(2);
+    if scatter.deviation == 0.0 {
+        return limit_sq;
+    }
+    let in_deviations = limit_sq / scatter.deviation;
+    limit_sq - scatter.deviation * sigmas(expected_skewness(scatter.skewness, in_deviations))
 }
 
 /// Standard deviations of a measured square: by the products of replicates at points, by what replicates have in common at all points, and
@@ -148,6 +162,16 @@ mod tests {
             assert!((upper_limit(error_sq, scatter) - 1.0).abs() < 1e-9, "{scatter:?} at {error_sq}");
         }
         assert_eq!(doubt_for_claim(1.5), 0.0);
+    }
+
+    #[test]
+    fn the_largest_square_for_a_claim_is_claimed_just_so() {
+        for (deviation, skewness) in [(0.0, 0.0), (1e-6, 0.0), (2e-5, 0.3), (1e-5, 0.9)] {
+            let scatter = Scatter { deviation, skewness };
+            let largest = largest_sq_for_claim(0.01, scatter);
+            assert!(largest >= 0.0 && (claim(largest, scatter) / 0.01 - 1.0).abs() < 1e-9, "{largest} with {scatter:?}");
+        }
+        assert!(largest_sq_for_claim(0.01, Scatter { deviation: 1e-4, skewness: 0.0 }) < 0.0);
     }
 
     /// Of 512 values each the square of an exponential number, whose mean is 2: as skewed as the squared errors of rooms. The risk of a look is 0.8%.

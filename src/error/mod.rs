@@ -20,7 +20,7 @@ mod replicates;
 mod residual;
 mod stored_samples;
 
-pub(crate) use claim::{CONFIDENCE, Doubts, SIGMAS, claim, doubt_for_claim, upper_limit};
+pub(crate) use claim::{CONFIDENCE, Doubts, SIGMAS, claim, doubt_for_claim, largest_sq_for_claim, upper_limit};
 pub(crate) use estimate::{ErrorEstimate, ErrorFigure, ErrorParts, ErrorSamples, Pilot, TWICE};
 pub(crate) use groups::{GroupErrors, KnownErrors};
 pub(crate) use moments::Moments;

@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::finish::{Outcome, finish};
 use super::judge::{Judge, Judged, add_time, cell_seed};
 use super::linked::Linked;
-use super::next_step::next_step;
+use super::next_step::{Instead, next_step};
 use super::options::Strategy;
 use super::plan::Plan;
 use super::report::{SolveReport, StoppedBy};
@@ -114,7 +114,7 @@ impl<'a> Way<'a> for CellsWay<'a> {
         let Self { linked, plan, cells, judge, judged, .. } = self;
         let (Some(own), stop) = (cells, linked.job.stop()) else { return NextStep::Exhausted };
         let noise = plan.begin_step(error, |rays| judge.sampled_value_noise(&user_gather(linked, own, rays), &stop));
-        let step = next_step(plan, error, noise);
+        let step = next_step(plan, error, noise, &Instead { refine: f64::INFINITY, take_cells: f64::INFINITY });
         let rays = plan.point_rays();
         *judged = match step {
             NextStep::GoodEnough | NextStep::Exhausted => None,

@@ -7,7 +7,7 @@ use super::cells_way::CellsWay;
 use super::finish::{Outcome, finish};
 use super::judge::{Judge, Judged, add_time};
 use super::linked::Linked;
-use super::next_step::next_step;
+use super::next_step::{Instead, next_step, refinement};
 use super::plan::Plan;
 use super::report::{SolveReport, StoppedBy};
 use super::solution::Solution;
@@ -44,11 +44,14 @@ impl<'a> LinksWay<'a> {
         Self { over_cells: Some(cells), ..self }
     }
 
-    /// Whether refining links to so many times the tolerance is predicted to take more than to go on over cells.
-    fn had_better_take_cells(&self, tolerance_factor: f64) -> bool {
+    /// What may be done beside finding and knowing values better over the same links.
+    fn instead(&self, error: &ErrorEstimate) -> Instead {
         let (links, leaves) = (self.linked.links.len(), self.linked.leaves().count());
-        let over_links = self.plan.work_over_links(links, leaves, tolerance_factor);
-        self.over_cells.as_ref().is_some_and(|cells| over_links > cells.work())
+        let over_links = || self.plan.work_over_links(links, leaves, refinement(&self.plan, error));
+        Instead {
+            refine: if self.plan.may_refine() { over_links() } else { f64::INFINITY },
+            take_cells: self.over_cells.as_ref().map_or(f64::INFINITY, Plan::work),
+        }
     }
 }
 
@@ -102,11 +105,7 @@ impl<'a> Way<'a> for LinksWay<'a> {
         let start = Instant::now();
         let stop = linked.job.stop();
         let noise = plan.begin_step(error, |rays| judge.sampled_value_noise(&user_gather(linked, rays), &stop));
-        let step = match next_step(&self.plan, error, noise) {
-            NextStep::Refine(factor) if self.had_better_take_cells(factor) => NextStep::TakeCells,
-            NextStep::FindCells(_) if self.had_better_take_cells(1.0) => NextStep::TakeCells,
-            step => step,
-        };
+        let step = next_step(&self.plan, error, noise, &self.instead(error));
         let Self { linked, plan, judge, judged, .. } = self;
         *judged = match step {
             NextStep::GoodEnough | NextStep::Exhausted => None,

@@ -2,13 +2,14 @@
 //!
 //! The square of the error has two parts: noise of the gather at points, which is sampled by gathering again and falls as rays are
 //! added, and the rest, which falls as cell radiosities are found more finely. Either is known as well as replicates and points are many.
-//! What is claimed follows from all four, so what each choice will let be claimed is foreseen, and the least work that should do is found
-//! among all of them.
+//! What is claimed follows from all four. So what each choice will leave is foreseen, and how far what is measured then may lie off that: this is
+//! the chance that it will do. A choice that fails costs its work and leaves the others, so the one that takes the least work for its chance comes
+//! first (the index rule for such searches: Weitzman, Econometrica 47, 1979).
 
 use super::effort::{AIM, Law};
 use super::plan::{MORE_POSITION_RAYS, MORE_POSITIONS, MOST_RAYS_FACTOR, Plan};
 use super::step::{Choice, NextStep};
-use crate::error::{Doubts, ErrorEstimate, SIGMAS, claim};
+use crate::error::{Doubts, ErrorEstimate, SIGMAS, largest_sq_for_claim};
 
 /// Refined is to so many times the tolerance, at most and at least: the law is one of the mean of many scenes.
 const MOST_REFINED: f64 = 0.1;
@@ -20,14 +21,25 @@ const RAY_FACTORS: [f64; 5] = [1.0, 1.5, 2.0, 4.0, MOST_RAYS_FACTOR];
 /// Where nothing foreseen will do, values that are mostly noise take so many times the rays.
 const MORE_RAYS_FACTOR: f64 = 4.0;
 
-/// What is foreseen must do with this to spare: estimates scatter, and a step that falls short costs another.
-const SAFETY: f64 = 0.95;
+/// What does less often than this is not counted on: one step will not be enough.
+const LEAST_CHANCE: f64 = 0.1;
+
+/// The chance that values over cells will do at first: about every second time.
+const CHANCE_OF_CELLS: f64 = 0.5;
 
 /// Points may be so many times as many, and replicates have so many times the rays.
 const REPLICATE_FACTORS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 
+/// What may be done instead of what is foreseen here, by its predicted work in rays; infinite where that is no way.
+pub(super) struct Instead {
+    /// Links refined by [`refinement`].
+    pub refine: f64,
+    /// All that values over cells take.
+    pub take_cells: f64,
+}
+
 /// Decides what to do about an error; `value_noise` is the part of it that is noise of the values at points.
-pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64) -> NextStep {
+pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64, instead: &Instead) -> NextStep {
     let requested = plan.requested();
     if error.claimed <= requested {
         return NextStep::GoodEnough;
@@ -48,41 +60,33 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64) ->
         return if plan.may_know_closer(&more) { NextStep::MoreReplicateRays } else { NextStep::Exhausted };
     }
 
-    // The least work that should do. Where nothing is known of the work of better links, replicates are worth some.
+    // The least work for its chance.
     let doubtful = Doubtful::new(error, value_noise, plan.has_cells());
-    let will_do = |choice: &Choice| doubtful.estimate_claim(choice) <= SAFETY * requested;
-    let is_worth_it = |choice: &Choice| !choice.keeps_values() || plan.is_worthwhile(plan.work_of(choice));
-    let by_work = |a: &Choice, b: &Choice| plan.work_of(a).total_cmp(&plan.work_of(b));
-    let choice = choices(plan, &doubtful).filter(|choice| will_do(choice) && is_worth_it(choice)).min_by(by_work);
+    let chance = |choice: &Choice| doubtful.chance(choice, requested);
+    let index = |choice: &Choice| plan.work_of(choice) / chance(choice);
+    let likely = choices(plan).filter(|choice| *choice != Choice::NOTHING && chance(choice) >= LEAST_CHANCE);
+    let likely = likely.min_by(|a, b| index(a).total_cmp(&index(b)));
 
-    // Where none will do, begin with what is worst; where that is links, refine them.
-    let worst = || Some(doubtful.worst(requested)).filter(|choice| !choice.keeps_values() || plan.may_know_closer(choice));
-    let otherwise = || if plan.has_cells() { Choice { finds_cells: true, ..Choice::NOTHING } } else { Choice::NOTHING };
-    let choice = choice.or_else(worst).unwrap_or_else(otherwise);
-    if choice == Choice::NOTHING {
-        return refine(plan, error);
+    // Where one step will not be enough, begin with what is worst; where that is links, refine them.
+    let better_links = instead.refine / doubtful.chance_of_refining(requested);
+    let over_cells = instead.take_cells / CHANCE_OF_CELLS;
+    let choice = match likely {
+        Some(choice) if index(&choice) <= better_links.min(over_cells) => choice,
+        Some(_) => return refine_or_take_cells(plan, error, better_links, over_cells),
+        None => {
+            let worst = doubtful.worst(requested);
+            let otherwise = Choice { finds_cells: plan.has_cells(), ..Choice::NOTHING };
+            if worst.keeps_values() && !plan.may_know_closer(&worst) { otherwise } else { worst }
+        }
+    };
+    if choice == Choice::NOTHING || plan.work_of(&choice) > instead.take_cells {
+        return refine_or_take_cells(plan, error, instead.refine, instead.take_cells);
     }
 
-    // Finding cells anew takes much, and what replicates found may be chance. Where values and what is known of them must both become
-    // better, what the claim gains most by comes first.
-    let closer = doubtful.closer();
-    let knows_first = choice.finds_cells
-        && doubtful.may_be_chance()
-        && !doubtful.is_common()
-        && plan.may_know_closer(&closer)
-        && plan.work_of(&closer) < plan.work_of(&choice);
+    // Where values and what is known of them must both become better, what the chance gains most by comes first.
     let known_alone = Choice { rays: 1.0, ..choice };
-    let tells_more = !choice.finds_cells && doubtful.estimate_claim(&known_alone) < doubtful.estimate_claim(&choice.of_values());
-    step_towards(
-        plan,
-        if knows_first {
-            closer
-        } else if tells_more {
-            known_alone
-        } else {
-            choice
-        },
-    )
+    let tells_more = !choice.finds_cells && chance(&known_alone) > chance(&choice.of_values());
+    step_towards(plan, if tells_more { known_alone } else { choice })
 }
 
 /// The next step towards a choice: replicates are added little by little, because each time may tell that it is enough, or will not do.
@@ -96,20 +100,27 @@ fn step_towards(plan: &Plan, choice: Choice) -> NextStep {
     if plan.may_take_more_rays() { NextStep::MoreRays(choice.rays) } else { NextStep::Exhausted }
 }
 
-/// The step to better links.
-fn refine(plan: &Plan, error: &ErrorEstimate) -> NextStep {
-    if plan.may_refine() {
-        let exceeded = error.measured.max(0.5 * error.claimed) / (AIM * plan.requested());
-        return NextStep::Refine(plan.tolerance_factor(1.0 / exceeded).clamp(MOST_REFINED, LEAST_REFINED));
+/// The step to better links, or over to cells where that takes less.
+fn refine_or_take_cells(plan: &Plan, error: &ErrorEstimate, refine: f64, take_cells: f64) -> NextStep {
+    if take_cells < refine {
+        NextStep::TakeCells
+    } else if plan.may_refine() {
+        NextStep::Refine(refinement(plan, error))
+    } else {
+        NextStep::Exhausted
     }
-    NextStep::Exhausted
+}
+
+/// Links are to be refined to so many times the tolerance.
+pub(super) fn refinement(plan: &Plan, error: &ErrorEstimate) -> f64 {
+    let exceeded = error.measured.max(0.5 * error.claimed) / (AIM * plan.requested());
+    plan.tolerance_factor(1.0 / exceeded).clamp(MOST_REFINED, LEAST_REFINED)
 }
 
 /// What may be done that is foreseen; better links are not among it.
-fn choices(plan: &Plan, doubtful: &Doubtful) -> impl Iterator<Item = Choice> {
+fn choices(plan: &Plan) -> impl Iterator<Item = Choice> {
     let (may_take_more_rays, may_find_cells) = (plan.may_take_more_rays(), plan.may_find_cells());
-    let is_foreseen = plan.has_cells() || doubtful.is_noise();
-    let rays = RAY_FACTORS.into_iter().filter(move |&rays| rays == 1.0 || (is_foreseen && may_take_more_rays));
+    let rays = RAY_FACTORS.into_iter().filter(move |&rays| rays == 1.0 || may_take_more_rays);
     let of_values = rays.flat_map(|rays| [false, true].map(|finds_cells| (rays, finds_cells)));
     let of_values = of_values.filter(move |&(_, finds_cells)| !finds_cells || may_find_cells);
     let (most_points, most_rays) = plan.most_replicates();
@@ -156,17 +167,8 @@ impl<'a> Doubtful<'a> {
         } else if doubt > self.other_sq && !self.is_common() && self.error.measured <= requested {
             self.closer()
         } else {
-            Choice { finds_cells: self.has_cells || doubt > self.other_sq, ..Choice::NOTHING }
+            Choice { finds_cells: self.has_cells || (self.is_common() && doubt > self.other_sq), ..Choice::NOTHING }
         }
-    }
-
-    fn is_noise(&self) -> bool {
-        self.noise_sq > self.other_sq
-    }
-
-    /// Whether all that is not noise of the gather at points may be a chance of the replicates.
-    fn may_be_chance(&self) -> bool {
-        self.other_sq < SIGMAS * self.error.doubts.replicates.hypot(self.error.doubts.common)
     }
 
     /// The next step to know better: more rays where replicates are noisy, else more points.
@@ -178,33 +180,84 @@ impl<'a> Doubtful<'a> {
         }
     }
 
-    /// What may be claimed after a choice, as far as it can be foreseen.
-    fn estimate_claim(&self, choice: &Choice) -> f64 {
-        let more_cells = if choice.finds_cells { (MORE_POSITIONS, f64::from(MORE_POSITION_RAYS)) } else { (1.0, 1.0) };
-        let left = Law::left_by_cells(more_cells.0, more_cells.1);
-        let noise_left = Law::left_by_rays(choice.rays);
-        let ErrorEstimate { doubts, ray_share, .. } = self.error;
-        let of_values = if self.has_cells { left } else { 1.0 };
-        let by_points = 1.0 / choice.points.sqrt();
-        let of_replicates = by_points * (ray_share / choice.replicate_rays.powi(2) + (1.0 - ray_share) * of_values.powi(2)).sqrt();
-        let doubts = Doubts {
-            replicates: doubts.replicates * of_replicates,
-            common: doubts.common * if self.is_common() { left } else { of_replicates },
-            noise: by_points * doubts.noise * noise_left,
-            // That of a sum of independent parts falls as one over the root of how many there are.
-            skewness: by_points * doubts.skewness,
-        };
-        claim(self.noise_sq * noise_left + of_values * self.other_sq, doubts.all())
+    /// The part of what is off values beside their noise that a choice leaves.
+    fn left(&self, choice: &Choice) -> f64 {
+        if self.has_cells && choice.finds_cells { left_by_finer_cells() } else { 1.0 }
     }
+
+    /// The variances of the measured square by noise of the replicates' rays, and by the scatter of points, after a choice.
+    fn variances_of_replicates(&self, choice: &Choice) -> (f64, f64) {
+        let ErrorEstimate { doubts, ray_share, .. } = self.error;
+        let by_points = doubts.replicates.powi(2) / choice.points;
+        (by_points * ray_share / choice.replicate_rays.powi(2), by_points * (1.0 - ray_share) * self.left(choice).powi(2))
+    }
+
+    /// The doubts after a choice.
+    fn doubts_after(&self, choice: &Choice) -> Doubts {
+        let Doubts { replicates, common, noise, skewness } = self.error.doubts;
+        let (of_rays, of_points) = self.variances_of_replicates(choice);
+        let of_replicates = (of_rays + of_points).sqrt();
+        let common = match (self.is_common(), choice.finds_cells) {
+            (true, true) => common * left_by_finer_cells(),
+            (true, false) => common,
+            // As much as may be chance.
+            (false, _) => common * of_replicates / replicates.max(f64::MIN_POSITIVE),
+        };
+        let by_points = 1.0 / choice.points.sqrt();
+        // The skewness of a sum of independent parts falls as one over the root of how many there are.
+        let noise = by_points * noise * Law::left_by_rays(choice.rays);
+        Doubts { replicates: of_replicates, common, noise, skewness: by_points * skewness }
+    }
+
+    /// The square of the error that a choice is expected to leave.
+    fn square_after(&self, choice: &Choice) -> f64 {
+        self.noise_sq * Law::left_by_rays(choice.rays) + self.left(choice) * self.other_sq
+    }
+
+    /// The chance that no more than is requested can be claimed after a choice, as far as that can be foreseen.
+    fn chance(&self, choice: &Choice, requested: f64) -> f64 {
+        // What is measured then lies around what was measured now: by all that is in doubt now and then where it is drawn anew, else by so much as
+        // is learnt. Where cells are found, replicates are drawn anew, but not the points.
+        let around = |now: f64, then: f64, is_new: bool| if is_new { now + then } else { (now - then).max(0.0) };
+        let (now, then, left_sq) = (self.error.doubts, self.doubts_after(choice), self.left(choice).powi(2));
+        let (rays_now, points_now) = self.variances_of_replicates(&Choice::NOTHING);
+        let (rays_then, points_then) = self.variances_of_replicates(choice);
+        let of_rays = around(left_sq * rays_now, rays_then, choice.finds_cells);
+        let of_common = around(left_sq * now.common.powi(2), then.common.powi(2), choice.finds_cells);
+        let of_points = around(left_sq * points_now, points_then, false);
+        let of_noise = around((now.noise * Law::left_by_rays(choice.rays)).powi(2), then.noise.powi(2), !choice.keeps_values());
+
+        let room = largest_sq_for_claim(requested, then.all()) - self.square_after(choice);
+        chance_of_room(room, of_rays + of_common + of_points + of_noise)
+    }
+
+    /// The same where links are refined as the error says.
+    fn chance_of_refining(&self, requested: f64) -> f64 {
+        let aimed = self.noise_sq + self.other_sq.min((AIM * requested).powi(2));
+        let doubts = self.error.doubts.all();
+        chance_of_room(largest_sq_for_claim(requested, doubts) - aimed, doubts.deviation.powi(2))
+    }
+}
+
+/// The chance that a normal number of this variance is no larger than so.
+fn chance_of_room(room: f64, variance: f64) -> f64 {
+    if variance > 0.0 { 0.5 * libm::erfc(-room / (2.0 * variance).sqrt()) } else { f64::from(u8::from(room >= 0.0)) }
+}
+
+/// Cells found once more leave so much of the square of what they make wrong.
+fn left_by_finer_cells() -> f64 {
+    Law::left_by_cells(MORE_POSITIONS, f64::from(MORE_POSITION_RAYS))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::Scatter;
+    use crate::error::{Scatter, claim};
+    use crate::geometry::sampling::{hash, unit};
 
-    fn normal(deviation: f64) -> Scatter {
-        Scatter { deviation, skewness: 0.0 }
+    /// About normal, with variance 1: a sum of twelve uniform numbers.
+    fn normal(seed: u64) -> f64 {
+        (0..12).map(|k| unit(hash(seed, k))).sum::<f64>() - 6.0
     }
 
     fn estimate(measured: f64, replicates: f64, ray_share: f64) -> ErrorEstimate {
@@ -216,32 +269,55 @@ mod tests {
         let error = estimate(0.02, 0.0, 0.0);
         let (rays, cells) = (Choice { rays: 4.0, ..Choice::NOTHING }, Choice { finds_cells: true, ..Choice::NOTHING });
         let noisy = Doubtful::new(&error, 0.02, true);
-        assert!(noisy.is_noise());
-        let noise_left = Law::left_by_rays(4.0);
-        assert!((noisy.estimate_claim(&rays) / claim(4e-4 * noise_left, Scatter::default()) - 1.0).abs() < 1e-12);
-        assert_eq!(noisy.estimate_claim(&cells), noisy.estimate_claim(&Choice::NOTHING));
+        assert!((noisy.square_after(&rays) / (4e-4 * Law::left_by_rays(4.0)) - 1.0).abs() < 1e-12);
+        assert_eq!(noisy.square_after(&cells), noisy.square_after(&Choice::NOTHING));
         let coarse = Doubtful::new(&error, 0.0, true);
-        assert!(!coarse.is_noise());
-        assert_eq!(coarse.estimate_claim(&rays), coarse.estimate_claim(&Choice::NOTHING));
+        assert_eq!(coarse.square_after(&rays), coarse.square_after(&Choice::NOTHING));
         let left = Law::left_by_cells(MORE_POSITIONS, f64::from(MORE_POSITION_RAYS));
-        assert!((coarse.estimate_claim(&cells) / claim(4e-4 * left, Scatter::default()) - 1.0).abs() < 1e-12);
+        assert!((coarse.square_after(&cells) / (4e-4 * left) - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn doubt_falls_with_points_and_where_it_is_noise_of_replicates_faster_with_their_rays() {
         let points = Choice { points: 4.0, ..Choice::NOTHING };
         let rays = Choice { replicate_rays: 4.0, ..Choice::NOTHING };
-        let foreseen = |share: f64, choice: &Choice| Doubtful::new(&estimate(0.01, 1e-4, share), 0.0, true).estimate_claim(choice);
+        let foreseen =
+            |share: f64, choice: &Choice| Doubtful::new(&estimate(0.01, 1e-4, share), 0.0, true).doubts_after(choice).replicates;
         for share in [0.0, 1.0] {
-            assert!((foreseen(share, &points) / claim(1e-4, normal(0.5e-4)) - 1.0).abs() < 1e-12);
+            assert!((foreseen(share, &points) / 0.5e-4 - 1.0).abs() < 1e-12);
         }
-        assert!((foreseen(1.0, &rays) / claim(1e-4, normal(0.25e-4)) - 1.0).abs() < 1e-12);
-        assert_eq!(foreseen(0.0, &rays), foreseen(0.0, &Choice::NOTHING));
+        assert!((foreseen(1.0, &rays) / 0.25e-4 - 1.0).abs() < 1e-12);
+        assert_eq!(foreseen(0.0, &rays), 1e-4);
     }
 
     #[test]
     fn the_error_is_not_thought_below_the_noise_of_values() {
         let error = estimate(0.0, 1e-5, 1.0);
-        assert_eq!(Doubtful::new(&error, 0.008, true).estimate_claim(&Choice::NOTHING), claim(0.008_f64.powi(2), normal(1e-5)));
+        assert_eq!(Doubtful::new(&error, 0.008, true).square_after(&Choice::NOTHING), 0.008_f64.powi(2));
+    }
+
+    /// By normal numbers: what will be measured is drawn around the truth, and that around what was measured.
+    #[test]
+    fn the_chance_is_how_often_a_claim_will_do() {
+        let error = estimate(0.008, 2e-5, 1.0);
+        let doubtful = Doubtful::new(&error, 0.0, true);
+        for choice in [
+            Choice { replicate_rays: 2.0, ..Choice::NOTHING },
+            Choice { finds_cells: true, replicate_rays: 2.0, ..Choice::NOTHING },
+        ] {
+            let (left, then) = (doubtful.left(&choice), doubtful.doubts_after(&choice).replicates);
+            // More rays of the same replicates add what they find by themselves to what was known.
+            let weight = 1.0 - (then / 2e-5).powi(2);
+            let will_do = |trial: u64| {
+                let (truth, noise) = (6.4e-5 + 2e-5 * normal(hash(trial, 1)), then * normal(hash(trial, 2)));
+                let added = |found: f64| 6.4e-5 + weight * (found - 6.4e-5);
+                let measured = if choice.finds_cells { left * truth + noise } else { added(truth + noise / weight.sqrt()) };
+                claim(measured, Scatter { deviation: then, skewness: 0.0 }) <= 0.01
+            };
+            let often = (0..20_000).filter(|&trial| will_do(trial)).count() as f64 / 20_000.0;
+            let chance = doubtful.chance(&choice, 0.01);
+            assert!((chance - often).abs() < 0.02, "{chance} for {often} of {choice:?}");
+        }
+        assert_eq!(Doubtful::new(&estimate(0.008, 0.0, 0.0), 0.0, true).chance(&Choice::NOTHING, 0.01), 1.0);
     }
 }

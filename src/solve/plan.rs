@@ -23,8 +23,6 @@ pub(super) struct Plan {
     pub resolution: Resolution,
     pub error_points: usize,
     pub replicate_rays: u32,
-    /// The work of the first replicates, see [`Self::replicate_work`].
-    first_replicate_work: f64,
     /// The noise of values as they are, once it is known.
     value_noise: Option<f64>,
     /// Whether rays were fitted to the scene.
@@ -80,9 +78,6 @@ const MAX_CELLS: u32 = 6;
 /// Estimates after which more points would not tell more.
 pub(super) const MAX_ESTIMATES: u32 = 16;
 
-/// Where values are not what is worst, replicates are worth so many times the work of the first ones.
-const FEW_TIMES: f64 = 4.0;
-
 /// Values may take so many times the rays in one step.
 pub(super) const MOST_RAYS_FACTOR: f64 = 8.0;
 
@@ -115,14 +110,12 @@ impl Plan {
             resolution: Resolution { size: CellSize { side, most_surfaces: 0 }, rays: law.position_rays(positions, 0) },
             error_points: *ERROR_POINTS.start(),
             replicate_rays: law.replicate_rays(),
-            first_replicate_work: 0.0,
             value_noise: None,
             is_fitted: false,
             refinements: 0,
             estimates: 0,
             law,
         };
-        plan.first_replicate_work = plan.replicate_work();
         plan.resolution.size.most_surfaces = areas.worthwhile(&plan.traffic());
         plan.resolution.rays =
             options.cells.position_rays.unwrap_or_else(|| plan.law.position_rays(positions, plan.resolution.size.most_surfaces));
@@ -292,12 +285,6 @@ impl Plan {
     /// Whether no more estimates will make the error known better.
     pub fn has_estimated_enough(&self) -> bool {
         self.estimates > MAX_ESTIMATES
-    }
-
-    /// Whether so much work of replicates may be waited for; where nothing is known of the work of better links the more, the more was done
-    /// for these.
-    pub fn is_worthwhile(&self, work: f64) -> bool {
-        self.over_cells || work <= FEW_TIMES * self.first_replicate_work * 2_f64.powi(self.refinements as i32)
     }
 
     /// Whether replicates may be as many.
