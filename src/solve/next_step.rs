@@ -76,7 +76,8 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64, in
         None => {
             let worst = doubtful.worst(requested);
             let otherwise = Choice { finds_cells: plan.has_cells(), ..Choice::NOTHING };
-            if worst.keeps_values() && !plan.may_know_closer(&worst) { otherwise } else { worst }
+            let is_dear = plan.has_cells() && plan.work_of(&worst) > plan.work_of(&otherwise);
+            if worst.keeps_values() && (is_dear || !plan.may_know_closer(&worst)) { otherwise } else { worst }
         }
     };
     if choice == Choice::NOTHING || plan.work_of(&choice) > instead.take_cells {
@@ -156,15 +157,15 @@ impl<'a> Doubtful<'a> {
         self.error.doubts.common > self.error.doubts.replicates
     }
 
-    /// What takes away the largest part of the square of the claim; nothing where that is the bias of links. To know closer what is more than
-    /// is asked for would not do.
+    /// What takes away the largest part of the square of the claim; nothing where that is the bias of links. Finding cells anew takes much, and what
+    /// replicates found may be chance: then it is known closer first. Over links, to know closer what is more than is asked for would not do.
     fn worst(&self, requested: f64) -> Choice {
         let Doubts { replicates, common, noise, .. } = self.error.doubts;
         let doubt = SIGMAS * replicates.hypot(common);
         let noise_sq = self.noise_sq + SIGMAS * noise;
         if noise_sq >= self.other_sq.max(doubt) {
             Choice { rays: MORE_RAYS_FACTOR, ..Choice::NOTHING }
-        } else if doubt > self.other_sq && !self.is_common() && self.error.measured <= requested {
+        } else if doubt > self.other_sq && !self.is_common() && (self.has_cells || self.error.measured <= requested) {
             self.closer()
         } else {
             Choice { finds_cells: self.has_cells || (self.is_common() && doubt > self.other_sq), ..Choice::NOTHING }
