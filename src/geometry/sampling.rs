@@ -35,7 +35,7 @@ static SOBOL_2D: LazyLock<Box<[[u32; 2]]>> = LazyLock::new(|| {
         .collect()
 });
 
-/// Indices repeat after so many points.
+/// Points of the sequence; those after them have another shift.
 pub(crate) const SOBOL_2D_POINTS: u32 = 1 << 13;
 
 const SHIFT_BITS: u32 = 24;
@@ -55,12 +55,15 @@ pub(crate) fn along_curve(column: u32, row: u32) -> u32 {
 
 /// Points `0..` of an Owen-scrambled Sobol sequence in two dimensions, by index. `seed` picks random bits that all points are
 /// shifted by (a digital shift): each point is uniform in the unit square, and together they are as evenly spread as the sequence.
-/// Cheaper than a scrambling for each seed.
+/// Cheaper than a scrambling for each seed. After [`SOBOL_2D_POINTS`] the sequence begins anew with other bits.
 pub(crate) fn shifted_sobol_2d(seed: u64) -> impl Fn(u32) -> [f64; 2] {
     let points = &**SOBOL_2D;
-    let shift = [seed, seed >> 32].map(|part| hash(part, streams::SOBOL_SHIFT) as u32 & ((1 << SHIFT_BITS) - 1));
+    let bits = |seed: u64| [seed, seed >> 32].map(|part| hash(part, streams::SOBOL_SHIFT) as u32 & ((1 << SHIFT_BITS) - 1));
+    let first = bits(seed);
     move |index| {
-        let point = points[(index & (SOBOL_2D_POINTS - 1)) as usize];
+        let (block, within) = (index / SOBOL_2D_POINTS, index % SOBOL_2D_POINTS);
+        let shift = if block == 0 { first } else { bits(hash(seed, streams::SOBOL_BLOCK + u64::from(block))) };
+        let point = points[within as usize];
         [0, 1].map(|axis: usize| (f64::from(point[axis] ^ shift[axis]) + 0.5) / f64::from(1_u32 << SHIFT_BITS))
     }
 }
@@ -71,8 +74,10 @@ pub(crate) fn neighbours_in_order(count: u32) -> Vec<u32> {
     // Along the Morton curve: a digital shift moves quarters of the square as a whole.
     let points = &**SOBOL_2D;
     let place_on_curve = |index: &u32| {
-        let [u, v] = points[(index & (SOBOL_2D_POINTS - 1)) as usize];
-        (0..SHIFT_BITS).rev().fold(0_u64, |code, bit| code << 2 | u64::from(u >> bit & 1) << 1 | u64::from(v >> bit & 1))
+        let [u, v] = points[(index % SOBOL_2D_POINTS) as usize];
+        let code =
+            (0..SHIFT_BITS).rev().fold(0_u64, |code, bit| code << 2 | u64::from(u >> bit & 1) << 1 | u64::from(v >> bit & 1));
+        (index / SOBOL_2D_POINTS, code)
     };
     let mut order: Vec<u32> = (0..count).collect();
     order.sort_by_cached_key(place_on_curve);
@@ -95,6 +100,19 @@ mod tests {
     fn the_curve_goes_through_one_quarter_after_the_other() {
         assert_eq!([[2, 2], [3, 2], [2, 3], [3, 3]].map(|[column, row]| along_curve(column, row)), [12, 13, 14, 15]);
         assert_eq!(along_curve(65535, 65535), u32::MAX);
+    }
+
+    /// Sums over more points than the sequence has are as good as their number says: none comes twice.
+    #[test]
+    fn longer_sequences_do_not_repeat() {
+        let sobol = shifted_sobol_2d(5);
+        let mut points: Vec<[u64; 2]> = (0..4 * SOBOL_2D_POINTS).map(|index| sobol(index).map(f64::to_bits)).collect();
+        points.sort_unstable();
+        points.dedup();
+        assert_eq!(points.len(), 4 * SOBOL_2D_POINTS as usize);
+        let order = neighbours_in_order(2 * SOBOL_2D_POINTS);
+        let (first, second) = order.split_at(SOBOL_2D_POINTS as usize);
+        assert!(first.iter().zip(second).all(|(one, other)| one + SOBOL_2D_POINTS == *other));
     }
 
     #[test]

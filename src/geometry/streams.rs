@@ -109,6 +109,8 @@ pub(crate) const fn replicate(number: u8) -> u64 {
 // Of either half of the seed of a shifted Sobol sequence.
 /// The bits by which one coordinate is shifted.
 pub(crate) const SOBOL_SHIFT: u64 = 7;
+/// What takes the place of the seed where the sequence begins anew; add how often it has.
+pub(crate) const SOBOL_BLOCK: u64 = kind(1);
 
 // Of a single draw.
 /// The second coordinate of a point whose first is drawn by the seed itself, or any other second number.
