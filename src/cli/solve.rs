@@ -288,10 +288,10 @@ const WORTH_TELLING: f64 = 0.99;
 pub fn claim_in_words(error: &ErrorReport, norm: Norm) -> String {
     if !error.estimate.is_finite() {
         let why = if norm == Norm::Local && error.lit > 0.0 {
-            format!(
-                "light comes to more than half of the lit area by paths too rare to tell how much; it was found on {:.0}%",
-                100.0 * error.lit
-            )
+            let claimed = error.where_found.map(|found| found.estimate).filter(|claimed| claimed.is_finite());
+            let there = claimed.map_or_else(String::new, |claimed| format!(", of which {:.2}% is claimed", 100.0 * claimed));
+            let lit = 100.0 * error.lit;
+            format!("light comes to much of the area by paths too rare to tell how much; it was found on {lit:.0}%{there}")
         } else {
             "too little was done to estimate it".to_owned()
         };

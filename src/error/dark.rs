@@ -7,6 +7,15 @@
 //! their surfaces, and so on, however rare the paths are: the error is taken with all these and without, whichever is larger. Where not even the
 //! median is known then, nothing can be said.
 //!
+//! If a path finds such light with the chance p, values by n paths scatter there by `1 / sqrt(n p)` of it at least. Where that is too much on a part a of
+//! the lit area,
+//!
+//! ```text
+//! a / (n p) > (the error that is asked for)^2
+//! ```
+//!
+//! with all the paths that a value may have, no work that is left would do. So the error is told without that area, and that there is more.
+//!
 //! Light that no path finds at any point is missed: some five hundred leave each dark point.
 
 use std::collections::HashSet;
@@ -14,8 +23,8 @@ use std::collections::HashSet;
 use rayon::prelude::*;
 
 use super::estimate::{ErrorEstimate, ErrorSamples, EstimateLit};
-use super::norm::{Lit, least_light};
-use super::replicates::{ErrorSample, ReplicateGather, Replication, Searched};
+use super::norm::{Lit, least_light, lit_points};
+use super::replicates::{ErrorSample, REPLICATES, ReplicateGather, Replication, Searched};
 use crate::geometry::{sampling, streams};
 use crate::paths::{PathScratch, Place};
 use crate::progress::Stop;
@@ -55,7 +64,13 @@ impl ErrorSamples {
             return Some(found.unwrap_or(ErrorEstimate::UNKNOWN));
         }
         let is_reached = self.that_see(reached, lit, with);
-        Some(worse(found, estimate(self, &counted(lit, |index| is_reached[index]))))
+        let lit_with = counted(lit, |index| is_reached[index]);
+        let all = estimate(self, &lit_with);
+        let matters = claimed(&all) > MATTERS * claimed(&found);
+        if matters && paths_to_tell(lit, &lit_with, &is_reached) > with.most_paths {
+            return Some(ErrorEstimate { is_elsewhere: true, ..found.unwrap_or(ErrorEstimate::UNKNOWN) });
+        }
+        Some(worse(found, all))
     }
 
     /// The same where no path can be sent: over all area but where a search before found none, if `none_since` no other light can come.
@@ -119,6 +134,15 @@ impl ErrorSamples {
 fn counted(lit: &[Lit], is_reached: impl Fn(usize) -> bool) -> Vec<Lit> {
     let points = lit.iter().enumerate();
     points.map(|(index, &point)| Lit { is_reached: point.is_reached || is_reached(index), ..point }).collect()
+}
+
+/// The paths from a point, times the square of an error, that values need at least where the search was in vain, if its points count as lit.
+fn paths_to_tell(lit: &[Lit], lit_with: &[Lit], is_searched: &[bool]) -> f64 {
+    let area = |of: &mut dyn Iterator<Item = &Lit>| of.map(|point| point.area).sum::<f64>();
+    let searched = || lit.iter().zip(is_searched).filter(|(_, is_searched)| **is_searched).map(|(point, _)| point);
+    let found = area(&mut searched().filter(|point| point.is_reached)) / area(&mut searched());
+    let chance = -(1.0 - found).ln() / (f64::from(PATHS) * REPLICATES as f64);
+    area(&mut searched()) / area(&mut lit_points(lit_with)) / chance
 }
 
 /// The one that claims more; unknown if either is.

@@ -70,6 +70,8 @@ pub(crate) struct ErrorEstimate {
     pub value_noise: Option<f64>,
     /// The part of the area of reflecting surfaces where light was found, 0 to 1.
     pub lit: f64,
+    /// Whether light comes to more area by paths so rare that it cannot be told how much: all that is told leaves that area out.
+    pub is_elsewhere: bool,
 }
 
 impl ErrorEstimate {
@@ -83,7 +85,18 @@ impl ErrorEstimate {
         ray_share: 0.0,
         value_noise: None,
         lit: 0.0,
+        is_elsewhere: false,
     };
+
+    /// What is measured and claimed.
+    pub fn told(&self) -> ErrorFigure {
+        ErrorFigure { measured: self.measured, claimed: self.claimed }
+    }
+
+    /// What is claimed of all area that light comes to.
+    pub fn claimed_of_all(&self) -> f64 {
+        if self.is_elsewhere { f64::INFINITY } else { self.claimed }
+    }
 
     /// The same with so much more of the square of the error.
     fn missing(self, sq: f64) -> Self {
@@ -270,8 +283,7 @@ impl ErrorSamples {
         };
         let by_energy = in_norm(self, ErrorNorm::Energy, &lit).unwrap_or(ErrorEstimate::UNKNOWN);
         let locally = locally(self, &mut lit, &|own, lit| in_norm(own, ErrorNorm::Local, lit))?;
-        let [energy, local] =
-            [&by_energy, &locally].map(|&ErrorEstimate { measured, claimed, .. }| ErrorFigure { measured, claimed });
+        let (energy, local) = (by_energy.told(), if locally.is_elsewhere { ErrorFigure::UNKNOWN } else { locally.told() });
         let asked = if self.norm == ErrorNorm::Energy { by_energy } else { locally };
         let part = lit_points(&lit).map(|point| point.area).sum::<f64>() / lit.iter().map(|point| point.area).sum::<f64>();
         Some(ErrorEstimate { energy, local, lit: part, ..asked })

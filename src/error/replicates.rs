@@ -37,6 +37,8 @@ pub(crate) struct Replication<'a> {
     pub radiosity: &'a Radiosity,
     pub gathers: [ReplicateGather<'a>; REPLICATES],
     pub seed: u64,
+    /// Paths that may leave a point, times the square of the error that is asked for: see [`dark`](super::dark).
+    pub most_paths: f64,
 }
 
 /// A point with what its replicates found.

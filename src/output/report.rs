@@ -166,6 +166,8 @@ pub struct ErrorFigures {
     pub bound: Option<f64>,
     /// The part of the area of reflecting surfaces, 0 to 1, where light was found.
     pub lit: f64,
+    /// Estimate and measured error where light was found, if it comes to more area by paths too rare to tell how much.
+    pub where_found: Option<ErrorFigure>,
     /// What pairs without a link hold back at most, as a part of the power that the elements reflect.
     pub skipped: f64,
     /// An estimate of the error over the points that were asked for, if any.
@@ -200,6 +202,7 @@ impl RunReport {
                 energy: error.energy,
                 local: error.local,
                 lit: error.lit,
+                where_found: error.where_found,
                 bound: report.bounds.as_ref().map(|bounds| bounds.relative_error),
                 skipped: error.skipped,
                 points: None,

@@ -102,7 +102,7 @@ impl<'a> Way<'a> for CellsWay<'a> {
             },
             |rays| user_gather(linked, own, rays),
         );
-        linked.claimed = judge.error.map(|error| error.claimed);
+        linked.claimed = judge.error.map(|error| error.claimed_of_all());
         if judge.error.is_some() {
             *judged = None;
         }

@@ -117,7 +117,14 @@ fn try_both(linked: &Linked<'_>, cells: &Plan) -> Option<Tried> {
         .each_ref()
         .map(|radiosities| ReplicateGather::Truth(FinalGather { paths: &cells.paths, radiosities, bounces: 0 }));
     let seed = sampling::hash(job.options.seed, streams::PILOT_POINTS);
-    let with = Replication { scene: job.scene, hierarchy: &linked.hierarchy, radiosity: &linked.radiosity, gathers, seed };
+    let with = Replication {
+        scene: job.scene,
+        hierarchy: &linked.hierarchy,
+        radiosity: &linked.radiosity,
+        gathers,
+        seed,
+        most_paths: f64::INFINITY,
+    };
     let mut samples = ErrorSamples::new(job.options.norm.into());
     let taken = samples.add_points(POINTS, 1, &with, &stop) && samples.take_replicates(REPLICATE_RAYS, &with, &stop);
     let budget = RayBudget::of_values(VALUE_RAYS, job.options.seed);

@@ -86,12 +86,13 @@ pub(super) fn error_report(error: Option<&ErrorEstimate>) -> ErrorReport {
     let figure = |of: error::ErrorFigure| ErrorFigure { estimate: of.claimed, measured: of.measured };
     ErrorReport {
         requested: 0.0,
-        estimate: error.map_or(f64::INFINITY, |error| error.claimed),
+        estimate: error.map_or(f64::INFINITY, ErrorEstimate::claimed_of_all),
         confidence: CONFIDENCE,
-        measured: error.map_or(f64::INFINITY, |error| error.measured),
+        measured: error.filter(|error| !error.is_elsewhere).map_or(f64::INFINITY, |error| error.measured),
         energy: error.map_or_else(ErrorFigure::default, |error| figure(error.energy)),
         local: error.map_or_else(ErrorFigure::default, |error| figure(error.local)),
         lit: error.map_or(0.0, |error| error.lit),
+        where_found: error.filter(|error| error.is_elsewhere).map(|error| figure(error.told())),
         skipped: 0.0,
     }
 }

@@ -79,6 +79,7 @@ impl<'a> Judge<'a> {
             radiosity: &linked.radiosity,
             gathers: std::array::from_fn(|number| replicate(cells, number)),
             seed: sampling::hash(job.options.seed, streams::ERROR),
+            most_paths: plan.most_paths_for_error(),
         };
         let is_spread = samples.add_points(plan.error_points(), plan.replicate_pilot_rays(), &with, &stop);
         if is_spread && plan.wants_pilot() {

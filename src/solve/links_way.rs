@@ -92,7 +92,7 @@ impl<'a> Way<'a> for LinksWay<'a> {
             },
             |rays| user_gather(linked, rays),
         );
-        linked.claimed = judge.error.map(|error| error.claimed);
+        linked.claimed = judge.error.map(|error| error.claimed_of_all());
         if judge.error.is_some() {
             *judged = None;
         }

@@ -136,7 +136,7 @@ fn limit(job: &Job<'_>, error: Option<ErrorEstimate>, ended: RefineEnd) -> Optio
     if job.is_cancelled() {
         return Some(StoppedBy::Cancelled);
     }
-    if error.is_some_and(|error| error.claimed <= job.options.error) {
+    if error.is_some_and(|error| error.claimed_of_all() <= job.options.error) {
         return None;
     }
     match ended {

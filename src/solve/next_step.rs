@@ -7,7 +7,7 @@
 //! first (the index rule for such searches: Weitzman, Econometrica 47, 1979).
 
 use super::effort::{AIM, Law};
-use super::plan::{MORE_POSITION_RAYS, MORE_POSITIONS, MOST_RAYS_FACTOR, Plan};
+use super::plan::{MOST_RAYS_FACTOR, Plan, left_by_finer_cells};
 use super::step::{Choice, NextStep};
 use crate::error::{Doubts, ErrorEstimate, SIGMAS, largest_sq_for_claim};
 
@@ -42,7 +42,7 @@ pub(super) struct Instead {
 pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64, instead: &Instead) -> NextStep {
     let requested = plan.requested();
     if error.claimed <= requested {
-        return NextStep::GoodEnough;
+        return if error.is_elsewhere { NextStep::Exhausted } else { NextStep::GoodEnough };
     }
     if plan.has_estimated_enough() || (value_noise >= requested && !plan.may_take_more_rays()) {
         // Whatever else is made better, this noise is left.
@@ -61,7 +61,8 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64, in
     }
 
     // The least work for its chance.
-    let doubtful = Doubtful::new(error, value_noise, plan.has_cells());
+    let noise = if plan.has_found_cells_in_vain() { value_noise.max(error.measured) } else { value_noise };
+    let doubtful = Doubtful::new(error, noise, plan.has_cells());
     let chance = |choice: &Choice| doubtful.chance(choice, requested);
     let index = |choice: &Choice| plan.work_of(choice) / chance(choice);
     let likely = choices(plan).filter(|choice| *choice != Choice::NOTHING && chance(choice) >= LEAST_CHANCE);
@@ -245,11 +246,6 @@ fn chance_of_room(room: f64, variance: f64) -> f64 {
     if variance > 0.0 { 0.5 * libm::erfc(-room / (2.0 * variance).sqrt()) } else { f64::from(u8::from(room >= 0.0)) }
 }
 
-/// Cells found once more leave so much of the square of what they make wrong.
-fn left_by_finer_cells() -> f64 {
-    Law::left_by_cells(MORE_POSITIONS, f64::from(MORE_POSITION_RAYS))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,8 +270,7 @@ mod tests {
         assert_eq!(noisy.square_after(&cells), noisy.square_after(&Choice::NOTHING));
         let coarse = Doubtful::new(&error, 0.0, true);
         assert_eq!(coarse.square_after(&rays), coarse.square_after(&Choice::NOTHING));
-        let left = Law::left_by_cells(MORE_POSITIONS, f64::from(MORE_POSITION_RAYS));
-        assert!((coarse.square_after(&cells) / (4e-4 * left) - 1.0).abs() < 1e-12);
+        assert!((coarse.square_after(&cells) / (4e-4 * left_by_finer_cells()) - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -25,6 +25,11 @@ pub(super) struct Plan {
     pub replicate_rays: u32,
     /// The noise of values as they are, once it is known.
     value_noise: Option<f64>,
+    /// The square of the error that is left without that noise, and as it was before cells were found anew for as many rays.
+    other_sq: f64,
+    other_sq_before: Option<f64>,
+    /// Whether it was hardly less then.
+    is_found_in_vain: bool,
     /// Whether rays were fitted to the scene.
     is_fitted: bool,
     /// Times that links were refined, or cells found anew.
@@ -85,6 +90,11 @@ pub(super) const MOST_RAYS_FACTOR: f64 = 8.0;
 pub(super) const MORE_POSITIONS: f64 = 1.25;
 pub(super) const MORE_POSITION_RAYS: u32 = 2;
 
+/// Cells found once more leave so much of the square of what they make wrong.
+pub(super) fn left_by_finer_cells() -> f64 {
+    Law::left_by_cells(MORE_POSITIONS, f64::from(MORE_POSITION_RAYS))
+}
+
 impl Plan {
     pub fn new(scene: &Scene, areas: &Areas, options: &SolveOptions, illumination: Illumination, over_cells: bool) -> Self {
         let values = options.expected_values.map_or(LEAST_VALUES, |values| LEAST_VALUES.max(values as f64));
@@ -111,6 +121,9 @@ impl Plan {
             error_points: *ERROR_POINTS.start(),
             replicate_rays: law.replicate_rays(),
             value_noise: None,
+            other_sq: 0.0,
+            other_sq_before: None,
+            is_found_in_vain: false,
             is_fitted: false,
             refinements: 0,
             estimates: 0,
@@ -259,12 +272,30 @@ impl Plan {
             return 0.0;
         }
         let rays = self.point_rays;
-        *self.value_noise.get_or_insert_with(|| error.value_noise.unwrap_or_else(|| sampled(rays)))
+        let noise = *self.value_noise.get_or_insert_with(|| error.value_noise.unwrap_or_else(|| sampled(rays)));
+
+        // Half of what the law says is little.
+        self.other_sq = (error.measured.powi(2) - noise.powi(2)).max(0.0);
+        if let Some(before) = self.other_sq_before.take() {
+            self.is_found_in_vain = self.other_sq > 0.5 * (1.0 + left_by_finer_cells()) * before;
+        }
+        noise
+    }
+
+    /// Whether finer cells have left the error as it was: then rays make it that are so rare that values have hardly met them, and their noise does not
+    /// show.
+    pub fn has_found_cells_in_vain(&self) -> bool {
+        self.is_found_in_vain
     }
 
     /// The error that is asked for.
     pub fn requested(&self) -> f64 {
         self.options.error
+    }
+
+    /// The most rays that a value may take, times the square of the error that is asked for.
+    pub fn most_paths_for_error(&self) -> f64 {
+        f64::from(MAX_POINT_RAYS) * self.requested().powi(2)
     }
 
     /// Whether values end in cells.
@@ -303,7 +334,8 @@ impl Plan {
     /// Plans a step.
     pub fn apply(&mut self, step: NextStep) {
         if step.changes_values() {
-            self.value_noise = None;
+            (self.value_noise, self.is_found_in_vain) = (None, false);
+            self.other_sq_before = (step == NextStep::FindCells(1.0)).then_some(self.other_sq);
         }
         match step {
             NextStep::GoodEnough | NextStep::Exhausted | NextStep::TakeCells => {}

@@ -86,6 +86,8 @@ pub struct ErrorReport {
     /// The part of the area of reflecting surfaces, 0 to 1, where light was found, by values, replicates or, where it is rare, by a search of
     /// its own: the local norm is over it. What one in a hundred thousand paths brings may be missed.
     pub lit: f64,
+    /// Both where light was found, if it comes to more area by paths too rare to tell how much: of all of it nothing is claimed then.
+    pub where_found: Option<ErrorFigure>,
     /// [`Energy::held_back`] as a part of the power that the elements reflect; 0 where that is not known.
     pub skipped: f64,
 }
