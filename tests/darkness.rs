@@ -182,11 +182,10 @@ fn where_light_is_too_rare_to_tell_the_rest_is_right_all_the_same() {
     let in_hole = |point: &SurfacePoint| point.position == [2.0, 1.0, 1.0];
     let points: Vec<SurfacePoint> = inside([0.0; 3], [2.0; 3]).into_iter().filter(|point| !in_hole(point)).collect();
     let truth = values(&solve(divided_room(0.0), &options(Solver::Cells, 0.01, 9)).0, &points);
-    let cells = CellOptions { positions: Some(1024), position_rays: Some(4), ..CellOptions::default() };
+    let cells = CellOptions { positions: Some(1024), position_rays: Some(4) };
     let (error, mut left_out) = (0.1, 0);
     for seed in 0..8 {
-        let (evaluator, report) =
-            solve(divided_room(0.008), &SolveOptions { cells: cells.clone(), ..options(Solver::Cells, error, seed) });
+        let (evaluator, report) = solve(divided_room(0.008), &SolveOptions { cells, ..options(Solver::Cells, error, seed) });
         let told = report.error;
         let claimed = match told.where_found {
             Some(found) => {
