@@ -11,10 +11,11 @@
 //! the lit area,
 //!
 //! ```text
-//! a / (n p) > (the error that is asked for)^2
+//! a l^2 / (n p) > (the error that is asked for)^2
 //! ```
 //!
-//! with all the paths that a value may have, no work that is left would do. So the error is told without that area, and that there is more.
+//! with l its light beside the median, at most 1, and all the paths that a value may have, no work that is left would do. So the error is told without
+//! that area, and that there is more.
 //!
 //! Light that no path finds at any point is missed: some five hundred leave each dark point.
 
@@ -23,7 +24,7 @@ use std::collections::HashSet;
 use rayon::prelude::*;
 
 use super::estimate::{ErrorEstimate, ErrorSamples, EstimateLit};
-use super::norm::{Lit, least_light, lit_points};
+use super::norm::{Lit, least_light, lit_points, median_light};
 use super::replicates::{ErrorSample, REPLICATES, ReplicateGather, Replication, Searched};
 use crate::geometry::{sampling, streams};
 use crate::paths::{PathScratch, Place};
@@ -138,11 +139,16 @@ fn counted(lit: &[Lit], is_reached: impl Fn(usize) -> bool) -> Vec<Lit> {
 
 /// The paths from a point, times the square of an error, that values need at least where the search was in vain, if its points count as lit.
 fn paths_to_tell(lit: &[Lit], lit_with: &[Lit], is_searched: &[bool]) -> f64 {
-    let area = |of: &mut dyn Iterator<Item = &Lit>| of.map(|point| point.area).sum::<f64>();
     let searched = || lit.iter().zip(is_searched).filter(|(_, is_searched)| **is_searched).map(|(point, _)| point);
-    let found = area(&mut searched().filter(|point| point.is_reached)) / area(&mut searched());
+    let area = searched().map(|point| point.area).sum::<f64>();
+    let found = searched().filter(|point| point.is_reached).map(|point| point.area).sum::<f64>() / area;
     let chance = -(1.0 - found).ln() / (f64::from(PATHS) * REPLICATES as f64);
-    area(&mut searched()) / area(&mut lit_points(lit_with)) / chance
+
+    // Where it is dim beside the median, that light may be further off.
+    let light = searched().map(|point| point.area * point.missed).sum::<f64>() / area;
+    let relative = median_light(lit_with).map_or(1.0, |typical| (light / typical).min(1.0));
+    let part = area / lit_points(lit_with).map(|point| point.area).sum::<f64>();
+    part * relative * relative / chance
 }
 
 /// The one that claims more; unknown if either is.
@@ -174,5 +180,34 @@ fn long_paths<'a>(gather: &ReplicateGather<'a>) -> FinalGather<'a> {
     match gather {
         ReplicateGather::Truth(gather) => FinalGather { bounces: BOUNCES, ..*gather },
         ReplicateGather::Residual(gather) => FinalGather { paths: gather.paths, radiosities: gather.onward, bounces: BOUNCES },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hundred points, of which some were searched, and at one of these so much light was found.
+    fn paths(searched: usize, missed: f64) -> f64 {
+        let is_searched: Vec<bool> = (0..100).map(|index| index < searched).collect();
+        let point = |index: usize| {
+            let light = if index < searched { 0.0 } else { 1.0 };
+            Lit { area: 1.0, light, light_sq: light, is_reached: index == 0, missed: if index == 0 { missed } else { 0.0 } }
+        };
+        let lit: Vec<Lit> = (0..100).map(point).collect();
+        paths_to_tell(&lit, &counted(&lit, |index| is_searched[index]), &is_searched)
+    }
+
+    #[test]
+    fn what_is_dim_beside_the_median_needs_few_paths() {
+        // One of twenty finds light by some five hundred paths: one in ten thousand does.
+        let chance = -(0.95_f64).ln() / 512.0;
+        assert!((paths(20, 20.0) / (0.2 / chance) - 1.0).abs() < 1e-12);
+        assert!((paths(20, 2.0) / (0.2 * 0.01 / chance) - 1.0).abs() < 1e-12);
+        // Where that area makes the median, it is all there is to be told.
+        let rare = -(1.0 - 1.0 / 60.0_f64).ln() / 512.0;
+        assert!((paths(60, 1e-6) / (0.6 / rare) - 1.0).abs() < 1e-12);
+        // Where all searches find light it is not rare.
+        assert_eq!(paths(1, 1.0), 0.0);
     }
 }
