@@ -289,7 +289,7 @@ pub fn claim_in_words(error: &ErrorReport, norm: Norm) -> String {
     if !error.estimate.is_finite() {
         let why = if norm == Norm::Local && error.lit > 0.0 {
             let claimed = error.where_found.map(|found| found.estimate).filter(|claimed| claimed.is_finite());
-            let there = claimed.map_or_else(String::new, |claimed| format!(", of which {:.2}% is claimed", 100.0 * claimed));
+            let there = claimed.map_or_else(String::new, |claimed| format!(", where {:.2}% is claimed", 100.0 * claimed));
             let lit = 100.0 * error.lit;
             format!("light comes to much of the area by paths too rare to tell how much; it was found on {lit:.0}%{there}")
         } else {

@@ -28,8 +28,6 @@ pub(super) struct Plan {
     /// The square of the error that is left without that noise, and as it was before cells were found anew for as many rays.
     other_sq: f64,
     other_sq_before: Option<f64>,
-    /// Whether it was hardly less then.
-    is_found_in_vain: bool,
     /// Whether rays were fitted to the scene.
     is_fitted: bool,
     /// Times that links were refined, or cells found anew.
@@ -123,7 +121,6 @@ impl Plan {
             value_noise: None,
             other_sq: 0.0,
             other_sq_before: None,
-            is_found_in_vain: false,
             is_fitted: false,
             refinements: 0,
             estimates: 0,
@@ -273,19 +270,14 @@ impl Plan {
         }
         let rays = self.point_rays;
         let noise = *self.value_noise.get_or_insert_with(|| error.value_noise.unwrap_or_else(|| sampled(rays)));
-
-        // Half of what the law says is little.
         self.other_sq = (error.measured.powi(2) - noise.powi(2)).max(0.0);
-        if let Some(before) = self.other_sq_before.take() {
-            self.is_found_in_vain = self.other_sq > 0.5 * (1.0 + left_by_finer_cells()) * before;
-        }
         noise
     }
 
-    /// Whether finer cells have left the error as it was: then rays make it that are so rare that values have hardly met them, and their noise does not
-    /// show.
+    /// Whether finer cells took less than half of what the law says: then rays make the error that are so rare that values have hardly met them, and their
+    /// noise does not show.
     pub fn has_found_cells_in_vain(&self) -> bool {
-        self.is_found_in_vain
+        self.other_sq_before.is_some_and(|before| self.other_sq > 0.5 * (1.0 + left_by_finer_cells()) * before)
     }
 
     /// The error that is asked for.
@@ -334,7 +326,7 @@ impl Plan {
     /// Plans a step.
     pub fn apply(&mut self, step: NextStep) {
         if step.changes_values() {
-            (self.value_noise, self.is_found_in_vain) = (None, false);
+            self.value_noise = None;
             self.other_sq_before = (step == NextStep::FindCells(1.0)).then_some(self.other_sq);
         }
         match step {
