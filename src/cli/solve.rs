@@ -119,7 +119,7 @@ pub fn light<T>(
 /// A picture for which more than the solution is to be found has this part of the time.
 const PART_OF_PICTURE: f64 = 0.5;
 
-/// How the solve runs: reading took some of the time, a picture takes some, and points and pictures take some of the memory.
+/// How the solve runs: reading took some of the time, points and a picture take some, and some of the memory.
 pub fn within_limits(request: &SolveRequest, points: Option<&Points>, load_s: f64, channels: usize) -> RunOptions {
     // Results are written from what the solution holds, one after the other: the largest counts.
     let values = points.map_or(0, |points| Values::bytes_of(points.len(), channels));
@@ -129,6 +129,7 @@ pub fn within_limits(request: &SolveRequest, points: Option<&Points>, load_s: f6
     let part = if request.picture.as_ref().is_some_and(takes_time) { 1.0 - PART_OF_PICTURE } else { 1.0 };
     RunOptions {
         time_s: request.run.time_s.map(|seconds| part * (seconds - load_s).max(0.0)),
+        values_in_time: points.map_or(0, |points| points.len() as u64),
         memory_bytes: request.run.memory_bytes.map(|bytes| bytes.saturating_sub(of_results)),
         ..request.run.clone()
     }

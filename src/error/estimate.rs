@@ -25,6 +25,7 @@
 //! cells two bounces away.
 
 use std::ops::Range;
+use std::time::Instant;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -120,7 +121,7 @@ pub(crate) struct Pilot {
 
 /// The parts of the error of values, relative to the light.
 pub(crate) struct ErrorParts {
-    /// What is off without the noise of values, at least: its square less a standard deviation.
+    /// What is off without the noise of values. Its square is unbiased; 0 where that came out negative.
     pub bias: f64,
     /// The variance of values.
     pub noise_sq: f64,
@@ -132,6 +133,8 @@ pub(crate) struct ErrorSamples {
     pub(super) samples: Vec<ErrorSample>,
     /// By sample, the value that a user gets there; two independent ones where they are taken twice, else equal ones.
     pub(super) values: Vec<[Gathered; 2]>,
+    /// Seconds that one took on all threads, of those that were taken last; 0 if there were none.
+    pub seconds_of_value: f64,
 }
 
 /// What is claimed locally of samples, if they are lit so; `None` if nothing can be said.
@@ -139,7 +142,7 @@ pub(super) type EstimateLit<'a> = dyn Fn(&ErrorSamples, &[Lit]) -> Option<ErrorE
 
 impl ErrorSamples {
     pub fn new(norm: ErrorNorm) -> Self {
-        Self { norm, samples: Vec::new(), values: Vec::new() }
+        Self { norm, samples: Vec::new(), values: Vec::new(), seconds_of_value: 0.0 }
     }
 
     /// Bytes that a point takes: what replicates found, two values, and what estimates make of them.
@@ -348,7 +351,7 @@ impl ErrorSamples {
         let again = values_at(&places, gather, by_other_rays(gather.budget), stop)?;
         let values: Vec<[Gathered; 2]> = values.into_iter().zip(again).map(|(value, again)| [value, again]).collect();
         let weights = NormWeights::new(self.norm, &self.lit(judging, &values, judging.channels()))?.by_point;
-        let (mut bias_sq, mut noise_sq, mut all) = (Moments::default(), 0.0, PairProducts::default());
+        let (mut bias_sq, mut noise_sq) = (0.0, 0.0);
         for ((sample, values), &weight) in self.samples.iter().zip(&values).zip(&weights) {
             // Of (B~_1 - T_i) (B~_2 - T_j), over all pairs.
             let (mut residuals, mut variance) = (PairProducts::default(), 0.0);
@@ -356,12 +359,10 @@ impl ErrorSamples {
                 residuals.add(weight, compared.residuals);
                 variance += weight * compared.variance();
             }
-            bias_sq.add(residuals.all - 0.5 * variance);
+            bias_sq += residuals.all - 0.5 * variance;
             noise_sq += variance;
-            all.add_all(&residuals);
         }
-        let doubt = bias_sq.deviation_of_sum().max(all.variance().sqrt());
-        Some(ErrorParts { bias: (bias_sq.sum - doubt).max(0.0).sqrt(), noise_sq })
+        Some(ErrorParts { bias: bias_sq.max(0.0).sqrt(), noise_sq })
     }
 
     /// The points as norms see them, in some channels.
@@ -376,13 +377,16 @@ impl ErrorSamples {
 
     /// Takes the values at points that have none yet. `None` if stopped.
     pub(super) fn take_values(&mut self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<()> {
-        let first = self.values.len();
+        let (first, start) = (self.values.len(), Instant::now());
         let places: Vec<Place> = self.samples[first..].iter().map(|sample| sample.place).collect();
         let taken = values_at(&places, gather, gather.budget, stop)?;
         let indices = (first..self.samples.len()).filter(|index| Judging::of(gather).is_taken_twice && index % TWICE == 0);
         let indices: Vec<usize> = indices.collect();
         let places: Vec<Place> = indices.iter().map(|&index| self.samples[index].place).collect();
         let again = values_at(&places, gather, by_other_rays(gather.budget), stop)?;
+        if !taken.is_empty() {
+            self.seconds_of_value = start.elapsed().as_secs_f64() / (taken.len() + again.len()) as f64;
+        }
         self.values.extend(taken.into_iter().map(|value| [value.clone(), value]));
         indices.into_iter().zip(again).for_each(|(index, again)| self.values[index][1] = again);
         Some(())

@@ -36,6 +36,10 @@ const LEAF_RAYS: u32 = 16;
 const POSITIONS: f64 = 256.0;
 const POSITION_RAYS: u32 = 1;
 
+/// Before any values over links are judged their work counts as so many times what is foreseen: links may have to be refined once more, or end in
+/// cells after all. Measured: in rooms and boxes choices lose least between 1.2 and 1.5.
+const LINKS_COUNT: f64 = 1.4;
+
 /// The solver for a job, with its plan.
 pub(super) fn choose<'a>(job: &Job<'a>, beginning: Beginning) -> Box<dyn Way<'a> + 'a> {
     let Beginning { hierarchy, importance } = beginning;
@@ -43,7 +47,7 @@ pub(super) fn choose<'a>(job: &Job<'a>, beginning: Beginning) -> Box<dyn Way<'a>
     let areas = Areas::of_scene(job.scene);
     let plan = |over_cells| Plan::new(job.scene, &areas, job.options, illumination.clone(), over_cells);
     let search = ErrorSearch::new(importance);
-    let (mut links, mut cells) = (plan(false), plan(true));
+    let (mut links, cells) = (plan(false), plan(true));
     let linked = || Linked::new(*job, &illumination, hierarchy, links.links_clusters(pairs(job), cells.work()));
     let options = job.options;
     match options.solver {
@@ -74,12 +78,14 @@ pub(super) fn choose<'a>(job: &Job<'a>, beginning: Beginning) -> Box<dyn Way<'a>
         return Box::new(LinksWay::new(linked, links, search).or_over(cells));
     };
     links.fit_point_rays(noise_sq, VALUE_RAYS);
-    cells.fit_point_rays(cells_noise_sq, VALUE_RAYS);
-    if over_links(&links, Law::tolerance_factor_of_pilot(bias, AIM * options.error)) > cells.work() {
+    let mut fitted = cells.clone();
+    fitted.fit_point_rays(cells_noise_sq, VALUE_RAYS);
+    if LINKS_COUNT * over_links(&links, Law::tolerance_factor_of_pilot(bias, AIM * options.error)) > fitted.work() {
+        // Rays are fitted by a pilot over cells of their own, which knows more.
         linked.radiosity = swept;
         Box::new(CellsWay::new(linked, cells, search))
     } else {
-        Box::new(LinksWay::new(linked, links, search).or_over(cells))
+        Box::new(LinksWay::new(linked, links, search).or_over(fitted))
     }
 }
 

@@ -1,5 +1,6 @@
 //! What is solved, and within which limits.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::memory::MemoryLedger;
@@ -7,6 +8,17 @@ use super::{RunOptions, SolveOptions};
 use crate::progress::Observer;
 use crate::scene::Scene;
 use crate::transmittance::Rays;
+
+/// Values after a solve are left this part of the time at most: where they crowd they take less than what they take one by one. The first that are
+/// judged have rays for half of that, since judging takes time as well.
+const MOST_TIME_OF_VALUES: f64 = 0.5;
+const FIRST_TIME_OF_VALUES: f64 = 0.25;
+
+/// The time that a solve leaves to the values that are asked for at its end.
+#[derive(Default)]
+pub(super) struct TimeOfValues {
+    nanoseconds: AtomicU64,
+}
 
 /// What is solved, and within which limits.
 #[derive(Clone, Copy)]
@@ -17,6 +29,7 @@ pub(super) struct Job<'a> {
     pub options: &'a SolveOptions,
     pub run: &'a RunOptions,
     deadline: Option<Instant>,
+    of_values: &'a TimeOfValues,
     pub memory: MemoryLedger,
     pub rays: &'a Rays<'a>,
     pub observer: &'a dyn Observer,
@@ -28,13 +41,13 @@ impl<'a> Job<'a> {
         scene: &'a Scene,
         kept_channels: usize,
         options: &'a SolveOptions,
-        run: &'a RunOptions,
+        (run, of_values): (&'a RunOptions, &'a TimeOfValues),
         rays: &'a Rays<'a>,
         observer: &'a dyn Observer,
     ) -> Self {
         let deadline = run.deadline_from(Instant::now());
         let memory = MemoryLedger::new(scene, run.backend, run.memory_bytes);
-        Self { scene, kept_channels, options, run, deadline, memory, rays, observer }
+        Self { scene, kept_channels, options, run, deadline, of_values, memory, rays, observer }
     }
 
     /// The part of the job that finds values at points where a function on the surfaces is made from them: it has half of the time.
@@ -47,8 +60,31 @@ impl<'a> Job<'a> {
         self.deadline
     }
 
+    /// Whether values are to be taken within the time. A lit mesh is read instead.
+    pub fn leaves_time_to_values(&self) -> bool {
+        self.run.time_s.is_some() && self.run.values_in_time > 0 && !self.options.lit_mesh
+    }
+
+    /// The most rays that the first values may have to be taken within the time, if a ray takes so many seconds on all threads.
+    pub fn most_rays_in_time(&self, seconds: f64) -> Option<u32> {
+        let time_s = self.run.time_s.filter(|_| self.leaves_time_to_values())?;
+        Some((FIRST_TIME_OF_VALUES * time_s / (seconds * self.run.values_in_time as f64)) as u32)
+    }
+
+    /// Leaves time to the values that are to be taken within it, if one takes so many seconds on all threads.
+    pub fn leave_time_for_values(&self, seconds: f64) {
+        let Some(time_s) = self.run.time_s.filter(|_| self.leaves_time_to_values()) else { return };
+        let needed = (seconds * self.run.values_in_time as f64).min(MOST_TIME_OF_VALUES * time_s);
+        self.of_values.nanoseconds.store((1e9 * needed) as u64, Ordering::Relaxed);
+    }
+
+    /// The time that is left to those values.
+    pub fn time_of_values(&self) -> Duration {
+        Duration::from_nanos(self.of_values.nanoseconds.load(Ordering::Relaxed))
+    }
+
     pub fn is_over_time(&self) -> bool {
-        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+        self.has_no_time_for(Duration::ZERO)
     }
 
     pub fn is_cancelled(&self) -> bool {
@@ -67,9 +103,10 @@ impl<'a> Job<'a> {
         self.deadline.map(|deadline| now + deadline.saturating_duration_since(now) / 2)
     }
 
-    /// Whether what takes so long, or longer, would be over time.
+    /// Whether what takes so long, or longer, would leave too little time to values.
     pub fn has_no_time_for(&self, duration: Duration) -> bool {
-        self.deadline.is_some_and(|deadline| deadline.saturating_duration_since(Instant::now()) < duration)
+        let needed = duration.saturating_add(self.time_of_values());
+        self.deadline.is_some_and(|deadline| deadline.saturating_duration_since(Instant::now()) <= needed)
     }
 
     /// Whether work is cancelled or over its time by now.

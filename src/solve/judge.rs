@@ -82,12 +82,18 @@ impl<'a> Judge<'a> {
             most_paths: plan.most_paths_for_error(),
         };
         let is_spread = samples.add_points(plan.error_points(), plan.replicate_pilot_rays(), &with, &stop);
-        if is_spread && plan.wants_pilot() {
-            let pilot: Option<Pilot> = samples.pilot(&gather(plan.pilot_rays()), &stop);
-            pilot.iter().for_each(|pilot| plan.fit_rays(pilot));
+        if is_spread && (plan.wants_pilot() || (plan.is_first() && job.leaves_time_to_values())) {
+            let (start, tried) = (Instant::now(), plan.pilot_rays());
+            let pilot: Option<Pilot> = samples.pilot(&gather(tried), &stop);
+            if let Some(pilot) = pilot.filter(|_| plan.wants_pilot()) {
+                plan.fit_rays(&pilot);
+            }
+            let most = job.most_rays_in_time(start.elapsed().as_secs_f64() / (f64::from(tried) * plan.error_points() as f64));
+            most.into_iter().for_each(|most| plan.limit_point_rays(most));
         }
         if is_spread && samples.take_replicates(plan.replicate_rays(), &with, &stop) {
             *error = samples.estimate(&gather(plan.point_rays()), &with, &stop);
+            job.leave_time_for_values(samples.seconds_of_value);
         }
 
         // Light that no point has found is somewhere all the same.

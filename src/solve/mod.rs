@@ -61,7 +61,7 @@ use std::time::Instant;
 
 use channels::SolvedChannels;
 use choice::choose;
-use job::Job;
+use job::{Job, TimeOfValues};
 use step::NextStep;
 
 use crate::error::ErrorEstimate;
@@ -80,7 +80,8 @@ pub(crate) fn solve(
     observer: &dyn Observer,
 ) -> (Solution, SolveReport) {
     let channels = SolvedChannels::of(scene, options);
-    let job = |scene| Job::new(scene, channels.kept(), options, run, rays, observer);
+    let of_values = TimeOfValues::default();
+    let job = |scene| Job::new(scene, channels.kept(), options, (run, &of_values), rays, observer);
     let found = solve_to_the_end(&job(&channels.scene()), beginning);
     channels.expand(found)
 }
@@ -119,6 +120,9 @@ fn solve_all_channels(job: &Job<'_>, beginning: Beginning) -> (Solution, SolveRe
                 NextStep::Exhausted => break 'solve StoppedBy::Exhausted,
                 NextStep::FindCells(_) if job.has_no_time_for(cells.elapsed()) => break 'solve StoppedBy::Time,
                 NextStep::Refine(_) if job.has_no_time_for(round.elapsed()) => break 'solve StoppedBy::Time,
+                NextStep::MoreRays(factor) if job.has_no_time_for(job.time_of_values().mul_f64(factor - 1.0)) => {
+                    break 'solve StoppedBy::Time;
+                }
                 NextStep::MoreReplicateRays | NextStep::MorePoints | NextStep::MoreRays(_) | NextStep::FindCells(_) => {}
                 NextStep::Refine(_) => break,
                 NextStep::TakeCells => {

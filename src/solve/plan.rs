@@ -231,7 +231,7 @@ impl Plan {
 
     /// Whether a pilot is wanted: of values over cells, before there is an estimate of the error, which tells more.
     pub fn wants_pilot(&self) -> bool {
-        self.over_cells && self.estimates == 0
+        self.over_cells && self.is_first()
     }
 
     /// Fits rays to points and of replicates to what a pilot found with [`Self::pilot_rays`].
@@ -247,6 +247,18 @@ impl Plan {
         let planned = f64::from(self.replicate_rays);
         let wanted = (pilot.replicate_doubt / allowed).clamp(planned / FEWER, planned * MORE);
         self.replicate_rays = wanted.clamp(f64::from(LEAST_PILOT_RAYS), f64::from(MAX_REPLICATE_RAYS)) as u32;
+    }
+
+    /// Whether no error was judged yet.
+    pub fn is_first(&self) -> bool {
+        self.estimates == 0
+    }
+
+    /// Limits rays to points to so many.
+    pub fn limit_point_rays(&mut self, most: u32) {
+        if self.options.point_rays.is_none() {
+            self.point_rays = self.point_rays.min(most.max(LEAST_PILOT_RAYS));
+        }
     }
 
     pub fn may_take_more_rays(&self) -> bool {

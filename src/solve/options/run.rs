@@ -14,6 +14,9 @@ pub struct RunOptions {
     pub backend: Backend,
     /// Stop after this many seconds of wall time.
     pub time_s: Option<f64>,
+    /// Values at points for which that time is to be enough as well, gathered one by one: by the time that judged values took. They are left half of
+    /// the time at most.
+    pub values_in_time: u64,
     /// Stop when the process would take more than this many bytes, by a count that is the same on every machine: scene, visibility, nodes,
     /// links, cells and what is needed while they are made. What is taken afterwards, for values and pictures, is the caller's to leave room for.
     pub memory_bytes: Option<u64>,
