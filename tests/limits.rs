@@ -1,6 +1,11 @@
 //! Limits hold in every stage: time, cancellation, memory. What there is then is returned with what is known of its error.
 #![allow(clippy::print_stdout, reason = "a test tells what it measured")]
 
+#[path = "support/rooms.rs"]
+mod rooms;
+#[path = "support/triangles.rs"]
+mod triangles;
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -8,9 +13,11 @@ use std::time::{Duration, Instant};
 
 use patchlight::pipeline;
 use patchlight::progress::{Observer, Progress, Silent, Stage};
-use patchlight::scene::Scene;
 use patchlight::scene::import::{ImportError, ImportOptions, read_scene, read_scene_observed};
+use patchlight::scene::{Scene, SurfacePoint};
 use patchlight::solve::{RunOptions, SolveOptions, Solver, StoppedBy};
+use rooms::points_of;
+use triangles::Random;
 
 /// Every stage ends within half a second; a machine at work on other things may be slower by this.
 const SLACK: Duration = Duration::from_millis(1500);
@@ -87,6 +94,29 @@ fn time_is_kept_to() {
                 assert!(took < Duration::from_secs_f64(1.1 * time_s + 0.5) + SLACK, "{name}, {solver:?}, {time_s} s: {took:?}");
                 assert!(evaluator.solution().validate().is_ok() && report.error.estimate >= 0.0);
             }
+        }
+    }
+}
+
+/// What is asked for would take minutes: it is begun so coarsely that it is judged in time, and values at points are within the time as well. Where links
+/// are insisted on, all of the time may go into them, and then nothing is claimed.
+#[test]
+fn values_at_points_are_taken_in_time_and_claimed() {
+    const POINTS: usize = 2000;
+    for name in ["cornell", "room", "full_office"] {
+        for solver in [Solver::Auto, Solver::Links, Solver::Cells] {
+            let (scene, time_s) = (scene(name), 2.0);
+            let points: Vec<SurfacePoint> = points_of(&scene, POINTS, &mut Random(3)).into_iter().map(|(point, _)| point).collect();
+            let start = Instant::now();
+            let run = RunOptions { time_s: Some(time_s), values_in_time: POINTS as u64, ..RunOptions::default() };
+            let (evaluator, report) = pipeline::solve(scene, &hard(solver), &run, &Silent).unwrap();
+            let solved = start.elapsed();
+            evaluator.values_at(&points, &Silent).unwrap();
+            let took = start.elapsed();
+            let claimed = report.error.estimate;
+            println!("{name}, {solver:?}: {solved:?} to solve, {took:?} with values, {:.2}% claimed", 100.0 * claimed);
+            assert!(claimed < 0.2 || solver == Solver::Links, "{name}, {solver:?}: {claimed}");
+            assert!(took < Duration::from_secs_f64(1.1 * time_s + 0.5) + SLACK, "{name}, {solver:?}: {took:?}");
         }
     }
 }

@@ -35,7 +35,7 @@ pub fn solve_scene(bytes: &[u8]) {
     let Some(scene) = scene(&mut bytes) else { return };
     assert_eq!(options.validate(), Ok(()));
 
-    let run = RunOptions { threads: 1, backend, memory_bytes: Some(1 << 26), time_s: Some(0.1) };
+    let run = RunOptions { threads: 1, backend, memory_bytes: Some(1 << 26), time_s: Some(0.1), ..RunOptions::default() };
     let impatient = Impatient(Instant::now() + Duration::from_millis(300));
     let (evaluator, report) = pipeline::solve(scene, &options, &run, &impatient).expect("legal options");
     let solution = evaluator.solution();

@@ -45,7 +45,10 @@ pub(super) fn choose<'a>(job: &Job<'a>, beginning: Beginning) -> Box<dyn Way<'a>
     let Beginning { hierarchy, importance } = beginning;
     let illumination = Illumination::sampled(job.scene, job.rays, particle_seed(job.options.seed), &job.stop());
     let areas = Areas::of_scene(job.scene);
-    let plan = |over_cells| Plan::new(job.scene, &areas, job.options, illumination.clone(), over_cells);
+    let law = Law::new(job.options, illumination.clone());
+    let plan_for = |error, over_cells| Plan::new(job.scene, &areas, job.options, Law { error, ..law.clone() }, over_cells);
+    let error = error_to_begin_with(job, |error| plan_for(error, true).work_with(job.run.values_in_time as f64));
+    let plan = |over_cells| plan_for(error, over_cells);
     let search = ErrorSearch::new(importance);
     let (mut links, cells) = (plan(false), plan(true));
     let linked = || Linked::new(*job, &illumination, hierarchy, links.links_clusters(pairs(job), cells.work()));
@@ -80,13 +83,33 @@ pub(super) fn choose<'a>(job: &Job<'a>, beginning: Beginning) -> Box<dyn Way<'a>
     links.fit_point_rays(noise_sq, VALUE_RAYS);
     let mut fitted = cells.clone();
     fitted.fit_point_rays(cells_noise_sq, VALUE_RAYS);
-    if LINKS_COUNT * over_links(&links, Law::tolerance_factor_of_pilot(bias, AIM * options.error)) > fitted.work() {
+    if LINKS_COUNT * over_links(&links, Law::tolerance_factor_of_pilot(bias, AIM * error)) > fitted.work() {
         // Rays are fitted by a pilot over cells of their own, which knows more.
         linked.radiosity = swept;
         Box::new(CellsWay::new(linked, cells, search))
     } else {
         Box::new(LinksWay::new(linked, links, search).or_over(fitted))
     }
+}
+
+/// Work that is done in a second, in rays: about what two slow cores trace in a large scene. The same on all machines, so that what is begun with is.
+const WORK_PER_SECOND: f64 = 2e6;
+
+/// What is begun with takes this part of the time, by its predicted work: that may be off by twice, and is to be judged in time.
+const FIRST_PART_OF_TIME: f64 = 0.25;
+
+/// Errors that are begun with are so many times as large as the next, and at most so large.
+const NEXT_ERROR: f64 = 1.25;
+const LARGEST_ERROR: f64 = 0.5;
+
+/// The error that is asked for, or the least whose work fits into the time.
+fn error_to_begin_with(job: &Job<'_>, work: impl Fn(f64) -> f64) -> f64 {
+    let requested = job.options.error;
+    let Some(time_s) = job.time_s() else { return requested };
+    let allowed = FIRST_PART_OF_TIME * time_s * WORK_PER_SECOND;
+    let mut errors = std::iter::successors(Some(requested), |error| Some(NEXT_ERROR * error));
+    let fits = |error: &f64| NEXT_ERROR * error > LARGEST_ERROR || work(*error) <= allowed;
+    errors.find(fits).unwrap_or(requested)
 }
 
 /// Ordered pairs of surfaces that may exchange light.

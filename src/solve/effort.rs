@@ -7,6 +7,7 @@
 //!
 //! Constants at 2% are what rooms and boxes need there, on average; a pilot or the next step corrects them.
 
+use super::options::SolveOptions;
 use crate::paths::Illumination;
 use crate::values::NOISE_POWER;
 
@@ -74,14 +75,14 @@ const REPLICATE_RAYS: (f64, f64) = (16.0, 1024.0);
 
 /// Values that a user takes at least, as far as choices of rays go. With more, rays to each are fewer at first, and positions are more, by
 /// these powers of their number: the least work in all.
-pub(super) const LEAST_VALUES: f64 = 2048.0;
+const LEAST_VALUES: f64 = 2048.0;
 const RAYS_VALUES_POWER: f64 = -0.1;
 const POSITIONS_VALUES_POWER: f64 = 0.4;
 
 /// What a requested error takes in a scene.
 #[derive(Clone, Debug)]
 pub(super) struct Law {
-    /// Relative.
+    /// Relative; the error that is asked for, or a larger one to begin with.
     pub error: f64,
     pub illumination: Illumination,
     /// How many values the user takes, about.
@@ -89,6 +90,12 @@ pub(super) struct Law {
 }
 
 impl Law {
+    /// What the error that is asked for takes.
+    pub fn new(options: &SolveOptions, illumination: Illumination) -> Self {
+        let values = options.expected_values.map_or(LEAST_VALUES, |values| LEAST_VALUES.max(values as f64));
+        Self { error: options.error, illumination, values }
+    }
+
     /// How many times what 2% take, where the square of the error falls with `power` of it.
     fn times(&self, power: f64) -> f64 {
         (AT / self.error).powf(2.0 / power)

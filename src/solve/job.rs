@@ -29,6 +29,7 @@ pub(super) struct Job<'a> {
     pub options: &'a SolveOptions,
     pub run: &'a RunOptions,
     deadline: Option<Instant>,
+    time_s: Option<f64>,
     of_values: &'a TimeOfValues,
     pub memory: MemoryLedger,
     pub rays: &'a Rays<'a>,
@@ -47,12 +48,17 @@ impl<'a> Job<'a> {
     ) -> Self {
         let deadline = run.deadline_from(Instant::now());
         let memory = MemoryLedger::new(scene, run.backend, run.memory_bytes);
-        Self { scene, kept_channels, options, run, deadline, of_values, memory, rays, observer }
+        Self { scene, kept_channels, options, run, deadline, time_s: run.time_s, of_values, memory, rays, observer }
     }
 
     /// The part of the job that finds values at points where a function on the surfaces is made from them: it has half of the time.
     pub fn of_values(&self, options: &'a SolveOptions) -> Self {
-        Self { options, deadline: self.half_time(), ..*self }
+        Self { options, deadline: self.half_time(), time_s: self.time_s.map(|seconds| seconds / 2.0), ..*self }
+    }
+
+    /// Seconds for all of it, if there is a limit.
+    pub fn time_s(&self) -> Option<f64> {
+        self.time_s
     }
 
     /// When all must be done, if there is a limit.
@@ -62,18 +68,18 @@ impl<'a> Job<'a> {
 
     /// Whether values are to be taken within the time. A lit mesh is read instead.
     pub fn leaves_time_to_values(&self) -> bool {
-        self.run.time_s.is_some() && self.run.values_in_time > 0 && !self.options.lit_mesh
+        self.time_s.is_some() && self.run.values_in_time > 0 && !self.options.lit_mesh
     }
 
     /// The most rays that the first values may have to be taken within the time, if a ray takes so many seconds on all threads.
     pub fn most_rays_in_time(&self, seconds: f64) -> Option<u32> {
-        let time_s = self.run.time_s.filter(|_| self.leaves_time_to_values())?;
+        let time_s = self.time_s.filter(|_| self.leaves_time_to_values())?;
         Some((FIRST_TIME_OF_VALUES * time_s / (seconds * self.run.values_in_time as f64)) as u32)
     }
 
     /// Leaves time to the values that are to be taken within it, if one takes so many seconds on all threads.
     pub fn leave_time_for_values(&self, seconds: f64) {
-        let Some(time_s) = self.run.time_s.filter(|_| self.leaves_time_to_values()) else { return };
+        let Some(time_s) = self.time_s.filter(|_| self.leaves_time_to_values()) else { return };
         let needed = (seconds * self.run.values_in_time as f64).min(MOST_TIME_OF_VALUES * time_s);
         self.of_values.nanoseconds.store((1e9 * needed) as u64, Ordering::Relaxed);
     }

@@ -1,13 +1,13 @@
 //! What the next step takes: tolerance, rays, positions and points, as the law of effort says at first, then as pilots and errors say.
 
-use super::effort::{LEAST_VALUES, Law, REFERENCE_AREA};
+use super::effort::{Law, REFERENCE_AREA};
 use super::options::{SolveOptions, Strategy};
 use super::scale::Scale;
 use super::step::{Choice, NextStep};
 use super::worthwhile_cells::Areas;
 use crate::error::{ErrorEstimate, Pilot, doubt_for_claim};
 use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
-use crate::paths::{CellSize, Illumination, Resolution};
+use crate::paths::{CellSize, Resolution};
 use crate::scene::{Light, Scene};
 
 /// What the next step takes.
@@ -94,9 +94,8 @@ pub(super) fn left_by_finer_cells() -> f64 {
 }
 
 impl Plan {
-    pub fn new(scene: &Scene, areas: &Areas, options: &SolveOptions, illumination: Illumination, over_cells: bool) -> Self {
-        let values = options.expected_values.map_or(LEAST_VALUES, |values| LEAST_VALUES.max(values as f64));
-        let law = Law { error: options.error, illumination, values };
+    /// As fine as a law says, which may begin with a larger error than is asked for.
+    pub fn new(scene: &Scene, areas: &Areas, options: &SolveOptions, law: Law, over_cells: bool) -> Self {
         let scale = match options.strategy {
             Strategy::Default => Scale::of_illumination(&law.illumination),
             // No material tells of lights.
@@ -222,7 +221,7 @@ impl Plan {
     /// Fits rays to points to the noise that so many of them were found to leave.
     pub fn fit_point_rays(&mut self, noise_sq: f64, tried: u32) {
         if self.may_take_more_rays() && !self.is_fitted {
-            let allowed = NOISE_PART * self.law.noise_for_values() * self.options.error.powi(2);
+            let allowed = NOISE_PART * self.law.noise_for_values() * self.law.error.powi(2);
             let (wanted, planned) = (f64::from(tried) * Law::rays_factor(allowed / noise_sq), f64::from(self.point_rays));
             self.point_rays = wanted.clamp(planned / FEWER, planned * MORE).min(f64::from(MAX_POINT_RAYS)) as u32;
             self.is_fitted = true;
@@ -240,7 +239,7 @@ impl Plan {
         self.fit_point_rays(pilot.noise_sq, tried);
 
         // Replicates may leave the more doubt, the less noise values have.
-        let requested_sq = self.options.error.powi(2);
+        let requested_sq = self.law.error.powi(2);
         let noise_left = Law::left_by_rays(f64::from(self.point_rays) / f64::from(tried));
         let noise_part = pilot.noise_sq * noise_left / requested_sq;
         let allowed = doubt_for_claim(noise_part + CELLS_PART).max(LEAST_DOUBT) * requested_sq;

@@ -22,7 +22,7 @@ impl Plan {
     /// What tells for which surfaces cells pay.
     pub fn traffic(&self) -> Traffic {
         let Illumination { lit_area, .. } = self.law.illumination;
-        let paths = self.value_rays() * f64::from(u8::from(self.over_cells)) + self.replicate_work();
+        let paths = self.value_rays(self.law.values) * f64::from(u8::from(self.over_cells)) + self.replicate_work();
         Traffic { lit_area, albedo: self.law.illumination.albedo(), paths, cell_work: self.work_of_cell() }
     }
 
@@ -41,13 +41,18 @@ impl Plan {
 
     /// The work of all that is left if nothing goes wrong, in rays: cells, replicates, and values, here and of the user.
     pub fn work(&self) -> f64 {
-        self.cell_work(1.0, 1) + self.value_rays() + self.replicate_work()
+        self.work_with(self.law.values)
     }
 
-    /// The rays of values, here and of the user.
-    fn value_rays(&self) -> f64 {
-        let values = 1.0 + f64::from(u8::from(self.over_cells)) / TWICE as f64;
-        f64::from(self.point_rays) * (values * self.error_points as f64 + self.law.values)
+    /// The same where so many values are taken beside those that are judged.
+    pub fn work_with(&self, values: f64) -> f64 {
+        self.cell_work(1.0, 1) + self.value_rays(values) + self.replicate_work()
+    }
+
+    /// The rays of values that are judged, and of so many others.
+    fn value_rays(&self, others: f64) -> f64 {
+        let judged = 1.0 + f64::from(u8::from(self.over_cells)) / TWICE as f64;
+        f64::from(self.point_rays) * (judged * self.error_points as f64 + others)
     }
 
     /// The work of cells with so many times the positions and paths from each.

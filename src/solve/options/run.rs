@@ -5,14 +5,15 @@ use std::time::{Duration, Instant};
 use super::error::OptionsError;
 use crate::visibility::Backend;
 
-/// How the run goes; none of it changes the answer, except that limits may end it early.
+/// How the run goes; none of it changes the answer, except that limits may end it early, and a time that is short for what is asked makes it begin coarsely.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunOptions {
     /// Worker threads; 0 takes one per core.
     pub threads: usize,
     /// Which code answers visibility queries.
     pub backend: Backend,
-    /// Stop after this many seconds of wall time.
+    /// Stop after this many seconds of wall time. A solve that would take longer begins with a larger error than it is asked for, so that there is a result
+    /// that was judged.
     pub time_s: Option<f64>,
     /// Values at points for which that time is to be enough as well, gathered one by one: by the time that judged values took. They are left half of
     /// the time at most.
