@@ -136,9 +136,14 @@ impl Solution {
             _ => IndirectGather::Links(LinkGather::of_reflected(whole)),
         };
 
-        // Direct light.
-        let all = (0..scene.surfaces().len() as u32).map(SurfaceId);
-        let emitters = Emitter::all(scene);
+        // Direct light, but of emitters whose light is left to paths.
+        let all = || (0..scene.surfaces().len() as u32).map(SurfaceId);
+        let is_direct = |surface: &SurfaceId| match &indirect {
+            IndirectGather::Cells(gather) => gather.paths.unsampled_exitance(*surface).is_none(),
+            IndirectGather::Links(_) => true,
+        };
+        let emitting = all().filter(|&surface| scene.material_of(surface).emits());
+        let emitters = Emitter::of_surfaces(scene, emitting.filter(is_direct));
         let blockers = Blockers::of(scene);
         let direct = &DirectLight { scene, rays, blockers: &blockers, emitters: &emitters };
 
@@ -146,7 +151,7 @@ impl Solution {
         let lines = [&shape, with_lights.as_ref().unwrap_or(&shape)];
         let is_wanted = |surface: &SurfaceId| seen.is_none_or(|seen| seen.weight(*surface) > 0.0);
         let reflects = |surface: &SurfaceId| scene.material_of(*surface).reflects();
-        let surfaces: Vec<SurfaceId> = all.filter(reflects).filter(is_wanted).collect();
+        let surfaces: Vec<SurfaceId> = all().filter(reflects).filter(is_wanted).collect();
         let (budget, norm) = (RayBudget::of_values(self.point_rays, self.options.seed), self.options.norm.into());
         let builder =
             MeshBuilder { scene, indirect: &indirect, direct, budget, lines, seen, error, norm, limits, tell: &tell, stop };
