@@ -4,8 +4,8 @@
 //! the values, and its CPU seconds are those that the system counts for the process, all threads, from start to end. Values are scored against
 //! references that no run of the table made: exact ones, converged path tracing, or (labelled) light paths of our own.
 //!
-//! `cargo bench --bench error_vs_time -- office` runs the scenes with this in their names, and prints what it would write. References are kept in
-//! `target/error_vs_time`; remove it to have them made anew.
+//! `cargo bench --bench error_vs_time -- office` runs the scenes with this in their names, and prints what it would write. References are made anew
+//! each time.
 //!
 //! With `PATCHLIGHT_PEERS=<virtual environment>` Mitsuba 3 and Radiance run beside, on the same points (`peers/README.md` says how to install
 //! them); else their runs are those that docs/error_vs_time.md tells of the last time. The section in BENCHMARKS.md between the marks of this

@@ -10,6 +10,7 @@ mod choice;
 mod cuts;
 mod effort;
 mod finish;
+mod first_error;
 mod flux;
 mod grouped_light;
 mod groups_apart;
