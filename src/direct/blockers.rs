@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use crate::geometry::Aabb;
 use crate::scene::Scene;
-use crate::visibility::{BoxTree, HalfSpace, OccluderMesh};
+use crate::visibility::{BoxTree, HalfSpace, contact_tolerance};
 
 /// A convex polygon that occludes from both sides.
 pub(super) struct Blocker {
@@ -47,7 +47,7 @@ pub(crate) struct Blockers {
     vertices: Vec<DVec3>,
     blockers: Vec<Blocker>,
     tree: BoxTree,
-    /// [`OccluderMesh::contact_tolerance`].
+    /// [`OccluderMesh::contact_tolerance`](crate::visibility::OccluderMesh::contact_tolerance).
     pub(super) contact: f64,
 }
 
@@ -77,7 +77,7 @@ impl Blockers {
         }
         let of = |blocker: &Blocker| &vertices[blocker.first_vertex as usize..][..blocker.vertex_count as usize];
         let tree = BoxTree::of(blockers.iter().map(|blocker| Aabb::around(of(blocker).iter().copied())));
-        Self { tree, vertices, blockers, contact: OccluderMesh::of_scene(scene).contact_tolerance() }
+        Self { tree, vertices, blockers, contact: contact_tolerance(&scene.bounds()) }
     }
 
     pub(super) fn get(&self, number: u32) -> &Blocker {

@@ -84,7 +84,7 @@ pub fn of_contacts(scene: &Scene) -> Discontinuities {
 pub(crate) fn of_shape(scene: &Scene, stop: Stop<'_>) -> Discontinuities {
     let faces = Faces::of(scene);
     let found = shape(&faces, stop);
-    gather(&faces, found, &[], &|_| 0.0)
+    gather(&faces, found, &[], &|_| 0.0, stop)
 }
 
 /// The same; and together with it where shadows of lights that are no surfaces end, as far as each receiver does not tolerate that, which is told in
@@ -98,14 +98,14 @@ pub(crate) fn of_shape_and_lights(
     let found = shape(&faces, stop);
     let mut with_lights = shadows(&faces, tolerance, stop);
     with_lights.append(found.clone());
-    [gather(&faces, found, &[], &|_| 0.0), gather(&faces, with_lights, &[], tolerance)]
+    [gather(&faces, found, &[], &|_| 0.0, stop), gather(&faces, with_lights, &[], tolerance, stop)]
 }
 
 /// Where shadows of lights that are no surfaces end: what changes irradiance by less than `tolerance`, in W/m^2, is left out.
 pub fn of_lights(scene: &Scene, tolerance: f64) -> Discontinuities {
     let (faces, tolerance) = (Faces::of(scene), |_: SurfaceId| tolerance);
     let found = shadows(&faces, &tolerance, &|| false);
-    gather(&faces, found, &[], &tolerance)
+    gather(&faces, found, &[], &tolerance, &|| false)
 }
 
 /// Contacts, and the feet of what stands close.
@@ -167,7 +167,7 @@ pub(crate) fn find(
             found.append(follow(&faces, &occluders, &lit, (number, pairs), stop));
         }
     }
-    gather(&faces, found, &emitters, tolerance)
+    gather(&faces, found, &emitters, tolerance, stop)
 }
 
 /// What is found surface by surface, in parallel.
@@ -211,15 +211,24 @@ fn follow(faces: &Faces<'_>, occluders: &Occluders, lit: &Lit<'_>, (number, pair
     found
 }
 
-/// Welds the curves of each receiver.
-fn gather(faces: &Faces<'_>, found: Found, emitters: &[Emitter], tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync)) -> Discontinuities {
+/// Welds the curves of each receiver; once stopped, of no more.
+fn gather(
+    faces: &Faces<'_>,
+    found: Found,
+    emitters: &[Emitter],
+    tolerance: &(dyn Fn(SurfaceId) -> f64 + Sync),
+    stop: Stop<'_>,
+) -> Discontinuities {
     let Found { curves, mut counters } = found;
     let mut per_receiver: Vec<Vec<Curve>> = vec![Vec::new(); faces.scene.surfaces().len()];
-    for curve in curves {
+    for curve in curves.into_iter().take_while(|_| !stop()) {
         per_receiver[curve.receiver.index()].push(curve);
     }
     let name = |emitter: u32| emitters.get(emitter as usize).map(|emitter| emitter.pieces[0]);
-    let of = |(id, curves): (usize, Vec<Curve>)| weld::weld(faces, curves, tolerance(SurfaceId(id as u32)), name);
+    let of = |(id, curves): (usize, Vec<Curve>)| {
+        let curves = if stop() { Vec::new() } else { curves };
+        weld::weld(faces, curves, tolerance(SurfaceId(id as u32)), name)
+    };
     let welded: Vec<_> = per_receiver.into_par_iter().enumerate().map(of).collect();
 
     let (mut segments, mut first) = (Vec::new(), vec![0]);

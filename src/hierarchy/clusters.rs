@@ -206,23 +206,29 @@ fn cut_in_space(surfaces: &mut Vec<u32>, bounds: &[Aabb], depth: u32) -> Vec<u32
     let around = Aabb::around(surfaces.iter().map(|&surface| centre(surface)));
     let extent = around.extent();
 
+    // The surfaces by bins along each axis.
+    let is_cut = |axis: usize| extent[axis] > 0.0 && depth < MAX_DEPTH;
+    let mut bins = [[Bin::EMPTY; BINS]; 3];
+    for bounds in surfaces.iter().map(|&surface| &bounds[surface as usize]) {
+        let centre = bounds.centre();
+        for axis in (0..3).filter(|&axis| is_cut(axis)) {
+            bins[axis][bin_of(centre[axis], around.min[axis], extent[axis])].add(&Bin { bounds: *bounds, count: 1 });
+        }
+    }
+
     // The cut between bins, along any axis, with the least sum of box area times number of surfaces.
     let mut best: Option<(f64, usize, usize)> = None;
-    for axis in (0..3).filter(|&axis| extent[axis] > 0.0 && depth < MAX_DEPTH) {
-        let mut bins = [(Aabb::EMPTY, 0usize); BINS];
-        for &surface in surfaces.iter() {
-            let bin = &mut bins[bin_of(centre(surface)[axis], around.min[axis], extent[axis])];
-            *bin = (bin.0.union(bounds[surface as usize]), bin.1 + 1);
+    for axis in (0..3).filter(|&axis| is_cut(axis)) {
+        let mut after = [Bin::EMPTY; BINS + 1];
+        for first in (1..BINS).rev() {
+            after[first] = after[first + 1];
+            after[first].add(&bins[axis][first]);
         }
-        let join = |bins: &[(Aabb, usize)]| {
-            let (bounds, count) = bins.iter().fold((Aabb::EMPTY, 0), |sum, bin| (sum.0.union(bin.0), sum.1 + bin.1));
-            let size = bounds.extent();
-            (count, (size.x * size.y + size.y * size.z + size.z * size.x) * count as f64)
-        };
+        let mut before = Bin::EMPTY;
         for first in 1..BINS {
-            let ((before, cost_before), (after, cost_after)) = (join(&bins[..first]), join(&bins[first..]));
-            let cost = cost_before + cost_after;
-            if before > 0 && after > 0 && best.is_none_or(|(least, ..)| cost < least) {
+            before.add(&bins[axis][first - 1]);
+            let cost = before.cost() + after[first].cost();
+            if before.count > 0 && after[first].count > 0 && best.is_none_or(|(least, ..)| cost < least) {
                 best = Some((cost, axis, first));
             }
         }
@@ -239,6 +245,27 @@ fn cut_in_space(surfaces: &mut Vec<u32>, bounds: &[Aabb], depth: u32) -> Vec<u32
     let middle = surfaces.len() / 2;
     surfaces.select_nth_unstable_by(middle, |&a, &b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(&b)));
     surfaces.split_off(middle)
+}
+
+/// Some surfaces: the box around them and how many they are.
+#[derive(Clone, Copy)]
+struct Bin {
+    bounds: Aabb,
+    count: usize,
+}
+
+impl Bin {
+    const EMPTY: Self = Self { bounds: Aabb::EMPTY, count: 0 };
+
+    fn add(&mut self, other: &Self) {
+        *self = Self { bounds: self.bounds.union(other.bounds), count: self.count + other.count };
+    }
+
+    /// The area of half the box times the number of surfaces.
+    fn cost(&self) -> f64 {
+        let size = self.bounds.extent();
+        (size.x * size.y + size.y * size.z + size.z * size.x) * self.count as f64
+    }
 }
 
 fn bin_of(place: f64, start: f64, extent: f64) -> usize {

@@ -9,7 +9,7 @@ use super::grow::{Grower, MOST_GATHERS};
 use super::growing::Growing;
 use super::judged::Judged;
 use super::light::{All, Direct, Indirect, Light};
-use super::limits::MeshLimits;
+use super::limits::{MOST_ELEMENTS, MeshLimits};
 use super::line::Line;
 use super::lit_mesh::{LitMesh, MeshReader};
 use super::plane::Plane;
@@ -120,11 +120,12 @@ impl MeshBuilder<'_> {
 
     /// What all surfaces weigh.
     fn whole(&self, surfaces: &[SurfaceId]) -> f64 {
-        let weight = |&surface: &SurfaceId| match self.seen {
-            Some(seen) => seen.weight(surface),
-            None => self.scene.surface(surface).polygon.area(),
-        };
-        surfaces.iter().map(weight).sum()
+        surfaces.iter().map(|&surface| self.weight(surface)).sum()
+    }
+
+    /// What a surface weighs: its area in m^2, or how many pixels it covers.
+    fn weight(&self, surface: SurfaceId) -> f64 {
+        self.seen.map_or_else(|| self.scene.surface(surface).polygon.area(), |seen| seen.weight(surface))
     }
 
     fn grower<'b>(&'b self, light: &'b dyn Light, part: f64, test_weight: f64) -> Grower<'b> {
@@ -150,10 +151,16 @@ impl MeshBuilder<'_> {
         }
     }
 
-    /// The first elements, along some lines; `None` if the limits do not allow so many.
+    /// The first elements, along some lines; `None` if stopped, or if the limits do not allow so many.
+    ///
+    /// A surface follows no more lines than its part of the most elements, by its weight: else many small surfaces that cross each other would take
+    /// them all.
     fn begin(&self, surfaces: &[SurfaceId], whole: f64, lines: &Discontinuities) -> Option<Vec<Growing>> {
         let largest = FIRST_PART * whole;
         let begin = |&surface: &SurfaceId| {
+            if (self.stop)() {
+                return None;
+            }
             let plane = Plane::of(self.scene, surface);
             let facet = self.scene.surface(surface).polygon.facet();
             let corners: Vec<_> = facet.vertices.iter().map(|&corner| plane.to_plane(corner)).collect();
@@ -161,18 +168,20 @@ impl MeshBuilder<'_> {
                 ends: segment.ends.map(|end| plane.to_plane(end)),
                 is_step: segment.degree == Degree::D0,
             };
-            let lines: Vec<Line> = lines.of(surface).iter().map(line).collect();
+            let followed = lines.of(surface);
+            let is_worth_it = followed.len() as f64 * whole <= self.weight(surface) * MOST_ELEMENTS as f64;
+            let lines: Vec<Line> = followed.iter().filter(|_| is_worth_it).map(line).collect();
             let deciding = self.scene.deciding();
             let Some(seen) = self.seen else {
-                return Growing::new(surface, plane, triangulate(&corners, &lines, largest), None, deciding);
+                return Some(Growing::new(surface, plane, triangulate(&corners, &lines, largest), None, deciding));
             };
             let triangles = triangulate(&corners, &lines, f64::INFINITY);
             let seen = SeenTriangles::new(seen.of(surface), &triangles);
             let mut growing = Growing::new(surface, plane, triangles, Some(seen), deciding);
             growing.bisect_to(largest);
-            growing
+            Some(growing)
         };
-        let growing: Vec<Growing> = surfaces.par_iter().map(begin).collect();
+        let growing: Vec<Growing> = surfaces.par_iter().map(begin).collect::<Option<_>>()?;
         let elements = growing.iter().map(|of| of.triangles.triangles.len()).sum();
         self.limits.allow(elements).then_some(growing)
     }

@@ -95,11 +95,8 @@ impl Grower<'_> {
     pub fn grow(&self, all: &mut [Growing]) -> Option<Judged> {
         let (mut judged, mut rounds, mut gathers, mut before) = (None, self.limits.begin(), 1, f64::INFINITY);
         for round in 0..ROUNDS {
-            self.take_nodes(all, gathers);
-            self.test_changed(all, round);
-            if (self.stop)() {
-                return None;
-            }
+            self.take_nodes(all, gathers)?;
+            self.test_changed(all, round)?;
             let Some(norm) = Norm::of(self.norm, all) else { return Some(Judged::DARK) };
             let (mut worst, left) = self.worst(all, &norm);
             // What does not fall is noise, or had not been found.
@@ -136,8 +133,8 @@ impl Grower<'_> {
         }
     }
 
-    /// Takes the light at nodes by as many gathers at each: those that it lacks. Where a node gets more, its element is tested anew.
-    fn take_nodes(&self, all: &mut [Growing], gathers: u32) {
+    /// Takes the light at nodes by as many gathers at each: those that it lacks. Where a node gets more, its element is tested anew. `None` if stopped.
+    fn take_nodes(&self, all: &mut [Growing], gathers: u32) -> Option<()> {
         // Gather by gather, numbered at each node.
         let mut wanted = Vec::new();
         for (index, of) in all.iter_mut().enumerate() {
@@ -155,19 +152,20 @@ impl Grower<'_> {
             }
         }
         let places: Vec<Wanted> = wanted.iter().map(|of| of.2).collect();
-        let taken = self.take(&places, |taken, _, _, found| found.extend_from_slice(taken.light));
+        let taken = self.take(&places, |taken, _, _, found| found.extend_from_slice(taken.light))?;
 
         // Means of all gathers, and their variances.
         for ((index, node, _), light) in wanted.iter().zip(taken.chunks(self.channels)) {
             all[*index].add_gather(*node, light);
         }
         if self.fits {
-            all.par_iter_mut().for_each(Growing::fit);
+            all.par_iter_mut().filter(|_| !(self.stop)()).for_each(Growing::fit);
         }
+        (!(self.stop)()).then_some(())
     }
 
-    /// Tests elements that have changed.
-    fn test_changed(&self, all: &mut [Growing], round: u32) {
+    /// Tests elements that have changed; `None` if stopped.
+    fn test_changed(&self, all: &mut [Growing], round: u32) -> Option<()> {
         let mut spots = Vec::new();
         for (index, of) in all.iter_mut().enumerate() {
             of.is_tested.resize(of.triangles.triangles.len(), false);
@@ -179,8 +177,9 @@ impl Grower<'_> {
             }
             of.is_tested.fill(true);
         }
-        let tests = self.tests(all, &spots);
+        let tests = self.tests(all, &spots)?;
         tests.into_iter().zip(&spots).for_each(|(test, spot)| all[spot.index].tests.push(test));
+        Some(())
     }
 
     /// Holds the function against the light at points spread over all that counts, one in each of as many strata; the elements keep these tests.
@@ -190,14 +189,14 @@ impl Grower<'_> {
         let wanted = self.wanted(all, &spots, 0);
         let first = self.take(&wanted, |Taken { light, closeness }, number, scratch, found| {
             found.push((light.to_vec(), [self.light.all_sq(&wanted[number].place, scratch, light), closeness]));
-        });
+        })?;
 
         // Twice where there is noise. Of what seems to have none, noise would count as an error.
         let is_noisy = |number: &usize| first[*number].0.iter().any(|[_, variance]| *variance > 0.0);
         let noisy: Vec<usize> = (0..spots.len()).filter(is_noisy).collect();
         let again = self.wanted(all, &spots, streams::MESH_AGAIN);
         let again: Vec<Wanted> = noisy.iter().map(|&number| again[number]).collect();
-        let taken = self.take(&again, |taken, _, _, found| found.push(taken.light.to_vec()));
+        let taken = self.take(&again, |taken, _, _, found| found.push(taken.light.to_vec()))?;
         let mut second: Vec<&[[f64; 2]]> = first.iter().map(|(light, _)| &**light).collect();
         noisy.into_iter().zip(&taken).for_each(|(number, light)| second[number] = light);
 
@@ -209,11 +208,11 @@ impl Grower<'_> {
         let found: Vec<(Test, Vec<f64>)> = found.collect();
         let judged = Judged::by(&found, whole, norm);
         found.into_iter().zip(&spots).for_each(|((test, _), spot)| all[spot.index].tests.push(test));
-        (!(self.stop)()).then_some(judged)
+        Some(judged)
     }
 
     /// The squared noise of the function, in the norm, by what two gathers at so many of its nodes differ by; and the same as their variances tell it.
-    /// `None` where all is dark.
+    /// `None` where all is dark, or if stopped.
     pub fn sampled_noise_sq(&self, all: &[Growing], count: usize) -> Option<[f64; 2]> {
         // A node of the element at each of as many points, by what it adds to the noise there.
         let seed = sampling::hash(self.seed, streams::MESH_PILOT);
@@ -222,13 +221,13 @@ impl Grower<'_> {
         let spots: Vec<Spot> = spots.iter().map(at_node).collect();
 
         let (wanted, again) = (self.wanted(all, &spots, 0), self.wanted(all, &spots, streams::MESH_AGAIN));
-        let second = self.take(&again, |taken, _, _, found| found.push(taken.light.to_vec()));
+        let second = self.take(&again, |taken, _, _, found| found.push(taken.light.to_vec()))?;
         let found: Vec<[f64; 3]> = self.take(&wanted, |Taken { light, .. }, number, scratch, found| {
             let pairs = || light.iter().zip(&second[number]).take(self.deciding);
             let differences: f64 = pairs().map(|(first, second)| (first[0] - second[0]).powi(2)).sum();
             let told: f64 = pairs().map(|(first, second)| first[1] + second[1]).sum();
             found.push([self.light.all_sq(&wanted[number].place, scratch, light), 0.5 * differences, 0.5 * told]);
-        });
+        })?;
         let of_each = whole / count as f64;
         let lit = found.iter().filter(|[light_sq, ..]| *light_sq > 0.0).map(|&[light_sq, ..]| (light_sq, of_each));
         let norm = Norm::by_light(self.norm, lit.collect())?;
@@ -250,8 +249,8 @@ impl Grower<'_> {
         spots.iter().map(wanted).collect()
     }
 
-    /// Tests the function at some points.
-    fn tests(&self, all: &[Growing], spots: &[Spot]) -> Vec<Test> {
+    /// Tests the function at some points; `None` if stopped.
+    fn tests(&self, all: &[Growing], spots: &[Spot]) -> Option<Vec<Test>> {
         let wanted = self.wanted(all, spots, 0);
         self.take(&wanted, |Taken { light, closeness }, number, scratch, tests| {
             let Spot { index, triangle, at, .. } = spots[number];
@@ -261,19 +260,25 @@ impl Grower<'_> {
     }
 
     /// Takes the light at places, in parallel; `make` turns what is found at each, by channel, into results, which are returned in the order of the
-    /// places.
-    fn take<R: Send>(&self, wanted: &[Wanted], make: impl Fn(Taken<'_>, usize, &mut LightScratch, &mut Vec<R>) + Sync) -> Vec<R> {
+    /// places; `None` if stopped.
+    fn take<R: Send>(
+        &self,
+        wanted: &[Wanted],
+        make: impl Fn(Taken<'_>, usize, &mut LightScratch, &mut Vec<R>) + Sync,
+    ) -> Option<Vec<R>> {
         let batches = wanted.par_chunks(BATCH).enumerate().map_init(LightScratch::default, |scratch, (batch, wanted)| {
-            let (mut results, mut light, mut closeness) = (Vec::new(), vec![[0.0; 2]; self.channels], 0.0);
+            let (mut results, mut light) = (Vec::new(), vec![[0.0; 2]; self.channels]);
             for (number, Wanted { place, size }) in wanted.iter().enumerate() {
-                if !(self.stop)() {
-                    closeness = self.light.take(place, *size, scratch, &mut light);
+                if (self.stop)() {
+                    return None;
                 }
+                let closeness = self.light.take(place, *size, scratch, &mut light);
                 make(Taken { light: &light, closeness }, batch * BATCH + number, scratch, &mut results);
             }
-            results
+            Some(results)
         });
-        batches.collect::<Vec<_>>().into_iter().flatten().collect()
+        let batches: Option<Vec<Vec<R>>> = batches.collect();
+        Some(batches?.into_iter().flatten().collect())
     }
 
     /// By surface, the triangles that are expected to make up most of the squared error beyond noise; and how large that is in all.

@@ -3,8 +3,8 @@
 use std::sync::OnceLock;
 use std::time::Instant;
 
-/// Elements are not refined beyond so many: about a gigabyte.
-const MOST_ELEMENTS: usize = 1 << 20;
+/// Elements are not refined beyond so many, and no lines are followed that would take more: about a gigabyte.
+pub(super) const MOST_ELEMENTS: usize = 1 << 20;
 
 /// A round of refinement makes so many of an element, at most.
 const FOUR: usize = 4;

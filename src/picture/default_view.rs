@@ -51,6 +51,7 @@ impl Camera {
             visibility,
             up: scene.up().map_or_else(|| guess_up(scene), Up::vector),
             total_area: total_area(scene),
+            bounds,
             detail,
         };
         let pitches_inside = [-4.0, -14.0];
@@ -129,6 +130,8 @@ struct Survey<'a> {
     visibility: &'a dyn Visibility,
     up: DVec3,
     total_area: f64,
+    /// Where all surfaces are.
+    bounds: Aabb,
     /// Where most of the surfaces are.
     detail: Aabb,
 }
@@ -172,7 +175,7 @@ impl Survey<'_> {
     /// Eyes inside the bounds with hardly any back faces to see and some space around; those with many front faces and much space
     /// first.
     fn free_eyes(&self) -> Vec<DVec3> {
-        let bounds = self.scene.bounds();
+        let bounds = self.bounds;
         let (extent, diagonal) = (bounds.extent(), bounds.diagonal());
         let sphere: Vec<DVec3> = (0..SPHERE_RAYS).map(|k| fibonacci_direction(k, SPHERE_RAYS)).collect();
         let mut eyes: Vec<(f64, DVec3)> = (0..INSIDE_EYES)
@@ -208,7 +211,7 @@ impl Survey<'_> {
 
     /// A view from `eye`, in a direction.
     fn view_from_inside(&self, eye: DVec3, yaw: f64, pitch: f64) -> Camera {
-        let diagonal = self.scene.bounds().diagonal();
+        let diagonal = self.bounds.diagonal();
         self.camera(eye, eye + 0.5 * diagonal * self.direction(yaw, pitch), INSIDE_FIELD_OF_VIEW)
     }
 
@@ -232,7 +235,7 @@ impl Survey<'_> {
 
     fn camera(&self, eye: DVec3, target: DVec3, field_of_view_degrees: f64) -> Camera {
         // Rounded to a ten-thousandth of the scene at most, so that people can read and type the numbers.
-        let scale = 10.0_f64.powf((1e4 / self.scene.bounds().diagonal()).log10().ceil());
+        let scale = 10.0_f64.powf((1e4 / self.bounds.diagonal()).log10().ceil());
         let rounded = |point: DVec3| ((point * scale).round() / scale).to_array();
         Camera {
             eye: rounded(eye),

@@ -51,12 +51,7 @@ impl OccluderMesh {
     /// Up to this distance from a triangle's plane an end of a segment counts as lying in it, in metres: 1e-12 of the diagonal of
     /// the box around the mesh, and 8 roundings of its largest coordinate.
     pub fn contact_tolerance(&self) -> f64 {
-        let bounds = self.bounds();
-        if bounds.is_empty() {
-            return 0.0;
-        }
-        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
-        CONTACT_OF_SIZE * bounds.diagonal() + CONTACT_ROUNDINGS * 0.5 * f64::EPSILON * largest
+        contact_tolerance(&self.bounds())
     }
 
     pub(super) fn bounds(&self) -> Aabb {
@@ -92,4 +87,13 @@ impl OccluderMesh {
         }
         Ok(())
     }
+}
+
+/// [`OccluderMesh::contact_tolerance`] of a mesh in a box.
+pub(crate) fn contact_tolerance(bounds: &Aabb) -> f64 {
+    if bounds.is_empty() {
+        return 0.0;
+    }
+    let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    CONTACT_OF_SIZE * bounds.diagonal() + CONTACT_ROUNDINGS * 0.5 * f64::EPSILON * largest
 }

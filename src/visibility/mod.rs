@@ -41,6 +41,7 @@ pub use backend::{Backend, VisibilityError};
 pub(crate) use box_tree::{BoxTree, HalfSpace};
 pub use build::build;
 pub use mesh::OccluderMesh;
+pub(crate) use mesh::contact_tolerance;
 pub(crate) use near::SurfaceBoxes;
 
 /// A plane number that belongs to no surface: nothing is ignored at that end.
