@@ -16,6 +16,7 @@ use rayon::prelude::*;
 
 use super::knapsack::Knapsack;
 use super::system::{Iterate, Leaf, System};
+use crate::progress::Stop;
 
 /// The iteration of importance ends once a sweep adds less than this part of all importance.
 const SWEEP_TOLERANCE: f64 = 1e-12;
@@ -55,12 +56,16 @@ impl Share {
     }
 }
 
-/// What each entry adds to `<R, U - L>`, all channels together. `initial` is R, by node and channel; only that of leaves counts.
-pub(super) fn attribute(system: &System<'_>, iterate: &Iterate, initial: &[f64]) -> Vec<Share> {
+/// What each entry adds to `<R, U - L>`, all channels together; once stopped, as far as that is known. `initial` is R, by node and channel; only
+/// that of leaves counts.
+pub(super) fn attribute(system: &System<'_>, iterate: &Iterate, initial: &[f64], stop: Stop<'_>) -> Vec<Share> {
     let channels = system.channels;
     let mut found = vec![Share::default(); system.entries.len()];
     for channel in 0..channels {
-        let rows = rows(system, iterate, channel);
+        let rows = rows(system, iterate, channel, stop);
+        if stop() {
+            break;
+        }
         let dimmest = dimmest_leaves(system, iterate, channel);
         let source = |pair: &Pair| system.entries[pair.entry as usize].source as usize;
 
@@ -70,7 +75,7 @@ pub(super) fn attribute(system: &System<'_>, iterate: &Iterate, initial: &[f64])
             importance[leaf.node as usize] = initial[leaf.node as usize * channels + channel];
         });
         let mut term = importance.clone();
-        for _ in 0..MOST_SWEEPS {
+        for _ in (0..MOST_SWEEPS).take_while(|_| !stop()) {
             let mut next = vec![0.0; term.len()];
             for row in rows.iter().filter(|row| term[row.node] > 0.0) {
                 let worth = row.reflectance * term[row.node];
@@ -100,8 +105,11 @@ pub(super) fn attribute(system: &System<'_>, iterate: &Iterate, initial: &[f64])
     found
 }
 
-/// The rows of all leaves that reflect.
-fn rows(system: &System<'_>, iterate: &Iterate, channel: usize) -> Vec<Row> {
+/// The rows of all leaves that reflect; once stopped, of no more.
+fn rows(system: &System<'_>, iterate: &Iterate, channel: usize, stop: Stop<'_>) -> Vec<Row> {
+    if stop() {
+        return Vec::new();
+    }
     let mut knapsack = Knapsack::new(system, channel);
     knapsack.sort(iterate);
     let reflecting: Vec<_> = system.leaves.iter().filter(|leaf| leaf.reflectance[channel] > 0.0).collect();
@@ -119,7 +127,7 @@ fn rows(system: &System<'_>, iterate: &Iterate, channel: usize) -> Vec<Row> {
         });
         Row { node: leaf.node as usize, reflectance: leaf.reflectance[channel], pairs }
     };
-    reflecting.par_iter().with_min_len(LEAVES_A_TASK).map(row).collect()
+    reflecting.par_iter().with_min_len(LEAVES_A_TASK).filter(|_| !stop()).map(row).collect()
 }
 
 /// The leaf of every node with the least lower radiosity.

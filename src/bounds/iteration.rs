@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::knapsack::Knapsack;
 use super::rounding::rounding;
 use super::system::{Iterate, Leaf, System};
+use crate::progress::Stop;
 
 /// Sweeps end when they change bounds by less than this part of the widest gap.
 pub(super) const SWEEP_TOLERANCE: f64 = 1e-3;
@@ -18,6 +19,9 @@ pub(super) const MOST_SWEEPS: u32 = 1000;
 
 /// Leaves whose knapsacks one task fills.
 const LEAVES_A_TASK: usize = 64;
+
+/// The first sweep over fewer entries is done in any case: a tenth of a second, and bounds are worth much more after it.
+const MOMENT: usize = 1 << 20;
 
 impl System<'_> {
     /// Bounds that hold whatever the form factors are: no leaf sends less than E, and none receives more than `E_max / (1 - rho_max)`,
@@ -41,15 +45,20 @@ impl System<'_> {
 
     /// Sweeps until a sweep changes bounds by no more than `tolerance` times the widest gap, `most_sweeps` times, or until `stop`; returns
     /// the bounds and the number of sweeps.
-    pub fn solve(&self, tolerance: f64, most_sweeps: u32, stop: &dyn Fn() -> bool) -> (Iterate, u32) {
+    pub fn solve(&self, tolerance: f64, most_sweeps: u32, stop: Stop<'_>) -> (Iterate, u32) {
         self.solve_from(self.trivial(), tolerance, most_sweeps, stop)
     }
 
     /// The same, from bounds that are known already.
-    pub fn solve_from(&self, mut iterate: Iterate, tolerance: f64, most_sweeps: u32, stop: &dyn Fn() -> bool) -> (Iterate, u32) {
+    pub fn solve_from(&self, mut iterate: Iterate, tolerance: f64, most_sweeps: u32, stop: Stop<'_>) -> (Iterate, u32) {
+        let is_short = self.entries.len() < MOMENT;
+        if !is_short && stop() {
+            return (iterate, 0);
+        }
         let mut knapsacks = Knapsack::of_channels(self);
         for sweep in 1..=most_sweeps {
-            let change = self.sweep(&mut iterate, &mut knapsacks);
+            let stop_within: Stop<'_> = if is_short { &|| false } else { stop };
+            let change = self.sweep(&mut iterate, &mut knapsacks, stop_within);
             let gap = iterate.upper.iter().zip(&iterate.lower).map(|(upper, lower)| upper - lower).fold(0.0, f64::max);
             if change <= tolerance * gap || stop() {
                 return (iterate, sweep);
@@ -58,13 +67,24 @@ impl System<'_> {
         (iterate, most_sweeps)
     }
 
-    /// Computes every leaf's bounds from those of all others; returns the largest change. Bounds never get wider.
-    pub fn sweep(&self, iterate: &mut Iterate, knapsacks: &mut [Knapsack<'_, '_>]) -> f64 {
+    /// Computes every leaf's bounds from those of all others, once stopped of no more; returns the largest change. Bounds never get wider.
+    pub fn sweep(&self, iterate: &mut Iterate, knapsacks: &mut [Knapsack<'_, '_>], stop: Stop<'_>) -> f64 {
+        for knapsack in &mut *knapsacks {
+            if stop() {
+                return 0.0;
+            }
+            knapsack.sort(iterate);
+        }
+
         // What each leaf reflects, in parallel.
-        knapsacks.iter_mut().for_each(|knapsack| knapsack.sort(iterate));
         let channels = self.channels;
-        let mut found = vec![[0.0; 2]; channels * self.leaves.len()];
+        let places = |leaf: &Leaf<'_>| leaf.node as usize * channels..(leaf.node as usize + 1) * channels;
+        let known = |at: usize| [iterate.lower[at], iterate.upper[at]];
+        let mut found: Vec<[f64; 2]> = self.leaves.iter().flat_map(places).map(known).collect();
         found.par_chunks_mut(channels).with_min_len(LEAVES_A_TASK).zip(&self.leaves).for_each(|(found, leaf)| {
+            if stop() {
+                return;
+            }
             for (channel, found) in found.iter_mut().enumerate() {
                 let rho = leaf.reflectance[channel];
                 let irradiance = || knapsacks[channel].irradiance(leaf.node, leaf.enclosed, iterate, |_, _, _| {});

@@ -64,7 +64,7 @@ pub(crate) fn link_gaps(input: &BoundsInput<'_>, known: &mut KnownPairs, initial
     // Both systems, and what each pair adds to the gap between them.
     let system = assemble(input.scene, input.hierarchy, &pairs);
     let (iterate, _) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
-    let shares = attribute(&system, &iterate, initial);
+    let shares = attribute(&system, &iterate, initial, input.stop);
     let of_source =
         |values: &[f64], source: NodeId| -> f64 { values[source.index() * system.channels..][..system.channels].iter().sum() };
     let mut gaps = LinkGaps { links: Vec::with_capacity(pairs.len()), gap: 0.0, unlinked: 0.0 };

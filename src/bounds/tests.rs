@@ -158,7 +158,7 @@ fn bounds_of_the_duct_hold_at_every_probe_after_every_sweep_and_are_tight() {
         for _ in 0..8 {
             check(&iterate);
             let before = iterate.clone();
-            system.sweep(&mut iterate, &mut Knapsack::of_channels(&system));
+            system.sweep(&mut iterate, &mut Knapsack::of_channels(&system), &|| false);
             assert!(iterate.lower.iter().zip(&before.lower).all(|(now, before)| now >= before));
             assert!(iterate.upper.iter().zip(&before.upper).all(|(now, before)| now <= before));
         }
@@ -290,7 +290,7 @@ fn ancestors_and_inner_sources_count() {
 
 /// What entries add to `<R, U - L>`, and that number itself.
 fn attributed(system: &System<'_>, iterate: &Iterate, initial: &[f64]) -> (f64, f64) {
-    let found: f64 = attribute(system, iterate, initial).iter().map(Share::total).sum();
+    let found: f64 = attribute(system, iterate, initial, &|| false).iter().map(Share::total).sum();
     let gap = |leaf: &Leaf<'_>| {
         let at = leaf.node as usize;
         initial[at] * (iterate.upper[at] - iterate.lower[at])
@@ -311,7 +311,7 @@ fn what_entries_add_is_the_gap() {
             assert!(gap > 0.05 && (found / gap - 1.0).abs() < 1e-10, "enclosed {enclosed}, {of_wall:?}: {found}, not {gap}");
         }
         if !enclosed {
-            let parts = attribute(&system, &iterate, &[1.0; 32]);
+            let parts = attribute(&system, &iterate, &[1.0; 32], &|| false);
             assert!(
                 parts.iter().all(|part| part.by_form_factor >= 0.0 && part.by_source >= 0.0),
                 "each entry gets at least its lower bound"

@@ -9,12 +9,25 @@ use super::stderr::say;
 
 static INTERRUPTS: AtomicUsize = AtomicUsize::new(0);
 
+/// How many of them have ended a stage.
+static SETTLED: AtomicUsize = AtomicUsize::new(0);
+
 /// After so many, what takes long is left out.
 const LEAVE_OUT: usize = 2;
 
 /// How many interrupts there were so far.
 pub fn count() -> usize {
     INTERRUPTS.load(Ordering::Relaxed)
+}
+
+/// Whether one has come that has not ended any stage yet.
+pub fn is_pending() -> bool {
+    count() > SETTLED.load(Ordering::Relaxed)
+}
+
+/// All that have come have ended a stage.
+pub fn settle() {
+    SETTLED.store(count(), Ordering::Relaxed);
 }
 
 /// Whether what takes long is to be left out.

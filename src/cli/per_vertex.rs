@@ -8,7 +8,6 @@ use patchlight::pipeline::Evaluator;
 use patchlight::progress::{Observer, Progress};
 
 use super::exit::{Exit, Failure};
-use super::interrupt;
 use super::progress::{Voice, Watcher};
 
 /// What is written.
@@ -39,12 +38,11 @@ impl PerVertex {
     /// Bakes in so many seconds, and writes all files.
     pub fn bake(&self, evaluator: &Evaluator, options: &BakeOptions, time_s: Option<f64>, voice: Voice) -> Result<Exit, Failure> {
         let until = time_s.and_then(|seconds| Instant::now().checked_add(Duration::try_from_secs_f64(seconds).ok()?));
-        let interrupts = interrupt::count();
         let observer = InTime { watcher: Watcher::new(voice), until };
         let found = evaluator.bake_vertices(options, self.within, &observer).map_err(Failure::usage)?;
+        let is_interrupted = observer.watcher.cancelled();
         drop(observer);
         let Some(light) = found else {
-            let is_interrupted = interrupt::count() > interrupts;
             let why = if is_interrupted { "interrupted" } else { "the time was over" };
             voice.warn(format_args!("light at vertices is not written: {why}"));
             return Ok(if is_interrupted { Exit::Cancelled } else { Exit::Limit });

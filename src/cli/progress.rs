@@ -3,6 +3,7 @@
 use std::fmt;
 use std::io::IsTerminal;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -70,30 +71,32 @@ impl Voice {
     }
 }
 
-/// Passes progress on, and interrupts that come while it lives.
+/// Passes progress on, and interrupts that have ended nothing yet: each ends one stage. A job is ended by the second one alone.
 pub struct Watcher {
     voice: Voice,
     start: Instant,
     last: Mutex<Option<(Instant, Stage)>>,
     bar: Option<ProgressBar>,
-    interrupts_before: usize,
+    /// Whether an interrupt was passed on.
+    is_interrupted: AtomicBool,
 }
 
 impl Watcher {
-    /// Watches from now on; interrupts that came before were for others. A job is ended by the second one alone.
     pub fn new(voice: Voice) -> Self {
         let bar = (voice == Voice::Bar).then(|| {
             let bar = ProgressBar::new(1000).with_style(style_of(None));
             bar.enable_steady_tick(Duration::from_millis(120));
             bar
         });
-        let interrupts_before = if voice == Voice::Job { 1 } else { interrupt::count() };
-        Self { voice, start: Instant::now(), last: Mutex::new(None), bar, interrupts_before }
+        Self { voice, start: Instant::now(), last: Mutex::new(None), bar, is_interrupted: AtomicBool::new(false) }
     }
 }
 
 impl Drop for Watcher {
     fn drop(&mut self) {
+        if *self.is_interrupted.get_mut() {
+            interrupt::settle();
+        }
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
@@ -126,7 +129,11 @@ impl Observer for Watcher {
     }
 
     fn cancelled(&self) -> bool {
-        interrupt::leaves_out() || interrupt::count() > self.interrupts_before
+        let ends_stage = self.voice != Voice::Job && interrupt::is_pending();
+        if ends_stage {
+            self.is_interrupted.store(true, Ordering::Relaxed);
+        }
+        ends_stage || interrupt::leaves_out()
     }
 }
 

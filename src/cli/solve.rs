@@ -8,7 +8,7 @@ use patchlight::picture::Image;
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::scene::import::read_scene;
 use patchlight::scene::{FileUv, Scene};
-use patchlight::solve::{ErrorReport, LitMeshReport, Norm, RunOptions, SolveOptions, SolveReport};
+use patchlight::solve::{ErrorReport, LitMeshReport, Norm, RunOptions, SolveOptions, SolveReport, StoppedBy};
 use patchlight::values::{Values, ValuesError};
 
 use super::exit::{Exit, Failure};
@@ -50,7 +50,9 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     // What is asked for.
     let mut ending = Ending::new(Exit::of_solve(report.stopped_by, report.converged));
     let sampling = Instant::now();
-    let limits = Limits::of(RunOptions { time_s: request.run.time_s, ..run }, start);
+    // Whoever interrupts a solve does not wait for a good picture.
+    let time_s = if report.stopped_by == StoppedBy::Cancelled { Some(0.0) } else { request.run.time_s };
+    let limits = Limits::of(RunOptions { time_s, ..run }, start);
     let written = write_results(&request, &evaluator, points.as_ref(), (&provenance, &limits), &mut ending);
     run_report.error.points = written.and_then(|values| values.error);
     let sample_s = sampling.elapsed().as_secs_f64() - ending.output_s;

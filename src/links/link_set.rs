@@ -39,6 +39,9 @@ pub struct Pair {
 }
 
 impl Pair {
+    /// The pair that covers all others.
+    pub(crate) const ALL: Self = Self { receiver: NodeId::ROOT, source: NodeId::ROOT };
+
     /// The seed of the pair's samples, of the seed of a solve.
     pub(crate) fn seed(self, seed: u64) -> u64 {
         let of_receiver = sampling::hash(seed, streams::PAIRS + u64::from(self.receiver.0));
@@ -61,7 +64,7 @@ pub struct LinkSet {
 impl LinkSet {
     /// No links yet: one dormant pair, (root, root), which covers everything.
     pub(crate) fn unrefined(node_count: usize) -> Self {
-        Self::new(node_count, &[], vec![Pair { receiver: NodeId::ROOT, source: NodeId::ROOT }])
+        Self::new(node_count, &[], vec![Pair::ALL])
     }
 
     /// Sorts links by receiver; among the links of a receiver the order stays.

@@ -30,7 +30,7 @@ pub(super) fn choose(system: &System<'_>, iterate: &Iterate, refinement: &Refine
     if weights.mean_width(system, iterate, refinement) <= enough {
         return Choice::default();
     }
-    let shares = attribute(system, iterate, &weights.initial(system, refinement));
+    let shares = attribute(system, iterate, &weights.initial(system, refinement), &|| false);
     let total: f64 = system.leaves.iter().map(|leaf| open_of(system, &shares, leaf).abs()).sum();
 
     // What splitting each receiver, and each source, would bring.

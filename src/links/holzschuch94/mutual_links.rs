@@ -69,21 +69,34 @@ pub(crate) struct MutualCounts {
 
 impl MutualLinks {
     /// Nothing is linked yet.
-    pub fn new(strategy: TopLevel, scene: &Scene) -> Self {
+    ///
+    /// # Errors
+    /// The limit that leaves no room for all pairs of surfaces, each of which is held.
+    pub fn new(strategy: TopLevel, scene: &Scene, hierarchy: &Hierarchy, limits: &RefineLimits<'_>) -> Result<Self, RefineEnd> {
         let surfaces = scene.surfaces().len();
-        Self {
+        let unclassified_count = surfaces * (surfaces - 1) / 2;
+        let holding = Holding { links: 0, unlinked: 2 * unclassified_count };
+        if let Some(limit) = limits.exceeded(hierarchy, holding, 0).or_else(|| limits.says_end(hierarchy, 0, holding.unlinked)) {
+            return Err(limit);
+        }
+        Ok(Self {
             strategy,
             links: Vec::new(),
-            unclassified: PairSet::all(surfaces),
-            unclassified_count: surfaces * (surfaces - 1) / 2,
+            unclassified: PairSet::all(surfaces, limits.halt).ok_or(RefineEnd::Stopped)?,
+            unclassified_count,
             unseen: Vec::new(),
             counts: MutualCounts::default(),
-        }
+        })
     }
 
     /// How many links there are, each direction counted.
     pub fn len(&self) -> u64 {
         2 * self.links.len() as u64
+    }
+
+    /// How many pairs of surfaces are not classified yet.
+    pub fn unclassified_count(&self) -> usize {
+        self.unclassified_count
     }
 
     /// What a solution would hold with so many more links for both directions, and pairs without one.

@@ -1,5 +1,7 @@
 //! A set of unordered pairs of surfaces: the paper's n(n-1)/2 bits.
 
+use crate::progress::Stop;
+
 /// Pairs `(first, second)` with `first < second`, a row of bits for each `first`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct PairSet {
@@ -14,9 +16,12 @@ pub(super) struct Row {
 }
 
 impl PairSet {
-    /// All pairs of `count` surfaces.
-    pub fn all(count: usize) -> Self {
+    /// All pairs of `count` surfaces; `None` if stopped.
+    pub fn all(count: usize, stop: Stop<'_>) -> Option<Self> {
         let row = |first: usize| {
+            if stop() {
+                return None;
+            }
             let partners = count - first - 1;
             let mut words = vec![u64::MAX; partners.div_ceil(64)];
             if !partners.is_multiple_of(64)
@@ -24,9 +29,10 @@ impl PairSet {
             {
                 *last = (1 << (partners % 64)) - 1;
             }
-            Row { first, words }
+            Some(Row { first, words })
         };
-        Self { rows: (0..count).map(row).collect() }
+        let rows: Option<Vec<Row>> = (0..count).map(row).collect();
+        Some(Self { rows: rows? })
     }
 
     /// Takes a pair in; `first < second`.
@@ -90,7 +96,7 @@ mod tests {
     #[test]
     fn all_pairs_once_and_those_that_are_kept() {
         for count in [1, 2, 64, 65, 66, 130] {
-            let mut pairs = PairSet::all(count);
+            let mut pairs = PairSet::all(count, &|| false).unwrap();
             let all: Vec<(usize, usize)> = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))).collect();
             assert_eq!(pairs.iter().collect::<Vec<_>>(), all);
             for row in pairs.rows_mut() {
@@ -102,7 +108,7 @@ mod tests {
 
             // What was left out comes back in.
             all.iter().for_each(|&(first, second)| pairs.insert(first, second));
-            assert_eq!(pairs, PairSet::all(count));
+            assert_eq!(Some(pairs), PairSet::all(count, &|| false));
         }
     }
 }

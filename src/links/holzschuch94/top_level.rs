@@ -36,8 +36,9 @@ struct Classified {
     behind: u64,
 }
 
-/// Rows that are worked, and may be stopped after, together.
+/// Rows that are worked, and may be stopped after, together; of fewer pairs than these in all, some tenths of a second.
 const ROWS: usize = 256;
+const PAIRS: usize = 1 << 20;
 
 impl MutualLinks {
     /// Goes through all pairs of surfaces that are not classified yet, and links those that are worth it by now.
@@ -49,12 +50,13 @@ impl MutualLinks {
                 SurfaceEntry { node, brightness: context.brightness(hierarchy, node), area: hierarchy.area(node), emits }
             })
             .collect();
+        let rows_at_once = (PAIRS / surfaces.len().max(1)).clamp(1, ROWS);
         let mut first_row = 0;
         while first_row < surfaces.len() {
             if let Some(end) = limits.says_end(hierarchy, 2 * self.links.len(), 0) {
                 return end;
             }
-            let last_row = (first_row + ROWS).min(surfaces.len());
+            let last_row = (first_row + rows_at_once).min(surfaces.len());
             let strategy = self.strategy;
             let rows: Vec<Classified> = self.unclassified.rows_mut()[first_row..last_row]
                 .par_iter_mut()

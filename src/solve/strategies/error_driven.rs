@@ -53,9 +53,15 @@ impl ErrorSearch {
             let tolerance = plan.irradiance_tolerance() * area * tolerance / finest;
             let oracle = ErrorDriven { tolerance, min_area: plan.min_area() };
             for _ in 0..MOST_SPLITS {
+                if linked.job.is_late() {
+                    return RefineEnd::Stopped;
+                }
                 let gaps = self.link_gaps(linked);
+                if ended != RefineEnd::Content {
+                    return ended;
+                }
                 let splits = splits(linked, &gaps, &oracle);
-                if ended != RefineEnd::Content || (splits.len() as f64) < WORTH_A_ROUND * gaps.links.len() as f64 {
+                if (splits.len() as f64) < WORTH_A_ROUND * gaps.links.len() as f64 {
                     break;
                 }
                 ended = linked.refine_and_sweep(&as_they_stand, &splits);

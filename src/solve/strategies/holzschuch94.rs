@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicU64;
 use std::time::Instant;
 
 use crate::bounds::{Light, bound_held_back};
-use crate::links::{MutualContext, MutualLinks, RAYS_PER_LINK, RefineEnd, TopLevel};
+use crate::links::{MutualContext, MutualLinks, Pair, RAYS_PER_LINK, RefineEnd, TopLevel};
 use crate::progress::Stage;
 use crate::scene::SurfaceId;
 use crate::solve::job::Job;
@@ -19,7 +19,12 @@ use crate::sweep::{self, Radiosity, Reflection};
 
 /// Runs as many iterations as the options ask for, and accounts for the energy that pairs without a link hold back.
 pub(super) fn bounce(linked: &mut Linked<'_>, plan: &Plan) -> RefineEnd {
-    let mut links = MutualLinks::new(top_level(&linked.job, plan), linked.job.scene);
+    let (stop, allows, halt) = (linked.refinement_stop(), linked.refinement_memory(), linked.job.stop());
+    let limits = linked.refine_limits(&stop, &allows, &halt);
+    let mut links = match MutualLinks::new(top_level(&linked.job, plan), linked.job.scene, &linked.hierarchy, &limits) {
+        Ok(links) => links,
+        Err(limit) => return limit,
+    };
     let mut ended = RefineEnd::Content;
     for _ in 0..linked.job.options.holzschuch94.iterations {
         ended = link_and_refine(linked, &mut links, plan);
@@ -78,12 +83,14 @@ fn note_iteration(linked: &mut Linked<'_>, links: &MutualLinks) {
     });
 }
 
-/// Estimates what pairs without a link hold back, and gives surfaces the ambient term in its place.
+/// Estimates what pairs without a link hold back, and gives surfaces the ambient term in its place; without the time for it, any pair counts as one
+/// of them.
 fn balance_energy(linked: &mut Linked<'_>, links: &MutualLinks, plan: &Plan) {
     linked.progress(Stage::Error);
     let start = Instant::now();
     let links_alone = std::mem::take(&mut linked.links);
-    let dormant = links.dormant(&linked.hierarchy);
+    let is_late = linked.job.is_late();
+    let dormant = if is_late { vec![Pair::ALL] } else { links.dormant(&linked.hierarchy) };
     let mut balance = EnergyBalance::default();
     if !dormant.is_empty() {
         let light = Light { scene: linked.job.scene, hierarchy: &linked.hierarchy, radiosity: linked.radiosity.values() };
@@ -91,16 +98,17 @@ fn balance_energy(linked: &mut Linked<'_>, links: &MutualLinks, plan: &Plan) {
 
         // The ambient term stands for what they carry.
         let context = context(&linked.job, &linked.radiosity, plan);
-        let form_factors = links.estimate_dormant_form_factors(&linked.hierarchy, &context);
-        let sums = sweep::row_sums(linked.job.scene, &linked.hierarchy, &links_alone, &linked.exposure);
-        let form_factor = |surface: SurfaceId| form_factors[surface.index()];
-        let ambient =
-            sweep::estimate_ambient(linked.job.scene, &linked.hierarchy, &linked.exposure, &linked.radiosity, &sums, &form_factor);
-        let before = reflected_power(linked);
-        if linked.job.options.holzschuch94.ambient {
-            sweep::reflect_ambient(linked.job.scene, &linked.hierarchy, &linked.exposure, &ambient, &mut linked.radiosity);
+        if let Some(form_factors) = links.estimate_dormant_form_factors(&linked.hierarchy, &context, &linked.job.stop()) {
+            let sums = sweep::row_sums(linked.job.scene, &linked.hierarchy, &links_alone, &linked.exposure);
+            let form_factor = |surface: SurfaceId| form_factors[surface.index()];
+            let Linked { job, hierarchy, exposure, radiosity, .. } = &*linked;
+            let ambient = sweep::estimate_ambient(job.scene, hierarchy, exposure, radiosity, &sums, &form_factor);
+            let before = reflected_power(linked);
+            if linked.job.options.holzschuch94.ambient {
+                sweep::reflect_ambient(linked.job.scene, &linked.hierarchy, &linked.exposure, &ambient, &mut linked.radiosity);
+            }
+            balance.ambient = reflected_power(linked) - before;
         }
-        balance.ambient = reflected_power(linked) - before;
     }
     balance.reflected = reflected_power(linked);
     linked.report.energy_balance = Some(balance);
@@ -112,7 +120,7 @@ fn balance_energy(linked: &mut Linked<'_>, links: &MutualLinks, plan: &Plan) {
         estimate_saved_rays,
         ..SkippedWork::default()
     };
-    let (behind, unclassified) = (links.counts.behind, linked.links.dormant().len() as u64 / 2);
+    let (behind, unclassified) = (links.counts.behind, links.unclassified_count() as u64);
     linked.report.skipped = vec![
         pairs("pairs of surfaces behind one another", behind, rays * behind),
         pairs("pairs of surfaces never worth a link", unclassified, rays * unclassified),
