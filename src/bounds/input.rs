@@ -3,6 +3,7 @@
 use super::form_factors::FormFactorRule;
 use crate::hierarchy::Hierarchy;
 use crate::links::LinkSet;
+use crate::progress::Stop;
 use crate::scene::Scene;
 
 /// What is bounded.
@@ -18,5 +19,5 @@ pub(crate) struct BoundsInput<'a> {
     /// The error that was asked for: bounds that are no farther apart, relative to what is reflected, are close enough.
     pub error: f64,
     /// From when it returns true, pairs are bounded in the cheapest way.
-    pub stop: &'a (dyn Fn() -> bool + Sync),
+    pub stop: Stop<'a>,
 }

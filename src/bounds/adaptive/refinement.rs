@@ -9,6 +9,7 @@ use crate::bounds::groups::{Plans, Step};
 use crate::bounds::input::BoundsInput;
 use crate::bounds::system::Iterate;
 use crate::hierarchy::{Hierarchy, NodeId};
+use crate::progress::Stop;
 use crate::scene::Scene;
 
 /// The work of bounding two polygons, in units of [`SolveOptions::bounds_work`](crate::solve::SolveOptions::bounds_work).
@@ -150,7 +151,7 @@ impl<'a> Refinement<'a> {
     }
 
     /// Splits receivers, and replaces sources by their children.
-    pub fn split(&mut self, choice: &Choice, stop: &(dyn Fn() -> bool + Sync)) {
+    pub fn split(&mut self, choice: &Choice, stop: Stop<'_>) {
         // Children of receivers take their lists, each source with what is known of it already.
         let mut pairs = Vec::new();
         for &receiver in &choice.receivers {
@@ -187,7 +188,7 @@ impl<'a> Refinement<'a> {
     }
 
     /// Bounds pairs, and adds them to the lists of their receivers. What is known of one already holds as well.
-    fn add(&mut self, pairs: &[(NodeId, Gathered)], stop: &(dyn Fn() -> bool + Sync)) {
+    fn add(&mut self, pairs: &[(NodeId, Gathered)], stop: Stop<'_>) {
         let pair_bounds = PairBounds::new(self.scene, &self.hierarchy, self.rule).fairly();
         let bound = |&(receiver, gathered): &(NodeId, Gathered)| {
             let late = stop();

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::worst_first::{Light, Waiting, Worst, WorstFirst};
 use crate::links::Pair;
+use crate::progress::Stop;
 
 /// The most work, in units of splitting a pair.
 const MOST_WORK: usize = 1 << 15;
@@ -25,7 +26,7 @@ const WORK_OF_POLYGONS: usize = 1024;
 /// The most that all surfaces together radiate less because `pairs` have no link, in W, all channels added. Proved, if sweeps over the
 /// links would no longer change `light`. Once stopped, the bound is as wide as what
 /// is known by then.
-pub(crate) fn bound_held_back(light: Light<'_>, pairs: &[Pair], stop: &(dyn Fn() -> bool + Sync)) -> f64 {
+pub(crate) fn bound_held_back(light: Light<'_>, pairs: &[Pair], stop: Stop<'_>) -> f64 {
     if pairs.is_empty() {
         return 0.0;
     }
