@@ -15,6 +15,7 @@ use super::input::BoundsInput;
 use super::iteration::{MOST_SWEEPS, SWEEP_TOLERANCE};
 use super::pairs::{bounds_in_time, unlinked_pairs};
 use crate::hierarchy::NodeId;
+use crate::progress::Stop;
 
 /// Form factors of links that were bounded before: those of a pair stay the same while the hierarchy grows.
 #[derive(Default)]
@@ -47,26 +48,36 @@ pub(crate) struct LinkGaps {
     pub unlinked: f64,
 }
 
-/// Bounds all links, and finds what each adds to `<R, upper - lower>`; `initial` is R by node and channel.
-pub(crate) fn link_gaps(input: &BoundsInput<'_>, known: &mut KnownPairs, initial: &[f64]) -> LinkGaps {
+/// Bounds all links, and finds what each adds to `<R, upper - lower>`; `initial` is R by node and channel. `None` if `halt` says so before.
+pub(crate) fn link_gaps(input: &BoundsInput<'_>, known: &mut KnownPairs, initial: &[f64], halt: Stop<'_>) -> Option<LinkGaps> {
     // The form factors of new links, and of pairs without one.
     let pair_bounds = PairBounds::new(input.scene, input.hierarchy, input.rule);
     let bound = |(receiver, source): (NodeId, NodeId)| {
         let found = known.0.get(&(receiver, source)).copied();
-        (receiver, source, found.unwrap_or_else(|| bounds_in_time(input, &pair_bounds, receiver, source)))
+        let found = found.or_else(|| (!halt()).then(|| bounds_in_time(input, &pair_bounds, receiver, source)));
+        found.map(|found| (receiver, source, found))
     };
     let linked: Vec<(NodeId, NodeId)> = input.links.iter().map(|(receiver, link)| (receiver, link.source)).collect();
-    let mut pairs: Vec<BoundedPair> = linked.into_par_iter().with_min_len(LINKS_A_TASK).map(bound).collect();
+    let mut pairs: Vec<BoundedPair> = linked.into_par_iter().with_min_len(LINKS_A_TASK).map(bound).collect::<Option<_>>()?;
     known.0 = pairs.iter().map(|&(receiver, source, form_factor)| ((receiver, source), form_factor)).collect();
     pairs.extend(unlinked_pairs(input, &pair_bounds));
-    pairs.sort_by_key(|(receiver, source, _)| (*receiver, *source));
+    if halt() {
+        return None;
+    }
+    pairs.par_sort_by_key(|(receiver, source, _)| (*receiver, *source));
 
     // Both systems, and what each pair adds to the gap between them.
+    if halt() {
+        return None;
+    }
     let system = assemble(input.scene, input.hierarchy, &pairs);
     let (iterate, _) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
     let shares = attribute(&system, &iterate, initial, input.stop);
     let of_source =
         |values: &[f64], source: NodeId| -> f64 { values[source.index() * system.channels..][..system.channels].iter().sum() };
+    if halt() {
+        return None;
+    }
     let mut gaps = LinkGaps { links: Vec::with_capacity(pairs.len()), gap: 0.0, unlinked: 0.0 };
     for (&(receiver, source, FormFactorBounds { lower, upper, evidence, .. }), share) in
         pairs.iter().zip(shares.iter().map(Share::total))
@@ -80,5 +91,5 @@ pub(crate) fn link_gaps(input: &BoundsInput<'_>, known: &mut KnownPairs, initial
         let (by_form_factor, by_source) = ((upper - lower) * brightest, upper * (brightest - dimmest));
         gaps.links.push(LinkGap { receiver, source, share, by_form_factor, by_source });
     }
-    gaps
+    Some(gaps)
 }

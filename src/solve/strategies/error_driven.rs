@@ -53,10 +53,7 @@ impl ErrorSearch {
             let tolerance = plan.irradiance_tolerance() * area * tolerance / finest;
             let oracle = ErrorDriven { tolerance, min_area: plan.min_area() };
             for _ in 0..MOST_SPLITS {
-                if linked.job.is_late() {
-                    return RefineEnd::Stopped;
-                }
-                let gaps = self.link_gaps(linked);
+                let Some(gaps) = self.link_gaps(linked) else { return RefineEnd::Stopped };
                 if ended != RefineEnd::Content {
                     return ended;
                 }
@@ -70,8 +67,8 @@ impl ErrorSearch {
         ended
     }
 
-    /// What all links leave open, and its report.
-    fn link_gaps(&mut self, linked: &mut Linked<'_>) -> LinkGaps {
+    /// What all links leave open, and its report; `None` if the solve is to end before that is known.
+    fn link_gaps(&mut self, linked: &mut Linked<'_>) -> Option<LinkGaps> {
         let start = Instant::now();
         linked.progress(Stage::Error);
         let (rule, certainty) = match linked.job.options.bounds {
@@ -91,7 +88,7 @@ impl ErrorSearch {
             error: job.options.error,
             stop: &stop,
         };
-        let gaps = link_gaps(&input, &mut self.known, &initial);
+        let gaps = link_gaps(&input, &mut self.known, &initial, &job.stop())?;
         let splits = linked.report.link_error.map_or(0, |report| report.splits + 1);
         linked.report.link_error = Some(LinkErrorReport {
             certainty,
@@ -102,7 +99,7 @@ impl ErrorSearch {
             splits,
         });
         linked.report.time_s.bounds += start.elapsed().as_secs_f64();
-        gaps
+        Some(gaps)
     }
 }
 
