@@ -112,6 +112,7 @@ fn what_is_long_in_a_thicket_can_be_cancelled() {
         ("original94", Stage::Refine, of(Strategy::Original94), 3000),
     ];
     for (name, stage, options, triangles) in cases {
+        let mut cancelled = 0;
         for after in [0.3, 1.0] {
             let observer = CancelIn::new(stage).after(Duration::from_secs_f64(after));
             let (evaluator, report) = pipeline::solve(thicket(triangles), &options, &RunOptions::default(), &observer).unwrap();
@@ -122,8 +123,22 @@ fn what_is_long_in_a_thicket_can_be_cancelled() {
             println!("{name}, after {after} s: ended after {took:?}");
             assert_eq!((report.stopped_by, evaluator.solution().validate()), (StoppedBy::Cancelled, Ok(())), "{name}");
             assert!(took < Duration::from_millis(500) + SLACK, "{name}, {after} s: {took:?}");
+            cancelled += 1;
         }
+        assert!(cancelled > 0, "{name}: too short to be cancelled");
     }
+}
+
+/// What links leave open is told by bounds that hold, or not at all: a time that ends the links early does not make it small.
+#[test]
+fn links_that_were_cut_short_leave_something_open() {
+    let options = SolveOptions { error: 0.001, strategy: Strategy::ErrorDriven, ..SolveOptions::default() };
+    let run = RunOptions { time_s: Some(3.0), ..RunOptions::default() };
+    let (_, report) = pipeline::solve(scene("full_office"), &options, &run, &Silent).unwrap();
+    let of_links = report.link_error.expect("links were judged once before half of the time was over");
+    println!("links leave {} W open of {} W", of_links.gap, of_links.reflected);
+    assert_eq!(report.stopped_by, StoppedBy::Time);
+    assert!(of_links.gap > 1e-3 * of_links.reflected, "{of_links:?}");
 }
 
 #[test]

@@ -72,7 +72,7 @@ pub(crate) fn link_gaps(input: &BoundsInput<'_>, known: &mut KnownPairs, initial
     }
     let system = assemble(input.scene, input.hierarchy, &pairs);
     let (iterate, _) = system.solve(SWEEP_TOLERANCE, MOST_SWEEPS, input.stop);
-    let shares = attribute(&system, &iterate, initial, input.stop);
+    let shares = attribute(&system, &iterate, initial, halt);
     let of_source =
         |values: &[f64], source: NodeId| -> f64 { values[source.index() * system.channels..][..system.channels].iter().sum() };
     if halt() {
