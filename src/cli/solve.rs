@@ -5,7 +5,7 @@ use std::time::Instant;
 use patchlight::bounds::{BoundsReport, Certainty};
 use patchlight::output::{CpuReport, Points, Provenance, Quantity, RunReport, SceneReport, write_report};
 use patchlight::picture::Image;
-use patchlight::pipeline::{self, Evaluator};
+use patchlight::pipeline::{self, Evaluator, Workers};
 use patchlight::scene::import::read_scene;
 use patchlight::scene::{FileUv, Scene};
 use patchlight::solve::{ErrorReport, LitMeshReport, Norm, RunOptions, SolveOptions, SolveReport, StoppedBy};
@@ -32,7 +32,8 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let points = request.points.as_ref().map(|(path, _)| files::read_points(path)).transpose()?;
     let expected_values = request.options.expected_values.or(points.as_ref().map(|points| points.len() as u64));
     let options = SolveOptions { expected_values, ..request.options.clone() };
-    let (scene, warnings, _) = read(&request, &request.outputs)?;
+    let workers = Workers::new(request.run.threads)?;
+    let (scene, warnings, _) = workers.install(|| read(&request, &request.outputs))?;
     let request = request.or_leave_a_page()?;
     let scene_report = SceneReport::of(&scene, request.scene.clone());
     let load_s = start.elapsed().as_secs_f64();
@@ -41,7 +42,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     // The solve. What an interrupt or a limit leaves is a solution as well, and is written.
     let cpu_before = process::cpu_seconds();
     let run = within_limits(&request, points.as_ref(), load_s, scene.channels());
-    let (evaluator, report) = pipeline::solve(scene, &options, &run, &Watcher::new(voice))?;
+    let (evaluator, report) = pipeline::solve_on(workers, scene, &options, &run, &Watcher::new(voice))?;
     let cpu_solved = process::cpu_seconds();
     let provenance = Provenance::new(&options);
     let mut run_report = RunReport::of_solve(provenance.software(), scene_report, &options, &report);
@@ -99,7 +100,8 @@ pub fn light<T>(
     plan: impl FnOnce(&Scene, &FileUv) -> Result<(T, Demand), Failure>,
 ) -> Result<(Evaluator, Exit, T), Failure> {
     let start = Instant::now();
-    let (scene, _, uv) = read(request, outputs)?;
+    let workers = Workers::new(request.run.threads)?;
+    let (scene, _, uv) = workers.install(|| read(request, outputs))?;
     let (plan, demand) = plan(&scene, &uv)?;
     let values = request.options.expected_values.or(Some(demand.values));
     let options = SolveOptions { expected_values: values, ..request.options.clone() };
@@ -112,7 +114,7 @@ pub fn light<T>(
         memory_bytes: run.memory_bytes.map(|bytes| bytes.saturating_sub(demand.bytes)),
         ..run
     };
-    let (evaluator, report) = pipeline::solve(scene, &options, &run, &Watcher::new(request.voice))?;
+    let (evaluator, report) = pipeline::solve_on(workers, scene, &options, &run, &Watcher::new(request.voice))?;
     let run_report = RunReport::of_solve(Provenance::new(&options).software(), scene_report, &options, &report);
     tell_key_figures(request.voice, &run_report, &report);
     Ok((evaluator, Exit::of_solve(report.stopped_by, report.converged), plan))

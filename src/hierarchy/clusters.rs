@@ -83,11 +83,12 @@ fn build(scene: &Scene, stop: Stop<'_>) -> Hierarchy {
     }
 
     // The surfaces follow, cluster by cluster.
-    let members = |(&(tree, _), parent): (&(&Tree, NodeId), u32)| {
-        let Tree::Leaf(surfaces) = tree else { return Vec::new() };
-        surfaces.iter().map(|&surface| (NodeId(parent), surface)).collect()
-    };
-    let members: Vec<(NodeId, u32)> = clusters.iter().zip(0..).flat_map(members).collect();
+    let mut members = Vec::with_capacity(surfaces.len());
+    for (&(tree, _), parent) in clusters.iter().zip(0..) {
+        if let Tree::Leaf(surfaces) = tree {
+            members.extend(surfaces.iter().map(|&surface| (NodeId(parent), surface)));
+        }
+    }
     hierarchy.push_surfaces(scene, &members);
     hierarchy.measure_clusters(&bounds);
     hierarchy

@@ -1,7 +1,6 @@
 //! Which emitters make up which light group.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use super::light_groups::LightGroups;
 use super::{EmitterName, Light, LightGroupError, MOST_CHANNELS, Scene, Surface};
@@ -44,7 +43,7 @@ impl Scene {
             }) as u32
         };
         let mut scene = Self { light_groups: None, ..self.clone() };
-        let surfaces = Arc::make_mut(&mut scene.surfaces);
+        let surfaces = scene.surfaces.but_polygons_mut();
         let mut of_material = vec![None; self.materials.len()];
         let mut copies: BTreeMap<(u32, u32), u32> = BTreeMap::new();
         for (index, surface) in self.surfaces.iter().enumerate().filter(|(_, surface)| emits(surface)) {

@@ -18,8 +18,9 @@ mod lit_by;
 mod material;
 mod planes;
 mod point;
-mod shared;
 mod summary;
+mod surface;
+mod surfaces;
 mod twins;
 mod up;
 
@@ -41,13 +42,13 @@ pub use lights::{
 pub use material::Material;
 pub use point::{PointError, SurfacePoint};
 pub use summary::{LightSummary, SceneSummary};
+pub use surface::{Surface, SurfaceId};
 pub use up::Up;
-
-use std::sync::Arc;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use self::surfaces::Surfaces;
 use crate::geometry::{Aabb, Polygon};
 
 /// Which sides of a face emit and receive. Every face occludes from both.
@@ -61,44 +62,6 @@ pub enum Sides {
     Both,
 }
 
-/// The number of a surface in its scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct SurfaceId(pub u32);
-
-impl SurfaceId {
-    /// The id as an index.
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
-
-/// A planar convex one-sided polygon of one material.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Surface {
-    /// Its shape; the front emits and receives.
-    pub polygon: Polygon,
-    /// Index into [`Scene::materials`].
-    pub material: u32,
-    /// The 0-based number of the face in the input file that it comes from.
-    pub face: u32,
-    /// Its group of coplanar surfaces: a surface never hides anything from a point in its own plane.
-    pub(crate) plane: u32,
-    /// The surface on the back of the same sheet, if there is one.
-    pub(crate) twin: Option<SurfaceId>,
-}
-
-impl Surface {
-    /// The number of its plane: surfaces of one scene have the same number if and only if they are coplanar, on either side.
-    pub fn plane(&self) -> u32 {
-        self.plane
-    }
-
-    /// The surface on the back of the same sheet, if there is one.
-    pub fn twin(&self) -> Option<SurfaceId> {
-        self.twin
-    }
-}
-
 /// A scene has at most so many channels: there is a radiosity in each for every node.
 const MOST_CHANNELS: usize = 1024;
 
@@ -107,9 +70,7 @@ const MOST_CHANNELS: usize = 1024;
 pub struct Scene {
     channels: usize,
     materials: Vec<Material>,
-    /// Copies of a scene share them.
-    #[serde(with = "shared")]
-    surfaces: Arc<Vec<Surface>>,
+    surfaces: Surfaces,
     /// What sends light beside them.
     lights: Vec<Light>,
     sides: Sides,
@@ -152,7 +113,7 @@ impl Scene {
         }
 
         let surface = |(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None };
-        let surfaces = Arc::new(faces.into_iter().map(surface).collect());
+        let surfaces = Surfaces::new(faces.into_iter().map(surface).collect());
         let (objects, groups) = (FaceNames::default(), FaceNames::default());
         let mut scene = Self {
             channels,
@@ -311,10 +272,7 @@ impl Scene {
 
     /// The box around all surfaces.
     pub fn bounds(&self) -> Aabb {
-        // Both sides of a sheet have the same.
-        let surfaces = self.surfaces.iter().enumerate();
-        let counted = surfaces.filter(|(index, surface)| surface.twin.is_none_or(|twin| twin.index() > *index));
-        counted.map(|(_, surface)| surface.polygon.bounds()).fold(Aabb::EMPTY, Aabb::union)
+        self.surfaces.bounds
     }
 }
 

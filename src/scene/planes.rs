@@ -14,12 +14,12 @@
 //! beside the tolerance knows its own offset badly and looks at a wider range of planes.
 
 use std::collections::{BTreeSet, HashMap};
-use std::sync::Arc;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::{Scene, Surface};
-use crate::geometry::{median, median_point};
+use crate::geometry::{Facet, median, median_point};
 
 /// Distance from a plane that still counts as in it, as a fraction of the size that [`Precision`] tells: files give six or seven digits.
 const DISTANCE_TOLERANCE: f64 = 1e-6;
@@ -82,17 +82,22 @@ impl Scene {
 
         // From the widest to the narrowest, in the input's order where equally wide; of two twins only the first.
         let width = |surface: &Surface| surface.polygon.area() / surface.polygon.facet().radius;
-        let mut order: Vec<(f64, usize)> = (self.surfaces.iter().enumerate())
+        let mut order: Vec<(f64, usize)> = (self.surfaces.par_iter().enumerate())
             .filter(|(index, surface)| surface.twin.is_none_or(|twin| twin.index() > *index))
             .map(|(index, surface)| (width(surface), index))
             .collect();
-        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        order.par_sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
 
-        let mut finder = PlaneFinder::default();
-        let mut plane_of = vec![u32::MAX; self.surfaces.len()];
-        for (_, index) in order {
+        // What each asks for, in parallel; then the planes, one after the other.
+        let sought = |&(_, index): &(f64, usize)| {
             let surface = &self.surfaces[index];
-            plane_of[index] = finder.find_or_add(surface, centre, precision.of(surface));
+            (index, Sought::new(surface.polygon.facet(), centre, precision.of(surface)))
+        };
+        let sought: Vec<(usize, Sought)> = order.par_iter().map(sought).collect();
+        let mut finder = PlaneFinder::new(centre);
+        let mut plane_of = vec![u32::MAX; self.surfaces.len()];
+        for (index, sought) in sought {
+            plane_of[index] = finder.find_or_add(&sought, || self.surfaces[index].polygon.facet().vertices);
         }
         for (index, surface) in self.surfaces.iter().enumerate() {
             if let Some(twin) = surface.twin.filter(|twin| twin.index() < index) {
@@ -103,7 +108,7 @@ impl Scene {
         // Renumber in the order of the surfaces.
         let mut number = vec![u32::MAX; finder.planes.len()];
         let mut next = 0;
-        for (surface, plane) in Arc::make_mut(&mut self.surfaces).iter_mut().zip(plane_of) {
+        for (surface, plane) in self.surfaces.but_polygons_mut().iter_mut().zip(plane_of) {
             let number = &mut number[plane as usize];
             if *number == u32::MAX {
                 *number = next;
@@ -114,27 +119,44 @@ impl Scene {
     }
 }
 
-/// The planes so far, sorted by offset in cells of similar normals.
-#[derive(Default)]
-struct PlaneFinder {
-    planes: Vec<Plane>,
-    cells: HashMap<[i32; 3], BTreeSet<(u64, u32)>>,
+/// The planes that a surface may lie in.
+struct Sought {
+    /// Its own.
+    own: Plane,
+    /// How far the offset of another may be off.
+    reach: f64,
+    /// How far its vertices may lie off.
+    tolerance: f64,
 }
 
-impl PlaneFinder {
-    /// The nearest plane that `surface` lies in, else a new one through it.
-    fn find_or_add(&mut self, surface: &Surface, centre: DVec3, tolerance: f64) -> u32 {
-        let facet = surface.polygon.facet();
+impl Sought {
+    fn new(facet: Facet<'_>, centre: DVec3, tolerance: f64) -> Self {
         let arm = (facet.centroid - centre).length();
-
         // If all vertices lie within the tolerance of a plane, the normals differ by at most twice the tolerance over the least width of
         // the polygon, which is at least area / (2 radius). That bounds how far the offset along the own normal can be off.
         let angle = (4.0 * tolerance * facet.radius / facet.area).min(ANGLE_TOLERANCE) + 1e-12;
-        let reach = tolerance + angle * arm + 1e-12 * arm;
+        let own = Plane { normal: facet.normal, offset: facet.normal.dot(facet.centroid - centre) };
+        Self { own, reach: tolerance + angle * arm + 1e-12 * arm, tolerance }
+    }
+}
 
+/// The planes so far, sorted by offset in cells of similar normals.
+struct PlaneFinder {
+    centre: DVec3,
+    planes: Vec<Plane>,
+    cells: HashMap<u32, BTreeSet<(u64, u32)>>,
+}
+
+impl PlaneFinder {
+    fn new(centre: DVec3) -> Self {
+        Self { centre, planes: Vec::new(), cells: HashMap::new() }
+    }
+
+    /// The nearest plane that a surface with these vertices lies in, else a new one through it. Few planes are so near that the vertices are asked for.
+    fn find_or_add<'a>(&mut self, sought: &Sought, vertices: impl Fn() -> &'a [DVec3]) -> u32 {
+        let &Sought { own, reach, tolerance } = sought;
         let mut best: Option<(f64, u32)> = None;
-        for normal in [facet.normal, -facet.normal] {
-            let offset = normal.dot(facet.centroid - centre);
+        for Plane { normal, offset } in [own, Plane { normal: -own.normal, offset: -own.offset }] {
             for cell in cells_around(normal) {
                 let Some(cell) = self.cells.get(&cell) else { continue };
                 for &(_, index) in cell.range((sortable(offset - reach), 0)..=(sortable(offset + reach), u32::MAX)) {
@@ -142,8 +164,8 @@ impl PlaneFinder {
                     if (plane.normal - normal).length() > ANGLE_TOLERANCE {
                         continue;
                     }
-                    let distance =
-                        (facet.vertices.iter()).map(|v| (plane.normal.dot(*v - centre) - plane.offset).abs()).fold(0.0, f64::max);
+                    let height = |vertex: &DVec3| (plane.normal.dot(*vertex - self.centre) - plane.offset).abs();
+                    let distance = vertices().iter().map(height).fold(0.0, f64::max);
                     if distance <= tolerance && best.is_none_or(|best| (distance, index) < best) {
                         best = Some((distance, index));
                     }
@@ -155,23 +177,31 @@ impl PlaneFinder {
         }
 
         let index = self.planes.len() as u32;
-        let plane = Plane { normal: facet.normal, offset: facet.normal.dot(facet.centroid - centre) };
-        self.planes.push(plane);
-        self.cells.entry(plane.normal.to_array().map(cell_of)).or_default().insert((sortable(plane.offset), index));
+        self.planes.push(own);
+        self.cells.entry(number_of(own.normal.to_array().map(cell_of))).or_default().insert((sortable(own.offset), index));
         index
     }
 }
 
-fn cell_of(coordinate: f64) -> i32 {
-    (coordinate / CELL).floor() as i32
+/// Cells along an axis: coordinates of normals, and of what lies within the angle of them, are within +-1.01.
+const CELLS: u32 = 128;
+
+/// The cell along an axis in which a coordinate lies.
+fn cell_of(coordinate: f64) -> u32 {
+    (coordinate / CELL + 0.5 * f64::from(CELLS)) as u32
+}
+
+/// The number of a cell.
+fn number_of([x, y, z]: [u32; 3]) -> u32 {
+    (x * CELLS + y) * CELLS + z
 }
 
 /// The cells that may hold normals within [`ANGLE_TOLERANCE`] of `normal`: one, up to eight near the borders.
-fn cells_around(normal: DVec3) -> impl Iterator<Item = [i32; 3]> {
+fn cells_around(normal: DVec3) -> impl Iterator<Item = u32> {
     let [x, y, z] = normal.to_array().map(|c| cell_of(c - ANGLE_TOLERANCE)..=cell_of(c + ANGLE_TOLERANCE));
     x.flat_map(move |x| {
         let z = z.clone();
-        y.clone().flat_map(move |y| z.clone().map(move |z| [x, y, z]))
+        y.clone().flat_map(move |y| z.clone().map(move |z| number_of([x, y, z])))
     })
 }
 
@@ -336,7 +366,7 @@ mod tests {
         let mut scene = scene(quads.to_vec(), Sides::Front);
         assert_eq!(scene.validate(), Ok(()));
         for plane in [3, u32::MAX] {
-            Arc::make_mut(&mut scene.surfaces)[2].plane = plane;
+            scene.surfaces.but_polygons_mut()[2].plane = plane;
             assert!(scene.validate().unwrap_err().contains("surface 2: its plane"));
         }
     }

@@ -1,12 +1,13 @@
 //! The two sides of sheets.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
+use super::surfaces::Surfaces;
 use super::{Scene, Sides, Surface, SurfaceId};
-use crate::geometry::sampling;
+use crate::geometry::{Polygon, sampling};
 
 impl Scene {
     /// Finds the surfaces that are two sides of one sheet, and with [`Sides::Both`] puts the missing side behind every other one.
@@ -14,9 +15,9 @@ impl Scene {
     /// Two surfaces on the same vertices, of equal coordinates, with opposite winding are such a sheet. Cost: O(n log n).
     pub(super) fn add_twins(&mut self) {
         // Surfaces on the same vertices come together, in their order; those whose vertices only seem to be the same are told apart below.
-        let mut by_vertices: Vec<(u64, u32)> =
-            (self.surfaces.iter().zip(0..)).map(|(surface, index)| (hash_of_vertices(surface), index)).collect();
-        by_vertices.sort_unstable();
+        let surfaces = self.surfaces.par_iter().enumerate();
+        let mut by_vertices: Vec<(u64, u32)> = surfaces.map(|(index, surface)| (hash_of_vertices(surface), index as u32)).collect();
+        by_vertices.par_sort_unstable();
         for same in by_vertices.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
             self.pair_sides(same.iter().map(|&(_, index)| index));
         }
@@ -31,25 +32,27 @@ impl Scene {
             number.push(next);
             next += if surface.twin.is_some() { 1 } else { 2 };
         }
+        let back = |surface: &Surface| surface.twin.is_none().then(|| surface.polygon.reversed());
+        let backs: Vec<Option<Polygon>> = self.surfaces.par_iter().map(back).collect();
         let mut surfaces = Vec::with_capacity(next as usize);
-        for mut surface in Arc::unwrap_or_clone(std::mem::take(&mut self.surfaces)) {
+        for (mut surface, back) in self.surfaces.take().into_iter().zip(backs) {
             let own = surfaces.len() as u32;
             if let Some(twin) = surface.twin {
                 surface.twin = Some(SurfaceId(number[twin.index()]));
                 surfaces.push(surface);
-            } else {
-                let back = Surface { polygon: surface.polygon.reversed(), twin: Some(SurfaceId(own)), ..surface };
+            } else if let Some(polygon) = back {
                 surface.twin = Some(SurfaceId(own + 1));
+                let back = Surface { polygon, twin: Some(SurfaceId(own)), ..surface };
                 surfaces.extend([surface, back]);
             }
         }
-        self.surfaces = Arc::new(surfaces);
+        self.surfaces = Surfaces::new(surfaces);
     }
 
     /// Pairs each of these surfaces with one before it that is its reverse and has no twin yet.
     fn pair_sides(&mut self, candidates: impl Iterator<Item = u32>) {
         let mut waiting: HashMap<Vec<[u64; 3]>, Vec<u32>> = HashMap::new();
-        let surfaces = Arc::make_mut(&mut self.surfaces);
+        let surfaces = self.surfaces.but_polygons_mut();
         for index in candidates {
             let (own, reverse) = windings(&surfaces[index as usize]);
             if let Some(twin) = waiting.get_mut(&reverse).and_then(Vec::pop) {

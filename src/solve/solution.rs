@@ -13,7 +13,7 @@ use super::options::{SolveOptions, Solver};
 use super::transport::Transport;
 use crate::bounds::RadiosityBounds;
 use crate::cells::CellRadiosities;
-use crate::direct::{Blockers, DirectLight, DirectScratch};
+use crate::direct::{Blockers, DirectLight, DirectScratch, SharedBlockers};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::mesh::LitMesh;
@@ -147,8 +147,12 @@ impl Solution {
         let over = match (&self.cell_radiosities, paths) {
             (Some(radiosities), Some(paths)) => Over::Cells(FinalGather { paths, radiosities, bounces: 0 }),
             _ => {
-                let over = LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays);
-                Over::Links(LinkGather::with_direct_light(over))
+                // Direct light asks for the blockers: they are found meanwhile.
+                let blockers = SharedBlockers::default();
+                let links = || LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays).with_blockers(blockers.clone());
+                let find_blockers = || (!scene.is_dark()).then(|| blockers.of(scene));
+                let (over, _) = rayon::join(|| LinkGather::with_direct_light(links()), find_blockers);
+                Over::Links(over)
             }
         };
         let budget = RayBudget::of_values(self.point_rays, self.options.seed);

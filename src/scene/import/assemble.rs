@@ -1,15 +1,16 @@
 //! From faces as read to polygons: degenerate and duplicate faces go, concave and non-planar ones are cut.
 //!
 //! Vertices count as the same where their coordinates are equal; files that repeat vertices for every face write the same digits.
-//! Cost: O(n log n) for n corners.
+//! Each face is cut by itself, many at once; which of them are duplicates is found in their order. Cost: O(n log n) for n corners.
 
-use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::OnceLock;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::cut::{Cut, Pieces, convex_pieces};
 use super::faces::Face;
@@ -26,6 +27,9 @@ const MANY_CORNERS: usize = 1 << 10;
 
 /// Meanwhile it is asked so often whether to stop.
 const BETWEEN_QUESTIONS: Duration = Duration::from_millis(20);
+
+/// So many faces are cut at once; what they became waits in memory.
+const FACES_AT_ONCE: usize = 1 << 14;
 
 /// Polygons with the index of their material and the 0-based number of their face, and how many faces were dropped here.
 pub(super) struct Assembled {
@@ -71,55 +75,99 @@ pub(super) fn assemble(read: &Faces<'_>, diagnostics: &mut Diagnostics, stop: St
     let mut flattened = (0_usize, 0.0_f64);
     let rounding = PLANE_TOLERANCE * Aabb::around(read.corners.iter().copied()).diagonal();
 
-    // The faces so far by their corners, of those that may have some in common: one for each of the two windings, as an index into `read.faces`.
-    let mut seen: HashMap<Vec<[u64; 3]>, [Option<usize>; 2]> = HashMap::new();
+    // Each face by itself, many at once.
     let may_repeat = faces_that_may_repeat(read);
-    let order = FileOrder { corners: read.corners, numbers: OnceCell::new() };
-    for (index, face) in read.faces.iter().enumerate() {
-        let mut note = |kind, text: String| diagnostics.push(read.about(kind, text, face.number));
+    let order = FileOrder { corners: read.corners, numbers: OnceLock::new() };
+    let alone = |(face, &may_repeat): (&Face, &bool)| {
+        FaceAlone::cut(&read.corners[face.start..face.end], may_repeat, &order, rounding, stop)
+    };
 
-        let corners = distinct_corners(&read.corners[face.start..face.end]);
-        if corners.len() < 3 {
-            dropped += 1;
-            note(DiagnosticKind::DegenerateFace, "dropped: it has fewer than three different corners".to_owned());
-            continue;
-        }
-
-        let pieces = pieces_or_stop(&corners, &order, rounding, stop)?;
-        if pieces.polygons.is_empty() {
-            dropped += 1;
-            note(DiagnosticKind::DegenerateFace, "dropped: it has no area".to_owned());
-            continue;
-        }
-
-        // Same corners, same winding: a duplicate. Same corners, opposite winding: the other side of a sheet.
-        if may_repeat[index] {
-            let (key, side) = unwound(&corners.iter().map(|&corner| position_key(corner)).collect::<Vec<_>>());
-            let sides = seen.entry(key).or_default();
-            if let Some(earlier) = sides[side] {
-                let earlier = &read.faces[earlier];
-                let but = if earlier.material == face.material { "" } else { " with another material" };
+    // What they became, in their order.
+    let mut seen = Seen::default();
+    for (first, faces) in (0..).step_by(FACES_AT_ONCE).zip(read.faces.chunks(FACES_AT_ONCE)) {
+        let alone: Option<Vec<FaceAlone>> = faces.par_iter().zip(&may_repeat[first..][..faces.len()]).map(alone).collect();
+        for ((index, face), FaceAlone { corners, pieces, winding }) in (first..).zip(faces).zip(alone?) {
+            let mut note = |kind, text: String| diagnostics.push(read.about(kind, text, face.number));
+            if pieces.polygons.is_empty() {
                 dropped += 1;
-                note(DiagnosticKind::DuplicateFace, format!("dropped: it repeats {}{but}", read.name(earlier.number)));
+                let why = if corners < 3 { "it has fewer than three different corners" } else { "it has no area" };
+                note(DiagnosticKind::DegenerateFace, format!("dropped: {why}"));
                 continue;
             }
-            sides[side] = Some(index);
-            // A face that its file calls double-sided comes as two of one number.
-            let front = sides[1 - side].map(|earlier| read.faces[earlier].number).filter(|&front| front != face.number);
-            if let Some(front) = front {
-                note(DiagnosticKind::Sheet, format!("is the back of face {}: both together are a sheet with two sides", front + 1));
-            }
-        }
 
-        if pieces.flattened > 0.0 {
-            flattened = (flattened.0 + 1, flattened.1.max(pieces.flattened));
+            let same = winding.and_then(|winding| seen.add(index, winding));
+            match same.map(|(earlier, same)| (&read.faces[earlier], same)) {
+                Some((earlier, Same::Side)) => {
+                    let but = if earlier.material == face.material { "" } else { " with another material" };
+                    dropped += 1;
+                    note(DiagnosticKind::DuplicateFace, format!("dropped: it repeats {}{but}", read.name(earlier.number)));
+                    continue;
+                }
+                // A face that its file calls double-sided comes as two of one number.
+                Some((front, Same::Sheet)) if front.number != face.number => {
+                    let text = format!("is the back of face {}: both together are a sheet with two sides", front.number + 1);
+                    note(DiagnosticKind::Sheet, text);
+                }
+                _ => {}
+            }
+
+            if pieces.flattened > 0.0 {
+                flattened = (flattened.0 + 1, flattened.1.max(pieces.flattened));
+            }
+            note_cuts(&pieces, note);
+            polygons.extend(pieces.polygons.into_iter().map(|polygon| (polygon, face.material, face.number)));
         }
-        note_cuts(&pieces, note);
-        polygons.extend(pieces.polygons.into_iter().map(|polygon| (polygon, face.material, face.number)));
     }
 
     note_flattened(flattened, read, diagnostics);
     Some(Assembled { polygons, dropped })
+}
+
+/// The faces so far by their corners, of those that may have some in common: one for each of the two windings, as an index into the faces.
+#[derive(Default)]
+struct Seen(HashMap<Vec<[u64; 3]>, [Option<usize>; 2]>);
+
+/// What a face has in common with an earlier one, beside its corners.
+enum Same {
+    /// The winding: a duplicate.
+    Side,
+    /// Not that: they are the sides of a sheet.
+    Sheet,
+}
+
+impl Seen {
+    /// The earlier face with the same corners, if there is one; a face that has no duplicate is kept in mind.
+    fn add(&mut self, index: usize, (corners, side): (Vec<[u64; 3]>, usize)) -> Option<(usize, Same)> {
+        let sides = self.0.entry(corners).or_default();
+        if let Some(earlier) = sides[side] {
+            return Some((earlier, Same::Side));
+        }
+        sides[side] = Some(index);
+        sides[1 - side].map(|front| (front, Same::Sheet))
+    }
+}
+
+/// A face as it is without the others.
+struct FaceAlone {
+    /// How many different corners it has.
+    corners: usize,
+    /// None if it has no area.
+    pieces: Pieces,
+    /// Its corners, as [`unwound`], if others may have the same.
+    winding: Option<(Vec<[u64; 3]>, usize)>,
+}
+
+impl FaceAlone {
+    /// Cuts a face; `None` if stopped before.
+    fn cut(corners: &[DVec3], may_repeat: bool, order: &FileOrder<'_>, rounding: f64, stop: Stop<'_>) -> Option<Self> {
+        let corners = distinct_corners(corners);
+        let pieces = match corners.len() {
+            0..3 => Pieces::NONE,
+            _ => pieces_or_stop(&corners, order, rounding, stop)?,
+        };
+        let winding = may_repeat.then(|| unwound(&corners.iter().map(|&corner| position_key(corner)).collect::<Vec<_>>()));
+        Some(Self { corners: corners.len(), pieces, winding })
+    }
 }
 
 /// Notes how many faces were flattened, and by how much at most.
@@ -143,8 +191,9 @@ fn faces_that_may_repeat(read: &Faces<'_>) -> Vec<bool> {
         let distinct = corners.iter().zip(before).filter(|(corner, before)| corner != before);
         distinct.map(|(corner, _)| sampling::seed_at(corner + DVec3::ZERO, 0)).fold(0, u64::wrapping_add)
     };
-    let mut by_hash: Vec<(u64, u32)> = read.faces.iter().zip(0..).map(|(face, index)| (hash_of(face), index)).collect();
-    by_hash.sort_unstable();
+    let faces = read.faces.par_iter().enumerate();
+    let mut by_hash: Vec<(u64, u32)> = faces.map(|(index, face)| (hash_of(face), index as u32)).collect();
+    by_hash.par_sort_unstable();
     let mut may_repeat = vec![false; read.faces.len()];
     for same in by_hash.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
         same.iter().for_each(|&(_, index)| may_repeat[index as usize] = true);
@@ -156,7 +205,7 @@ fn faces_that_may_repeat(read: &Faces<'_>) -> Vec<bool> {
 struct FileOrder<'a> {
     corners: &'a [DVec3],
     /// Counted once they are wanted.
-    numbers: OnceCell<HashMap<[u64; 3], u32>>,
+    numbers: OnceLock<HashMap<[u64; 3], u32>>,
 }
 
 impl FileOrder<'_> {

@@ -36,6 +36,11 @@ pub(super) struct Pieces {
     pub flattened: f64,
 }
 
+impl Pieces {
+    /// Of a face without area.
+    pub const NONE: Self = Self { polygons: Vec::new(), cut: Cut::Whole, crossing: false, flattened: 0.0 };
+}
+
 /// Areas of pieces and of the whole differ by less than this fraction in a face that does not cross itself.
 const AREA_TOLERANCE: f64 = 1e-6;
 
@@ -60,7 +65,7 @@ pub(super) fn convex_pieces(corners: &[DVec3], rounding: f64) -> Pieces {
             }
             Cut::NonPlanar(distance)
         }
-        Err(_) => return Pieces { polygons: Vec::new(), cut: Cut::Whole, crossing: false, flattened: 0.0 },
+        Err(_) => return Pieces::NONE,
     };
 
     let normal = newell(corners).normalize_or_zero();
