@@ -41,6 +41,13 @@ struct EmitterPiece {
     unoccluded: f64,
 }
 
+impl EmitterPiece {
+    /// A whole emitter to which a place sends its only ray: without control variate and other pieces nobody asks what it would bring.
+    fn of_one_ray(emitter: usize) -> Self {
+        Self { emitter, part: None, form_factor: 0.0, unoccluded: 1.0 }
+    }
+}
+
 /// A ray to a piece of an emitter.
 struct Drawn {
     place: usize,
@@ -163,7 +170,12 @@ impl Emitters<'_> {
                     continue;
                 }
                 memory.pieces.clear();
-                self.cut(&receiver, same[0].number as usize, None, &mut memory.pieces);
+                let emitter = same[0].number as usize;
+                if count == 1 && self.is_small_in_front(&receiver, emitter) {
+                    memory.pieces.push(EmitterPiece::of_one_ray(emitter));
+                } else {
+                    self.cut(&receiver, emitter, None, &mut memory.pieces);
+                }
                 let numbers = own.map(|drawn| (drawn.ray / places.len() as u32, drawn.rest));
                 self.cast_to_pieces(&receiver, first + number, weight, numbers, memory);
             }
@@ -229,6 +241,14 @@ impl Emitters<'_> {
         if is_coplanar { 0.0 } else { point_to_polygon(receiver.point, receiver.normal, facet) }
     }
 
+    /// Whether a receiver may see an emitter, and needs no cut of it.
+    fn is_small_in_front(&self, receiver: &Receiver, emitter: usize) -> bool {
+        let emitter = &self.emitters[emitter];
+        let facet = emitter.facet(self.scene);
+        let is_coplanar = self.scene.surface(emitter.surface).plane == receiver.plane;
+        is_small(&facet, receiver) && !is_coplanar && facet.height(receiver.point) > 0.0
+    }
+
     /// Cuts an emitter, or a part of one, into pieces that are small as seen from a receiver; appends those in front of it.
     fn cut(&self, receiver: &Receiver, emitter: usize, part: Option<Part>, pieces: &mut Vec<EmitterPiece>) {
         let of = &self.emitters[emitter];
@@ -239,12 +259,17 @@ impl Emitters<'_> {
             return;
         }
         let splits = part.map_or(0, |part| part.splits);
-        if facet.radius * facet.radius > SMALL * SMALL * receiver.point.distance_squared(facet.centroid) && splits < MAX_SPLITS {
+        if !is_small(&facet, receiver) && splits < MAX_SPLITS {
             for_each_piece(&facet, |corners| self.cut(receiver, emitter, Some(Part::new(corners, splits + 1)), pieces));
             return;
         }
         pieces.push(EmitterPiece { emitter, part, form_factor, unoccluded: form_factor * brightest(self.scene, of.surface) });
     }
+}
+
+/// Whether a piece is small as seen from a receiver.
+fn is_small(piece: &Facet<'_>, receiver: &Receiver) -> bool {
+    piece.radius * piece.radius <= SMALL * SMALL * receiver.point.distance_squared(piece.centroid)
 }
 
 #[cfg(test)]
