@@ -4,7 +4,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::memory::MemoryLedger;
-use super::{RunOptions, SolveOptions};
+use super::{RunOptions, SolveOptions, StoppedBy};
+use crate::error::ErrorEstimate;
+use crate::links::RefineEnd;
 use crate::progress::Observer;
 use crate::scene::Scene;
 use crate::transmittance::Rays;
@@ -95,6 +97,22 @@ impl<'a> Job<'a> {
 
     pub fn is_cancelled(&self) -> bool {
         self.observer.cancelled()
+    }
+
+    /// The limit that ends the solve now, if there is one and the error is still too large.
+    pub fn limit(&self, error: Option<ErrorEstimate>, ended: RefineEnd) -> Option<StoppedBy> {
+        if self.is_cancelled() {
+            return Some(StoppedBy::Cancelled);
+        }
+        if error.is_some_and(|error| error.claimed_of_all() <= self.options.error) {
+            return None;
+        }
+        match ended {
+            RefineEnd::MaxLinks => Some(StoppedBy::MaxLinks),
+            RefineEnd::Memory => Some(StoppedBy::Memory),
+            RefineEnd::Stopped => Some(StoppedBy::Time),
+            RefineEnd::Content => self.is_over_time().then_some(StoppedBy::Time),
+        }
     }
 
     /// [`Self::is_late`], for stages to ask.

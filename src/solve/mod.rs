@@ -65,8 +65,6 @@ use choice::choose;
 use job::{Job, TimeOfValues};
 use step::NextStep;
 
-use crate::error::ErrorEstimate;
-use crate::links::RefineEnd;
 use crate::progress::Observer;
 use crate::scene::Scene;
 use crate::transmittance::Rays;
@@ -111,7 +109,7 @@ fn solve_all_channels(job: &Job<'_>, beginning: Beginning) -> (Solution, SolveRe
             }
             way.find_cells();
             let error = way.estimate_error();
-            if let Some(limit) = limit(job, error, ended) {
+            if let Some(limit) = job.limit(error, ended) {
                 break 'solve limit;
             }
 
@@ -134,20 +132,4 @@ fn solve_all_channels(job: &Job<'_>, beginning: Beginning) -> (Solution, SolveRe
         }
     };
     way.finish(stopped_by)
-}
-
-/// The limit that ends the solve now, if there is one and the error is still too large.
-fn limit(job: &Job<'_>, error: Option<ErrorEstimate>, ended: RefineEnd) -> Option<StoppedBy> {
-    if job.is_cancelled() {
-        return Some(StoppedBy::Cancelled);
-    }
-    if error.is_some_and(|error| error.claimed_of_all() <= job.options.error) {
-        return None;
-    }
-    match ended {
-        RefineEnd::MaxLinks => Some(StoppedBy::MaxLinks),
-        RefineEnd::Memory => Some(StoppedBy::Memory),
-        RefineEnd::Stopped => Some(StoppedBy::Time),
-        RefineEnd::Content => job.is_over_time().then_some(StoppedBy::Time),
-    }
 }
