@@ -17,7 +17,7 @@ shift
 cd "$(dirname "$0")/.."
 targets=("$@")
 if [ ${#targets[@]} -eq 0 ]; then
-    targets=(solution obj glb meshes lights points options solve calls triangulation)
+    targets=(solution bake obj glb meshes lights points options solve calls triangulation)
 fi
 patchlight=target/release/patchlight
 export RUSTC_BOOTSTRAP=1
@@ -55,6 +55,7 @@ head -c 200 /dev/zero | seed solve zeros
 head -c 400 /dev/urandom | seed solve any
 head -c 600 /dev/urandom | seed calls any
 head -c 400 /dev/urandom | seed triangulation any
+head -c 40 /dev/urandom | seed bake any
 
 # Each target on its own: one that fails does not keep the others from running.
 failed=0

@@ -81,7 +81,7 @@ struct Target {
     seeds: Vec<Vec<u8>>,
 }
 
-fn targets() -> [Target; 9] {
+fn targets() -> [Target; 10] {
     let mut room = glb::small_room();
     let (file, nodes) = (room.glb(), [room.json.to_string().as_bytes(), &[0], &room.binary].concat());
     let kinds = [(Solver::Links, false), (Solver::Cells, false), (Solver::Links, true)];
@@ -92,6 +92,7 @@ fn targets() -> [Target; 9] {
         Target { name: "meshes", few: 400, feed: harness::read_mesh, seeds: vec![PLY.to_vec(), STL.to_vec()] },
         Target { name: "lights", few: 1000, feed: harness::read_light_file, seeds: vec![LIGHTS.to_vec()] },
         Target { name: "solution", few: 200, feed: harness::read_solution, seeds: solutions.into() },
+        Target { name: "bake", few: 400, feed: harness::read_bake, seeds: vec![Vec::new(), (0..40).collect()] },
         Target { name: "points", few: 400, feed: harness::read_csv, seeds: vec![CSV.to_vec()] },
         Target { name: "options", few: 400, feed: harness::set_options, seeds: vec![OPTIONS.to_vec()] },
         Target { name: "solve", few: 40, feed: harness::solve_scene, seeds: vec![vec![0; 60], (0..=255).collect()] },

@@ -3,6 +3,7 @@
 //! The targets of cargo-fuzz call them (`fuzz/fuzz_targets`), and so does the seeded driver that needs no nightly compiler (`tests/fuzz.rs`).
 #![allow(dead_code, unused_imports, reason = "each target calls one of them")]
 
+mod bake;
 mod bytes;
 mod glb;
 mod lights;
@@ -14,6 +15,7 @@ mod solution;
 mod solve;
 mod triangulation;
 
+pub use bake::read_bake;
 pub use glb::read_glb;
 pub use lights::read_light_file;
 pub use meshes::read_mesh;

@@ -34,12 +34,13 @@ pub fn read_body(body: &[u8]) -> bool {
 }
 
 fn with_header(body: &[u8]) -> Vec<u8> {
-    let mut bytes = b"\x89PLSOL\r\n".to_vec();
-    bytes.extend(SOLUTION_FORMAT_VERSION.to_le_bytes());
-    bytes.extend((body.len() as u64).to_le_bytes());
-    bytes.extend(crc32fast::hash(body).to_le_bytes());
-    bytes.extend(body);
-    bytes
+    [&header(*b"\x89PLSOL\r\n", SOLUTION_FORMAT_VERSION, body), body].concat()
+}
+
+/// What stands before a body in a file of such a kind and version.
+pub fn header(kind: [u8; 8], version: u32, body: &[u8]) -> Vec<u8> {
+    let checksum = crc32fast::hash(body).to_le_bytes();
+    [&kind[..], &version.to_le_bytes(), &(body.len() as u64).to_le_bytes(), &checksum].concat()
 }
 
 /// What is read must be good for values, bounds, pictures and exports; whether it is read.
