@@ -35,7 +35,7 @@ impl Workers {
         self.0.broadcast(|_| of_this_thread()).into_iter().sum()
     }
 
-    /// Does `work` on these threads, where it is shared out, as by [`read_scene`](crate::scene::import::read_scene).
+    /// Does `work` on these threads, where it is shared out, as by [`read_scene`](crate::scene::import::read_scene), which is done on one thread elsewhere.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.0.install(work)
     }

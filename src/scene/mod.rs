@@ -16,6 +16,7 @@ mod light_groups;
 mod lights;
 mod lit_by;
 mod material;
+mod on_threads;
 mod planes;
 mod point;
 mod summary;
@@ -48,6 +49,7 @@ pub use up::Up;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use self::on_threads::on_threads_of_caller;
 use self::surfaces::Surfaces;
 use crate::geometry::{Aabb, Polygon};
 
@@ -113,7 +115,7 @@ impl Scene {
         }
 
         let surface = |(polygon, material, face)| Surface { polygon, material, face, plane: 0, twin: None };
-        let surfaces = Surfaces::new(faces.into_iter().map(surface).collect());
+        let surfaces = on_threads_of_caller(|| Surfaces::new(faces.into_iter().map(surface).collect()));
         let (objects, groups) = (FaceNames::default(), FaceNames::default());
         let mut scene = Self {
             channels,
@@ -129,8 +131,10 @@ impl Scene {
             carried: 0,
         };
         scene.check_materials()?;
-        scene.add_twins();
-        scene.group_planes();
+        on_threads_of_caller(|| {
+            scene.add_twins();
+            scene.group_planes();
+        });
         Ok(scene)
     }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::on_threads::on_threads_of_caller;
 use super::surface::Surface;
 use crate::geometry::Aabb;
 
@@ -56,6 +57,6 @@ impl Serialize for Surfaces {
 
 impl<'a> Deserialize<'a> for Surfaces {
     fn deserialize<D: Deserializer<'a>>(deserializer: D) -> Result<Self, D::Error> {
-        Vec::deserialize(deserializer).map(Self::new)
+        Vec::deserialize(deserializer).map(|list| on_threads_of_caller(|| Self::new(list)))
     }
 }

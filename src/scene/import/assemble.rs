@@ -18,6 +18,7 @@ use super::{Diagnostic, DiagnosticKind, Diagnostics};
 use crate::geometry::{Aabb, Polygon, sampling};
 use crate::progress::Stop;
 use crate::scene::FaceNames;
+use crate::scene::on_threads::on_threads_of_caller;
 
 /// Corners off their plane by no more than this fraction of the scene's diagonal are there by rounding: files give six or seven digits.
 const PLANE_TOLERANCE: f64 = 1e-6;
@@ -70,6 +71,11 @@ impl Faces<'_> {
 
 /// Makes convex planar polygons of the faces, in their order; `None` if stopped before.
 pub(super) fn assemble(read: &Faces<'_>, diagnostics: &mut Diagnostics, stop: Stop<'_>) -> Option<Assembled> {
+    on_threads_of_caller(|| assemble_here(read, diagnostics, stop))
+}
+
+/// The same on the threads of this pool.
+fn assemble_here(read: &Faces<'_>, diagnostics: &mut Diagnostics, stop: Stop<'_>) -> Option<Assembled> {
     let mut polygons = Vec::with_capacity(read.faces.len());
     let mut dropped = 0;
     let mut flattened = (0_usize, 0.0_f64);
