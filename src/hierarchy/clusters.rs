@@ -26,16 +26,16 @@ const MAX_DEPTH: u32 = 48;
 /// Clusters with fewer surfaces are cut on one thread: a millisecond.
 const PARALLEL: usize = 4096;
 
-/// Surfaces or clusters that are measured together.
+/// Clusters that are measured together.
 const MEASURED_AT_ONCE: usize = 1024;
 
 /// Clusters with fewer surfaces are cut to the end: asking whether to stop would take its part of the time.
 const UNSTOPPABLE: usize = 128;
 
-/// A cluster while the tree is built.
-enum Tree {
-    Leaf(Vec<u32>),
-    Cut(Box<[Tree; 2]>),
+/// A cluster while the tree is built: its surfaces, or its halves.
+enum Tree<'a> {
+    Leaf(&'a [u32]),
+    Cut(Box<[Tree<'a>; 2]>),
 }
 
 fn build(scene: &Scene, stop: Stop<'_>) -> Hierarchy {
@@ -43,15 +43,14 @@ fn build(scene: &Scene, stop: Stop<'_>) -> Hierarchy {
     let bounds: Vec<Aabb> = surfaces.par_iter().with_min_len(PARALLEL).map(|surface| surface.polygon.bounds()).collect();
 
     // Emitters in one subtree, everything else in the other.
-    let (emitters, others): (Vec<u32>, Vec<u32>) =
-        (0..surfaces.len() as u32).partition(|&surface| scene.exitance_as_solved(SurfaceId(surface)).iter().any(|&e| e > 0.0));
-    let tree = match (emitters.is_empty(), others.is_empty()) {
-        (false, false) => {
+    let mut order: Vec<u32> = (0..surfaces.len() as u32).collect();
+    let emitters = partition(&mut order, |surface| scene.exitance_as_solved(SurfaceId(surface)).iter().any(|&e| e > 0.0));
+    let tree = match order.split_at_mut(emitters) {
+        ([], all) | (all, []) => cut(all, &bounds, 0, stop),
+        (emitters, others) => {
             let (emitters, others) = rayon::join(|| cut(emitters, &bounds, 1, stop), || cut(others, &bounds, 1, stop));
             Tree::Cut(Box::new([emitters, others]))
         }
-        (true, _) => cut(others, &bounds, 0, stop),
-        (_, true) => cut(emitters, &bounds, 0, stop),
     };
 
     // Number the clusters breadth first, so that parents come before children.
@@ -66,10 +65,10 @@ fn build(scene: &Scene, stop: Stop<'_>) -> Hierarchy {
     let mut hierarchy = Hierarchy {
         nodes: Vec::with_capacity(clusters.len() + surfaces.len()),
         vertices: Vec::new(),
-        normals: surfaces.iter().map(|surface| surface.polygon.facet().normal).collect(),
+        normals: surfaces.par_iter().map(|surface| surface.polygon.facet().normal).collect(),
         surface_nodes: vec![NodeId::ROOT; surfaces.len()],
         cluster_bounds: vec![Aabb::EMPTY; clusters.len()],
-        cluster_faces: vec![Lobes::default(); clusters.len()],
+        cluster_faces: rayon::iter::repeat_n(Lobes::default(), clusters.len()).collect(),
         cuts: None,
     };
     let (mut first_cluster, mut first_surface) = (1, clusters.len());
@@ -90,7 +89,7 @@ fn build(scene: &Scene, stop: Stop<'_>) -> Hierarchy {
         }
     }
     hierarchy.push_surfaces(scene, &members);
-    hierarchy.measure_clusters(&bounds);
+    rayon::join(|| drop(tree), || hierarchy.measure_clusters(&bounds));
     hierarchy
 }
 
@@ -110,27 +109,23 @@ impl Hierarchy {
 
     /// Appends the nodes of surfaces, each with the cluster above it.
     fn push_surfaces(&mut self, scene: &Scene, members: &[(NodeId, u32)]) {
-        // Some at a time, each as if its vertices were the first.
-        let measured = |members: &[(NodeId, u32)]| {
-            let mut vertices: Vec<DVec3> = Vec::with_capacity(4 * members.len());
-            let node = |&(parent, surface): &(NodeId, u32)| {
-                let Facet { vertices: corners, normal, .. } = scene.surface(SurfaceId(surface)).polygon.facet();
-                let first_vertex = vertices.len();
-                vertices.extend_from_slice(corners);
-                Node::of_polygon((parent, surface), first_vertex, Facet::of_part(corners, normal))
-            };
-            (members.iter().map(node).collect(), vertices)
-        };
-        let measured: Vec<(Vec<Node>, Vec<DVec3>)> = members.par_chunks(MEASURED_AT_ONCE).map(measured).collect();
-        self.vertices.reserve(measured.iter().map(|(_, vertices)| vertices.len()).sum());
-        for (nodes, vertices) in measured {
-            let before = self.vertices.len() as u32;
-            for node in nodes {
-                self.surface_nodes[node.surface as usize] = NodeId(self.nodes.len() as u32);
-                self.nodes.push(Node { first_vertex: before + node.first_vertex, ..node });
-            }
-            self.vertices.extend(vertices);
+        let corners = |surface: u32| scene.surface(SurfaceId(surface)).polygon.facet().vertices;
+        self.vertices = members.par_iter().flat_map_iter(|&(_, surface)| corners(surface).iter().copied()).collect();
+
+        // Where the vertices of each begin.
+        let mut first_vertices: Vec<usize> = members.par_iter().map(|&(_, surface)| corners(surface).len()).collect();
+        let mut next = 0;
+        for first in &mut first_vertices {
+            next += std::mem::replace(first, next);
         }
+
+        for (&(_, surface), node) in members.iter().zip(self.nodes.len() as u32..) {
+            self.surface_nodes[surface as usize] = NodeId(node);
+        }
+        let normals = &self.normals;
+        self.nodes.par_extend(members.par_iter().zip(first_vertices).map(|(&(parent, surface), first_vertex)| {
+            Node::of_polygon((parent, surface), first_vertex, Facet::of_part(corners(surface), normals[surface as usize]))
+        }));
     }
 
     /// Boxes, areas and faces of the clusters, from the children up.
@@ -169,40 +164,53 @@ impl Hierarchy {
 }
 
 /// Cuts a group of surfaces in two, again and again; once stopped, into halves of equal number as they come.
-fn cut(mut surfaces: Vec<u32>, bounds: &[Aabb], depth: u32, stop: Stop<'_>) -> Tree {
+fn cut<'a>(surfaces: &'a mut [u32], bounds: &[Aabb], depth: u32, stop: Stop<'_>) -> Tree<'a> {
     if surfaces.len() <= Hierarchy::LEAF_SURFACES {
         return Tree::Leaf(surfaces);
     }
-    let second = if surfaces.len() >= UNSTOPPABLE && stop() {
-        surfaces.split_off(surfaces.len() / 2)
+    let number = surfaces.len();
+    let of_first = if number >= UNSTOPPABLE && stop() {
+        number / 2
     } else {
-        cut_off_large(&mut surfaces, bounds).unwrap_or_else(|| cut_in_space(&mut surfaces, bounds, depth))
+        cut_off_large(surfaces, bounds).unwrap_or_else(|| cut_in_space(surfaces, bounds, depth))
     };
+    let (first, second) = surfaces.split_at_mut(of_first);
     let cut = |surfaces| cut(surfaces, bounds, depth + 1, stop);
-    let halves = if surfaces.len() + second.len() >= PARALLEL {
-        rayon::join(|| cut(surfaces), || cut(second)).into()
+    let halves = if number >= PARALLEL {
+        rayon::join(|| cut(first), || cut(second)).into()
     } else {
-        [cut(surfaces), cut(second)]
+        [cut(first), cut(second)]
     };
     Tree::Cut(Box::new(halves))
 }
 
-/// Leaves the large surfaces and returns the others; `None` if all or none are large.
-fn cut_off_large(surfaces: &mut Vec<u32>, bounds: &[Aabb]) -> Option<Vec<u32>> {
+/// Puts those that are wanted before the others, both in their order, and returns how many they are.
+fn partition(surfaces: &mut [u32], is_wanted: impl Fn(u32) -> bool) -> usize {
+    let (mut count, mut others) = (0, Vec::new());
+    for k in 0..surfaces.len() {
+        if is_wanted(surfaces[k]) {
+            surfaces[count] = surfaces[k];
+            count += 1;
+        } else {
+            others.push(surfaces[k]);
+        }
+    }
+    surfaces[count..].copy_from_slice(&others);
+    count
+}
+
+/// Puts the large surfaces first and returns how many they are; `None` if all or none are large.
+fn cut_off_large(surfaces: &mut [u32], bounds: &[Aabb]) -> Option<usize> {
     let centres = Aabb::around(surfaces.iter().map(|&surface| bounds[surface as usize].centre()));
     let length = |bounds: &Aabb| bounds.extent().max_element();
     let limit = LARGE * length(&centres);
-    let is_large = |&surface: &u32| length(&bounds[surface as usize]) > limit;
-    let large = surfaces.iter().filter(|surface| is_large(surface)).count();
-    (0 < large && large < surfaces.len()).then(|| {
-        let (large, others) = surfaces.iter().partition(|surface| is_large(surface));
-        *surfaces = large;
-        others
-    })
+    let is_large = |surface: u32| length(&bounds[surface as usize]) > limit;
+    let large = surfaces.iter().filter(|&&surface| is_large(surface)).count();
+    (0 < large && large < surfaces.len()).then(|| partition(surfaces, is_large))
 }
 
-/// Leaves the surfaces on one side of the best cut across an axis and returns those on the other.
-fn cut_in_space(surfaces: &mut Vec<u32>, bounds: &[Aabb], depth: u32) -> Vec<u32> {
+/// Puts the surfaces on one side of the best cut across an axis before those on the other, and returns how many they are.
+fn cut_in_space(surfaces: &mut [u32], bounds: &[Aabb], depth: u32) -> usize {
     let centre = |surface: u32| bounds[surface as usize].centre();
     let around = Aabb::around(surfaces.iter().map(|&surface| centre(surface)));
     let extent = around.extent();
@@ -235,17 +243,14 @@ fn cut_in_space(surfaces: &mut Vec<u32>, bounds: &[Aabb], depth: u32) -> Vec<u32
         }
     }
     if let Some((_, axis, first)) = best {
-        let (before, after) =
-            surfaces.iter().partition(|&&surface| bin_of(centre(surface)[axis], around.min[axis], extent[axis]) < first);
-        *surfaces = before;
-        return after;
+        return partition(surfaces, |surface| bin_of(centre(surface)[axis], around.min[axis], extent[axis]) < first);
     }
 
     // All centres at one point, or the tree is too deep: halves of equal number.
     let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
     let middle = surfaces.len() / 2;
     surfaces.select_nth_unstable_by(middle, |&a, &b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(&b)));
-    surfaces.split_off(middle)
+    middle
 }
 
 /// Some surfaces: the box around them and how many they are.

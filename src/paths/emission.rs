@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::geometry::{Frame, sampling, streams};
 use crate::scene::{Light, LightShape, Scene, SurfaceId};
@@ -42,9 +43,10 @@ pub(super) struct Sent {
 impl<'a> Emission<'a> {
     pub fn new(scene: &'a Scene, rays: &Rays<'_>) -> Self {
         let ball = rays.ball();
-        let emitters = (0..scene.surfaces().len() as u32).map(SurfaceId).filter(|&surface| scene.material_of(surface).emits());
+        let surfaces = (0..scene.surfaces().len() as u32).into_par_iter().map(SurfaceId);
+        let emitters: Vec<SurfaceId> = surfaces.filter(|&surface| scene.material_of(surface).emits()).collect();
         let lights = (0..scene.lights().len()).filter(|&light| scene.lights()[light].is_on());
-        let sources = emitters.map(Source::Emitter).chain(lights.map(Source::Light));
+        let sources = emitters.into_iter().map(Source::Emitter).chain(lights.map(Source::Light));
         let mut emission = Self { scene, ball, sources: Vec::new(), up_to: Vec::new() };
         let mut sum = 0.0;
         for source in sources {

@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::emission::{Emission, Sent, Source};
 use crate::geometry::{Frame, sampling, streams};
@@ -67,7 +68,8 @@ impl Illumination {
 
     /// Follows particles through the scene; once stopped, those on their way are given up.
     pub fn sampled(scene: &Scene, rays: &Rays<'_>, seed: u64, stop: Stop<'_>) -> Self {
-        let area: f64 = scene.surfaces().iter().map(|surface| surface.polygon.area()).sum();
+        let areas: Vec<f64> = scene.surfaces().par_iter().map(|surface| surface.polygon.area()).collect();
+        let area = areas.into_iter().sum();
         let emission = Emission::new(scene, rays);
         if emission.power() <= 0.0 {
             return Self::of_power(scene, area, &[Vec::new(), Vec::new()]);

@@ -19,7 +19,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Scene, Surface};
-use crate::geometry::{Facet, median, median_point};
+use crate::geometry::{Facet, median};
 
 /// Distance from a plane that still counts as in it, as a fraction of the size that [`Precision`] tells: files give six or seven digits.
 const DISTANCE_TOLERANCE: f64 = 1e-6;
@@ -36,12 +36,14 @@ struct Precision {
 impl Precision {
     fn new(scene: &Scene) -> Self {
         // Where all surfaces are sides of sheets, one side of each has the same medians as both.
-        let are_sheets = scene.surfaces.iter().all(|surface| surface.twin.is_some());
+        let are_sheets = scene.surfaces.par_iter().all(|surface| surface.twin.is_some());
         let counts = |(index, surface): &(usize, &Surface)| !are_sheets || surface.twin.is_some_and(|twin| twin.index() > *index);
-        let counted = scene.surfaces.iter().enumerate().filter(counts);
-        let vertices: Vec<DVec3> = counted.flat_map(|(_, surface)| surface.polygon.facet().vertices).copied().collect();
-        let middle = median_point(vertices.iter().copied());
-        let typical = 4.0 * median(vertices.iter().map(|vertex| vertex.distance(middle)).collect());
+        let counted = scene.surfaces.par_iter().enumerate().filter(counts);
+        let vertices: Vec<DVec3> = counted.flat_map_iter(|(_, surface)| surface.polygon.facet().vertices).copied().collect();
+        let along = |axis: usize| median(vertices.iter().map(|vertex| vertex[axis]).collect());
+        let (x, (y, z)) = rayon::join(|| along(0), || rayon::join(|| along(1), || along(2)));
+        let middle = DVec3::new(x, y, z);
+        let typical = 4.0 * median(vertices.par_iter().map(|vertex| vertex.distance(middle)).collect());
         Self { most: scene.bounds().diagonal(), typical }
     }
 

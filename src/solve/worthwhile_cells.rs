@@ -4,6 +4,8 @@
 //! surface that has, or to be absorbed. Paths arrive in proportion to areas. So surfaces are gone through from the largest on, and get cells as
 //! long as that saves more rays than it takes: what the smallest ones take then does not grow with their number.
 
+use rayon::prelude::*;
+
 use crate::scene::{Scene, SurfaceId};
 
 /// What a path that goes on takes at each bounce: a ray of its own, and one to an emitter.
@@ -33,9 +35,9 @@ pub(super) struct Traffic {
 impl Areas {
     pub fn of_scene(scene: &Scene) -> Self {
         let reflects = |id: &SurfaceId| scene.material_of(*id).reflectance.iter().any(|&rho| rho > 0.0);
-        let ids = (0..scene.surfaces().len() as u32).map(SurfaceId);
+        let ids = (0..scene.surfaces().len() as u32).into_par_iter().map(SurfaceId);
         let mut falling: Vec<f64> = ids.filter(reflects).map(|id| scene.surface(id).polygon.area()).collect();
-        falling.sort_by(|a, b| b.total_cmp(a));
+        falling.par_sort_unstable_by(|a, b| b.total_cmp(a));
         Self { falling }
     }
 

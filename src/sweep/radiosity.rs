@@ -29,42 +29,44 @@ const LEAST_SHOWN: f64 = 0.1;
 impl Radiosity {
     /// `B = E` on every node.
     pub fn emitted(scene: &Scene, hierarchy: &Hierarchy, exposure: &Exposure) -> Self {
-        let (channels, clusters) = (scene.channels(), hierarchy.cluster_count());
-        let mut radiosity = Self {
-            channels,
-            values: vec![0.0; channels * hierarchy.len()],
-            exposed: vec![Lobes::default(); clusters],
-            shown: vec![Lobes::default(); channels * clusters],
-        };
-        for node in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
-            if let Some(surface) = hierarchy.surface_of(node) {
-                radiosity.of_mut(node).copy_from_slice(&scene.material_of(surface).exitance);
-            }
-        }
-        radiosity.pull(hierarchy, exposure);
-        radiosity
+        let exitance = |_, surface, b: &mut [f64]| b.copy_from_slice(&scene.material_of(surface).exitance);
+        Self::of_leaves(hierarchy, exposure, scene.channels(), exitance)
     }
 
     /// One channel with radiosity 1 everywhere: a leaf gathers the sum of its form factors from it.
     pub(crate) fn ones(hierarchy: &Hierarchy, exposure: &Exposure) -> Self {
-        let clusters = vec![Lobes::default(); hierarchy.cluster_count()];
-        let mut ones = Self { channels: 1, values: vec![1.0; hierarchy.len()], exposed: clusters.clone(), shown: clusters };
-        ones.pull(hierarchy, exposure);
-        ones
+        Self::of_leaves(hierarchy, exposure, 1, |_, _, b| b.fill(1.0))
     }
 
     /// The part that is reflected.
     pub(crate) fn without_exitance(&self, scene: &Scene, hierarchy: &Hierarchy, exposure: &Exposure) -> Self {
-        let mut reflected = self.clone();
-        for node in hierarchy.ids().filter(|&node| hierarchy.is_leaf(node)) {
-            if let Some(surface) = hierarchy.surface_of(node) {
-                let exitance = &scene.material_of(surface).exitance;
-                reflected.of_mut(node).iter_mut().zip(exitance).for_each(|(b, e)| *b -= e);
-                scene.clear_dark(reflected.of_mut(node));
+        Self::of_leaves(hierarchy, exposure, self.channels, |leaf, surface, b| {
+            let parts = self.of(leaf).iter().zip(&scene.material_of(surface).exitance);
+            b.iter_mut().zip(parts).for_each(|(b, (sent, emitted))| *b = sent - emitted);
+            scene.clear_dark(b);
+        })
+    }
+
+    /// The radiosities that `set` tells of leaves and the surfaces that they are pieces of, by channel.
+    fn of_leaves(
+        hierarchy: &Hierarchy,
+        exposure: &Exposure,
+        channels: usize,
+        set: impl Fn(NodeId, SurfaceId, &mut [f64]) + Sync,
+    ) -> Self {
+        let mut values = vec![0.0; channels * hierarchy.len()];
+        values.par_chunks_mut(channels).with_min_len(PARALLEL).enumerate().for_each(|(index, b)| {
+            let node = NodeId(index as u32);
+            if let Some(surface) = hierarchy.surface_of(node).filter(|_| hierarchy.is_leaf(node)) {
+                set(node, surface, b);
             }
-        }
-        reflected.pull(hierarchy, exposure);
-        reflected
+        });
+
+        let lobes = |count| rayon::iter::repeat_n(Lobes::default(), count).collect();
+        let clusters = hierarchy.cluster_count();
+        let mut radiosity = Self { channels, values, exposed: lobes(clusters), shown: lobes(channels * clusters) };
+        radiosity.pull(hierarchy, exposure);
+        radiosity
     }
 
     /// How many channels each node has.
@@ -248,17 +250,17 @@ impl Radiosity {
 pub(crate) fn cluster_reflectance(scene: &Scene, hierarchy: &Hierarchy) -> Vec<f64> {
     let (channels, clusters) = (scene.channels(), hierarchy.cluster_count());
     let mut reflectance = vec![0.0_f64; channels * clusters];
-    for cluster in (0..clusters as u32).rev().map(NodeId) {
-        for child in hierarchy.children(cluster) {
-            for channel in 0..channels {
+    for level in hierarchy.levels().into_iter().rev().filter(|level| level.start < clusters) {
+        let (own, below) = reflectance[level.start * channels..].split_at_mut(level.len() * channels);
+        own.par_chunks_mut(channels).with_min_len(PARALLEL).enumerate().for_each(|(k, own)| {
+            for child in hierarchy.children(NodeId((level.start + k) as u32)) {
                 let of_child = match hierarchy.surface_of(child) {
-                    Some(surface) => scene.material_of(surface).reflectance[channel],
-                    None => reflectance[child.index() * channels + channel],
+                    Some(surface) => &scene.material_of(surface).reflectance[..],
+                    None => &below[(child.index() - level.end) * channels..][..channels],
                 };
-                let own = &mut reflectance[cluster.index() * channels + channel];
-                *own = own.max(of_child);
+                own.iter_mut().zip(of_child).for_each(|(own, of_child)| *own = own.max(*of_child));
             }
-        }
+        });
     }
     reflectance
 }

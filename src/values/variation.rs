@@ -11,6 +11,9 @@ use crate::sweep::Radiosity;
 /// of the square of the trace.
 const LEAST_DETERMINANT: f64 = 1e-3;
 
+/// The least number of elements that is worth a task of its own.
+const PARALLEL: usize = 256;
+
 /// How radiosity varies over all elements.
 pub(super) struct Variation {
     channels: usize,
@@ -27,7 +30,7 @@ impl Variation {
     pub fn new(hierarchy: &Hierarchy, radiosity: &Radiosity) -> Self {
         let (channels, first) = (radiosity.channels(), hierarchy.cluster_count());
         let mut slopes = vec![DVec3::ZERO; channels * (hierarchy.len() - first)];
-        slopes.par_chunks_mut(channels).enumerate().with_min_len(256).for_each(|(index, slopes)| {
+        slopes.par_chunks_mut(channels).enumerate().with_min_len(PARALLEL).for_each(|(index, slopes)| {
             let node = NodeId((first + index) as u32);
             if let Some(parent) = hierarchy.parent(node).filter(|&parent| !hierarchy.is_cluster(parent)) {
                 fit(hierarchy, radiosity, parent, slopes);
@@ -55,28 +58,32 @@ impl Variation {
 /// The standard deviations over all elements, by channel: between leaves, and within each.
 fn deviations(hierarchy: &Hierarchy, radiosity: &Radiosity, slopes: &[DVec3]) -> Vec<f64> {
     let (channels, first) = (radiosity.channels(), hierarchy.cluster_count());
-    let elements = || (first..hierarchy.len()).map(|index| NodeId(index as u32));
-    let at = |element: NodeId| (element.index() - first) * channels;
 
     // Mean squares, children before parents. A unit slope over a square has the variance of its radius squared over 6.
     let mut of = vec![0.0; slopes.len()];
-    for element in elements().rev() {
-        let Node { radius, area, .. } = *hierarchy.node(element);
-        for channel in 0..channels {
-            of[at(element) + channel] = if hierarchy.is_leaf(element) {
-                radiosity.of(element)[channel].powi(2) + slopes[at(element) + channel].length_squared() * radius * radius / 6.0
-            } else {
-                let of_child = |child| hierarchy.area(child) * of[at(child) + channel];
-                hierarchy.children(element).map(of_child).sum::<f64>() / area
-            };
-        }
+    for level in hierarchy.levels().into_iter().rev().filter(|level| level.start >= first) {
+        let (start, end) = (level.start - first, level.end - first);
+        let (own, below) = of[start * channels..].split_at_mut(level.len() * channels);
+        own.par_chunks_mut(channels).enumerate().with_min_len(PARALLEL).for_each(|(index, own)| {
+            let element = NodeId((level.start + index) as u32);
+            let Node { radius, area, .. } = *hierarchy.node(element);
+            for (channel, own) in own.iter_mut().enumerate() {
+                *own = if hierarchy.is_leaf(element) {
+                    let slope = slopes[(start + index) * channels + channel];
+                    radiosity.of(element)[channel].powi(2) + slope.length_squared() * radius * radius / 6.0
+                } else {
+                    let of_child = |child: NodeId| hierarchy.area(child) * below[(child.index() - first - end) * channels + channel];
+                    hierarchy.children(element).map(of_child).sum::<f64>() / area
+                };
+            }
+        });
     }
 
     // Less the squares of the means.
-    for element in elements() {
-        let squares = of[at(element)..][..channels].iter_mut().zip(radiosity.of(element));
-        squares.for_each(|(of, mean)| *of = (*of - mean * mean).max(0.0).sqrt());
-    }
+    of.par_chunks_mut(channels).enumerate().with_min_len(PARALLEL).for_each(|(index, of)| {
+        let means = radiosity.of(NodeId((first + index) as u32));
+        of.iter_mut().zip(means).for_each(|(of, mean)| *of = (*of - mean * mean).max(0.0).sqrt());
+    });
     of
 }
 
