@@ -176,11 +176,7 @@ fn cut<'a>(surfaces: &'a mut [u32], bounds: &[Aabb], depth: u32, stop: Stop<'_>)
     };
     let (first, second) = surfaces.split_at_mut(of_first);
     let cut = |surfaces| cut(surfaces, bounds, depth + 1, stop);
-    let halves = if number >= PARALLEL {
-        rayon::join(|| cut(first), || cut(second)).into()
-    } else {
-        [cut(first), cut(second)]
-    };
+    let halves = if number >= PARALLEL { rayon::join(|| cut(first), || cut(second)).into() } else { [cut(first), cut(second)] };
     Tree::Cut(Box::new(halves))
 }
 

@@ -72,7 +72,8 @@ fn deviations(hierarchy: &Hierarchy, radiosity: &Radiosity, slopes: &[DVec3]) ->
                     let slope = slopes[(start + index) * channels + channel];
                     radiosity.of(element)[channel].powi(2) + slope.length_squared() * radius * radius / 6.0
                 } else {
-                    let of_child = |child: NodeId| hierarchy.area(child) * below[(child.index() - first - end) * channels + channel];
+                    let of_child =
+                        |child: NodeId| hierarchy.area(child) * below[(child.index() - first - end) * channels + channel];
                     hierarchy.children(element).map(of_child).sum::<f64>() / area
                 };
             }
