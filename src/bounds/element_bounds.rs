@@ -96,12 +96,12 @@ impl ElementBounds {
         found
     }
 
-    /// Checks what was read from a file, whoever wrote it.
+    /// Makes anew what is not stored, and checks what was read from a file, whoever wrote it.
     ///
     /// # Errors
     /// Says what is wrong.
-    pub fn validate(&self, scene: &Scene) -> Result<(), String> {
-        self.hierarchy.validate(scene)?;
+    pub fn restore(&mut self, scene: &Scene) -> Result<(), String> {
+        self.hierarchy.restore(scene)?;
         let fits = |values: &[f64]| values.len() == self.hierarchy.len() * scene.channels();
         if self.channels != scene.channels() || !fits(&self.lower) || !fits(&self.upper) {
             return Err("the bounds do not fit their elements".to_owned());

@@ -40,17 +40,17 @@ impl RadiosityBounds {
         self.channels
     }
 
-    /// Checks what was read from a file: that there are bounds of every node, and that they can be such. Whether they are proved is not seen.
+    /// Makes anew what is not stored, and checks what was read from a file: that there are bounds of every node, and that they can be such. Whether they are proved is not seen.
     ///
     /// # Errors
     /// Says what is wrong.
-    pub(crate) fn validate(&self, scene: &Scene, hierarchy: &Hierarchy) -> Result<(), String> {
+    pub(crate) fn restore(&mut self, scene: &Scene, hierarchy: &Hierarchy) -> Result<(), String> {
         let fits = |values: &[f64]| values.len() == hierarchy.len() * scene.channels();
         if self.channels != scene.channels() || !fits(&self.lower) || !fits(&self.upper) {
             return Err("the bounds do not fit the hierarchy".to_owned());
         }
         are_bounds(&self.lower, &self.upper)?;
-        self.elements.as_ref().map_or(Ok(()), |elements| elements.validate(scene))
+        self.elements.as_mut().map_or(Ok(()), |elements| elements.restore(scene))
     }
 }
 

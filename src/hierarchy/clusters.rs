@@ -129,7 +129,7 @@ impl Hierarchy {
     }
 
     /// Boxes, areas and faces of the clusters, from the children up.
-    fn measure_clusters(&mut self, bounds: &[Aabb]) {
+    pub(super) fn measure_clusters(&mut self, bounds: &[Aabb]) {
         let clusters = self.cluster_count();
         for level in self.levels().into_iter().rev().filter(|level| level.start < clusters) {
             let ids = level.clone().into_par_iter().with_min_len(MEASURED_AT_ONCE);
@@ -142,7 +142,7 @@ impl Hierarchy {
 
     /// A cluster with its area, centre and radius, its box and its faces, by its children; `bounds` are those of the surfaces. Its centre is
     /// the centroid of its area.
-    pub(super) fn measured_cluster(&self, cluster: NodeId, bounds: &[Aabb]) -> (Node, Aabb, Lobes) {
+    fn measured_cluster(&self, cluster: NodeId, bounds: &[Aabb]) -> (Node, Aabb, Lobes) {
         let (mut around, mut faces) = (Aabb::EMPTY, Lobes::default());
         let (mut area, mut moment) = (0.0, DVec3::ZERO);
         for child in self.children(cluster) {

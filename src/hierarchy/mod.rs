@@ -7,8 +7,8 @@ mod clusters;
 mod cuts;
 mod locate;
 mod node_id;
+mod restore;
 mod subdivide;
-mod validate;
 
 use std::ops::Range;
 
@@ -36,10 +36,13 @@ pub(crate) struct Node {
     pub first_vertex: u32,
     pub vertex_count: u32,
     /// Area in m^2; for a cluster the sum over its surfaces.
+    #[serde(skip)]
     pub area: f64,
     /// Centroid of the area.
+    #[serde(skip)]
     pub centroid: DVec3,
     /// Distance from the centroid to the farthest point; for a cluster to the farthest point of its box.
+    #[serde(skip)]
     pub radius: f64,
 }
 
@@ -61,18 +64,24 @@ impl Node {
 }
 
 /// Clusters, surfaces and elements.
+///
+/// What follows from the scene is not stored: [`Hierarchy::restore`] must pass before one that was deserialized is used.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hierarchy {
     nodes: Vec<Node>,
     /// Vertices of surfaces and elements, each polygon's in a row.
     vertices: Vec<DVec3>,
     /// Unit normals by surface.
+    #[serde(skip)]
     normals: Vec<DVec3>,
     /// The node of each surface.
+    #[serde(skip)]
     surface_nodes: Vec<NodeId>,
     /// Boxes of the clusters, by node id: clusters come first.
+    #[serde(skip)]
     cluster_bounds: Vec<Aabb>,
     /// The area that each cluster shows to a direction, as if nothing in it hid anything else.
+    #[serde(skip)]
     cluster_faces: Vec<Lobes>,
     /// Along what elements are still to be cut, if not into regular pieces: for a solve at work, no part of a solution.
     #[serde(skip)]

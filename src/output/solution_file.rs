@@ -12,14 +12,14 @@
 //! | 24.. | the body, in the [postcard](https://postcard.jamesmunns.com/wire-format) encoding |
 //!
 //! The body is a text (length, then UTF-8) that states software, quantity, unit and options, one on each line, for people who open
-//! the file in a text viewer, followed by the [`Solution`] as serde describes it: scene, options, hierarchy, links, exposures,
-//! radiosities of nodes and, from the solver over cells, of cells, bounds, the lit mesh, the light of groups and what paths bring if these were asked for. Fields have no names in the encoding, so any change of the
-//! stored types needs a new format version.
+//! the file in a text viewer, followed by the [`Solution`] as serde describes it: scene, options, hierarchy, links, exposures, radiosities of
+//! nodes and, from the solver over cells, of cells, bounds, the lit mesh, the light of groups and what paths bring if these were asked for.
+//! Fields have no names in the encoding, so any change of the stored types needs a new format version.
 //!
-//! Nothing in the file is trusted before it is checked: magic, version, length and CRC first, then the body must decode without
-//! a byte left over, then [`Solution::validate`] must agree. Memory is taken as bytes arrive, not as the file announces them. Polygons are
-//! stored as vertices and measured anew; of nodes and clusters all is found again that follows from them, and must be the same. What
-//! passes may tell a wrong answer, but takes no more memory or time than a solution of its size does.
+//! Nothing in the file is trusted before it is checked: magic, version, length and CRC first, then the body must decode without a byte left
+//! over, then [`Solution::restored`] must agree. Memory is taken as bytes arrive, not as the file announces them. What follows from the scene
+//! and the leaves, such as sizes of nodes and what clusters send, is not stored but found again. What passes may tell a wrong answer, but takes
+//! no more memory or time than a solution of its size does.
 
 use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ use super::{Provenance, Quantity};
 use crate::solve::Solution;
 
 /// The version that this software writes and reads.
-pub const SOLUTION_FORMAT_VERSION: u32 = 18;
+pub const SOLUTION_FORMAT_VERSION: u32 = 19;
 
 const FRAME: Frame = Frame { magic: *b"\x89PLSOL\r\n", version: SOLUTION_FORMAT_VERSION };
 
@@ -120,6 +120,5 @@ pub fn read_solution_from(reader: impl Read, path: &Path) -> Result<Solution, So
         FrameError::TooLong => SolutionFileError::TooLong(path()),
         FrameError::Damaged(reason) => damaged(reason),
     })?;
-    solution.validate().map_err(damaged)?;
-    Ok(solution)
+    solution.restored().map_err(damaged)
 }

@@ -144,10 +144,11 @@ impl Solution {
         };
         let emitting = all().filter(|&surface| scene.material_of(surface).emits());
         let emitters = Emitter::of_surfaces(scene, emitting.filter(is_direct));
-        let blockers = Blockers::of(scene);
+        if stop() {
+            return None;
+        }
+        let (blockers, (shape, with_lights)) = rayon::join(|| Blockers::of(scene), || mesh_lines::find(self, error, stop));
         let direct = &DirectLight { scene, rays, blockers: &blockers, emitters: &emitters };
-
-        let (shape, with_lights) = mesh_lines::find(self, error, stop);
         let lines = [&shape, with_lights.as_ref().unwrap_or(&shape)];
         let is_wanted = |surface: &SurfaceId| seen.is_none_or(|seen| seen.weight(*surface) > 0.0);
         let reflects = |surface: &SurfaceId| scene.material_of(*surface).reflects();

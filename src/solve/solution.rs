@@ -26,7 +26,7 @@ use crate::values::{ErrorBars, FinalGather, Gather, LinkGather, Over, RayBudget,
 
 /// The answer: scene, hierarchy, links, radiosities and the options they were found with.
 ///
-/// Deserializing trusts nothing: [`Solution::validate`] must pass before it is used.
+/// Deserializing trusts nothing: [`Solution::restored`] must pass before it is used.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Solution {
     pub(crate) scene: Scene,
@@ -219,14 +219,23 @@ impl Solution {
             + self.transport.as_ref().map_or(0, |transport| transport.memory_bytes())
     }
 
-    /// Checks everything that later stages rely on: ids in range, trees well formed, numbers finite.
+    /// Checks everything that later stages rely on, as if it were stored and read again.
     ///
     /// # Errors
     /// Says what is wrong.
     pub fn validate(&self) -> Result<(), String> {
+        let restored = self.clone().restored()?;
+        if restored == *self { Ok(()) } else { Err("what follows from the scene and the leaves is out of date".to_owned()) }
+    }
+
+    /// Makes anew what is not stored, and checks everything that later stages rely on: ids in range, trees well formed, numbers finite.
+    ///
+    /// # Errors
+    /// Says what is wrong.
+    pub fn restored(mut self) -> Result<Self, String> {
         self.scene.validate()?;
         self.options.validate().map_err(|error| error.to_string())?;
-        self.hierarchy.validate(&self.scene)?;
+        self.hierarchy.restore(&self.scene)?;
         self.links.validate(&self.hierarchy)?;
         let channels = self.scene.channels();
         if self.exposure.len() != self.hierarchy.len() || !self.exposure.is_valid() {
@@ -235,7 +244,7 @@ impl Solution {
         if !self.lights.is_valid(self.hierarchy.len(), channels, !self.scene.lights().is_empty()) {
             return Err("the irradiances by lights do not fit the scene".to_owned());
         }
-        self.radiosity.validate(&self.hierarchy, &self.exposure, channels)?;
+        self.radiosity.restore(&self.hierarchy, &self.exposure, channels)?;
         if self.groups.as_ref().is_some_and(|groups| !groups.tells_brightness(&self.scene)) {
             return Err("the light of groups does not fit the scene".to_owned());
         }
@@ -264,13 +273,14 @@ impl Solution {
         if !self.error_bars.is_none_or(|error_bars| error_bars.is_valid()) {
             return Err("the error bars are negative or not finite".to_owned());
         }
-        if let Some(bounds) = &self.bounds {
-            bounds.validate(&self.scene, &self.hierarchy)?;
+        if let Some(bounds) = &mut self.bounds {
+            bounds.restore(&self.scene, &self.hierarchy)?;
         }
         if let Some(mesh) = &self.mesh {
             mesh.validate(&self.scene)?;
         }
-        self.validate_groups()
+        self.validate_groups()?;
+        Ok(self)
     }
 }
 

@@ -18,8 +18,10 @@ use crate::scene::{DistinctChannels, Scene, SurfaceId};
 pub struct Radiosity {
     channels: usize,
     values: Vec<f64>,
-    /// The exposed area of each cluster by direction, and that area times its radiosity, by channel.
+    /// The exposed area of each cluster by direction, and that area times its radiosity, by channel; not stored.
+    #[serde(skip)]
     exposed: Vec<Lobes>,
+    #[serde(skip)]
     shown: Vec<Lobes>,
 }
 
@@ -137,24 +139,22 @@ impl Radiosity {
         radiosity
     }
 
-    /// Checks what later stages rely on, in a scene of so many channels.
+    /// Makes anew what is not stored, and checks what later stages rely on, in a scene of so many channels.
     ///
     /// # Errors
     /// Says what is wrong, for radiosities that were read from a file.
-    pub(crate) fn validate(&self, hierarchy: &Hierarchy, exposure: &Exposure, channels: usize) -> Result<(), String> {
-        let clusters = hierarchy.cluster_count();
-        let of_nodes = self.channels == channels && self.values.len() == channels * hierarchy.len();
-        if !of_nodes || self.exposed.len() != clusters || self.shown.len() != channels * clusters {
+    pub(crate) fn restore(&mut self, hierarchy: &Hierarchy, exposure: &Exposure, channels: usize) -> Result<(), String> {
+        if self.channels != channels || self.values.len() != channels * hierarchy.len() {
             return Err("the radiosities do not fit the hierarchy".to_owned());
         }
         if !self.is_in_range() {
             return Err("a radiosity is negative or not finite".to_owned());
         }
-        let mut pulled = self.clone();
-        pulled.pull(hierarchy, exposure);
-        if pulled != *self {
+        let restored = Self::of_leaves(hierarchy, exposure, channels, |leaf, _, b| b.copy_from_slice(self.of(leaf)));
+        if restored.values != self.values {
             return Err("the radiosity of a node is not that of its children".to_owned());
         }
+        *self = restored;
         Ok(())
     }
 

@@ -130,7 +130,7 @@ fn meshes_that_are_none_are_refused() {
         let mut value = value.clone();
         let place = value.pointer_mut(path).unwrap_or_else(|| panic!("{path}"));
         *place = change(place);
-        let error = Solution::deserialize(&value).unwrap().validate().unwrap_err();
+        let error = Solution::deserialize(&value).unwrap().restored().unwrap_err();
         assert!(error.contains(words), "{path}: {error}");
     };
     let number = |value: &Value| value.as_f64().unwrap();
@@ -162,7 +162,7 @@ fn light_groups_that_are_none_are_refused() {
         let mut value = value.clone();
         let place = value.pointer_mut(path).unwrap_or_else(|| panic!("{path}"));
         *place = change(place);
-        let error = Solution::deserialize(&value).unwrap().validate().unwrap_err();
+        let error = Solution::deserialize(&value).unwrap().restored().unwrap_err();
         assert!(error.contains(words), "{path}: {error}");
     };
     let shorter = |all: &Value| Value::from(all.as_array().unwrap()[1..].to_vec());
@@ -203,7 +203,7 @@ fn transport_that_is_none_is_refused() {
             let mut value = value.clone();
             let place = value.pointer_mut(path).unwrap_or_else(|| panic!("{path}"));
             *place = change(place);
-            let error = Solution::deserialize(&value).unwrap().validate().unwrap_err();
+            let error = Solution::deserialize(&value).unwrap().restored().unwrap_err();
             assert!(error.contains("transport does not fit") || error.contains("cell radiosities"), "{path}: {error}");
         };
         let shorter = |all: &Value| Value::from(all.as_array().unwrap()[1..].to_vec());
@@ -251,7 +251,7 @@ fn single_fields_do_no_harm() {
     let (mut random, mut taken, mut refused) = (Random(6), 0, 0);
     for solution in solutions() {
         let mut value = serde_json::to_value(&solution).unwrap();
-        assert_eq!(Solution::deserialize(&value).unwrap(), solution);
+        assert_eq!(Solution::deserialize(&value).unwrap().restored().unwrap(), solution);
         let mut all = Vec::new();
         places(&value, &mut String::new(), &mut all);
         // A long list has many fields of one kind: each kind is chosen as often.
