@@ -2,6 +2,7 @@
 
 mod baking;
 mod error;
+mod hurried;
 mod of_mesh;
 mod pictures;
 mod relit;
@@ -28,7 +29,7 @@ use crate::solve::{
 };
 use crate::sweep::Importance;
 use crate::transmittance::Rays;
-use crate::values::{self, ShadingMethod, Values};
+use crate::values::{self, Gather, ShadingMethod, Values};
 use crate::visibility::{self, Backend, OccluderMesh, Visibility, VisibilityError};
 
 /// A solution with what is needed to look at it: visibility and a pool of threads.
@@ -287,10 +288,21 @@ impl Evaluator {
 
     /// The same, with [`Evaluator::bounds_at`] the points.
     pub fn bounded_values_at(&self, points: &[SurfacePoint], observer: &dyn Observer) -> Option<(Values, Option<PointBounds>)> {
+        self.gathered_values_at(points, observer, |_| {})
+    }
+
+    /// The same, gathered as `prepare` says.
+    fn gathered_values_at(
+        &self,
+        points: &[SurfacePoint],
+        observer: &dyn Observer,
+        prepare: impl FnOnce(&mut Gather<'_>) + Send,
+    ) -> Option<(Values, Option<PointBounds>)> {
         let rays = Rays::new(&*self.visibility, self.solution.scene());
         let values = self.pool.install(|| {
             let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
-            let gather = self.solution.gather_at_points(&rays, paths.as_ref());
+            let mut gather = self.solution.gather_at_points(&rays, paths.as_ref());
+            prepare(&mut gather);
             values::values_at(&gather, self.solution.error_bars, points, observer)
         });
         let (mut values, bounds) = (values?, self.bounds_at(points));

@@ -46,10 +46,18 @@ pub fn sample(request: SampleRequest) -> Result<Exit, Failure> {
 /// Values at points, with their bounds where there are any.
 pub type BoundedValues = (Values, Option<PointBounds>);
 
-/// Values at points, with their bounds; `None` if interrupted.
+/// Values at points, with their bounds; `None` if interrupted. After an interrupt that ended a solve they are coarser where good ones would take long.
 pub fn values_at(evaluator: &Evaluator, points: &Points, voice: Voice) -> Option<BoundedValues> {
-    evaluator.bounded_values_at(&points.surface_points(), &Watcher::new(voice))
+    let (points, watcher) = (points.surface_points(), Watcher::new(voice));
+    if interrupt::count() > 0 {
+        evaluator.hurried_values_at(&points, TIME_OF_HURRIED_S, &watcher)
+    } else {
+        evaluator.bounded_values_at(&points, &watcher)
+    }
 }
+
+/// How long hurried values take, about: whoever interrupts is answered within half a second, in which the solve must end as well.
+const TIME_OF_HURRIED_S: f64 = 0.2;
 
 /// Values at points by the lit mesh, with their bounds.
 pub fn values_of_mesh(evaluator: &Evaluator, points: &Points) -> Result<BoundedValues, Failure> {
