@@ -168,6 +168,9 @@ impl<'a> Linked<'a> {
         let mut ended = self.refine(oracle, splits);
         self.sweep();
         while ended == RefineEnd::Content && self.dormant_pair_is_lit() {
+            if self.job.is_late() {
+                return RefineEnd::Stopped;
+            }
             ended = self.refine(oracle, &none);
             self.sweep();
         }
