@@ -13,7 +13,7 @@
 //! O(n log n): planes are found in cells of similar normals, sorted by their offset from the scene's centre. A surface that is narrow
 //! beside the tolerance knows its own offset badly and looks at a wider range of planes.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -108,7 +108,7 @@ impl Scene {
         }
 
         // Renumber in the order of the surfaces.
-        let mut number = vec![u32::MAX; finder.planes.len()];
+        let mut number = vec![u32::MAX; finder.count as usize];
         let mut next = 0;
         for (surface, plane) in self.surfaces.but_polygons_mut().iter_mut().zip(plane_of) {
             let number = &mut number[plane as usize];
@@ -125,48 +125,54 @@ impl Scene {
 struct Sought {
     /// Its own.
     own: Plane,
+    /// Its centroid, from the scene's centre.
+    centroid: DVec3,
     /// How far the offset of another may be off.
     reach: f64,
     /// How far its vertices may lie off.
     tolerance: f64,
+    /// What rounding may make of an offset.
+    rounding: f64,
 }
 
 impl Sought {
     fn new(facet: Facet<'_>, centre: DVec3, tolerance: f64) -> Self {
-        let arm = (facet.centroid - centre).length();
+        let centroid = facet.centroid - centre;
+        let (arm, rounding) = (centroid.length(), 1e-12 * (centroid.length() + facet.radius));
         // If all vertices lie within the tolerance of a plane, the normals differ by at most twice the tolerance over the least width of
         // the polygon, which is at least area / (2 radius). That bounds how far the offset along the own normal can be off.
         let angle = (4.0 * tolerance * facet.radius / facet.area).min(ANGLE_TOLERANCE) + 1e-12;
-        let own = Plane { normal: facet.normal, offset: facet.normal.dot(facet.centroid - centre) };
-        Self { own, reach: tolerance + angle * arm + 1e-12 * arm, tolerance }
+        let own = Plane { normal: facet.normal, offset: facet.normal.dot(centroid) };
+        Self { own, centroid, reach: tolerance + angle * arm + rounding, tolerance, rounding }
     }
 }
 
-/// The planes so far, sorted by offset in cells of similar normals.
+/// The planes so far with their numbers, sorted by offset in cells of similar normals.
 struct PlaneFinder {
     centre: DVec3,
-    planes: Vec<Plane>,
-    cells: HashMap<u32, BTreeSet<(u64, u32)>>,
+    count: u32,
+    cells: HashMap<u32, BTreeMap<(u64, u32), Plane>>,
 }
 
 impl PlaneFinder {
     fn new(centre: DVec3) -> Self {
-        Self { centre, planes: Vec::new(), cells: HashMap::new() }
+        Self { centre, count: 0, cells: HashMap::new() }
     }
 
-    /// The nearest plane that a surface with these vertices lies in, else a new one through it. Few planes are so near that the vertices are asked for.
+    /// The nearest plane that a surface with these vertices lies in, else a new one through it.
     fn find_or_add<'a>(&mut self, sought: &Sought, vertices: impl Fn() -> &'a [DVec3]) -> u32 {
-        let &Sought { own, reach, tolerance } = sought;
+        let &Sought { own, reach, tolerance, rounding, .. } = sought;
         let mut best: Option<(f64, u32)> = None;
         for Plane { normal, offset } in [own, Plane { normal: -own.normal, offset: -own.offset }] {
             for cell in cells_around(normal) {
                 let Some(cell) = self.cells.get(&cell) else { continue };
-                for &(_, index) in cell.range((sortable(offset - reach), 0)..=(sortable(offset + reach), u32::MAX)) {
-                    let plane = self.planes[index as usize];
-                    if (plane.normal - normal).length() > ANGLE_TOLERANCE {
+                for (&(_, index), plane) in cell.range((sortable(offset - reach), 0)..=(sortable(offset + reach), u32::MAX)) {
+                    // A polygon that lies in it has its centroid there; few do, so the vertices of few are fetched.
+                    let height = |from_centre: DVec3| (plane.normal.dot(from_centre) - plane.offset).abs();
+                    if (plane.normal - normal).length() > ANGLE_TOLERANCE || height(sought.centroid) > tolerance + rounding {
                         continue;
                     }
-                    let height = |vertex: &DVec3| (plane.normal.dot(*vertex - self.centre) - plane.offset).abs();
+                    let height = |vertex: &DVec3| height(*vertex - self.centre);
                     let distance = vertices().iter().map(height).fold(0.0, f64::max);
                     if distance <= tolerance && best.is_none_or(|best| (distance, index) < best) {
                         best = Some((distance, index));
@@ -178,9 +184,9 @@ impl PlaneFinder {
             return index;
         }
 
-        let index = self.planes.len() as u32;
-        self.planes.push(own);
-        self.cells.entry(number_of(own.normal.to_array().map(cell_of))).or_default().insert((sortable(own.offset), index));
+        let index = self.count;
+        self.count += 1;
+        self.cells.entry(number_of(own.normal.to_array().map(cell_of))).or_default().insert((sortable(own.offset), index), own);
         index
     }
 }

@@ -84,7 +84,10 @@ impl Exposure {
             return;
         }
         self.by_node.resize(hierarchy.len(), 1.0);
-        if stop() {
+        let first = known.max(hierarchy.cluster_count());
+        let surface_of = |node: usize| hierarchy.node_of(SurfaceId(hierarchy.node(NodeId(node as u32)).surface));
+        let may_be_hidden = |node: usize| surface_of(node).index() == node || self.of(surface_of(node)) < 1.0;
+        if stop() || !(first..hierarchy.len()).any(may_be_hidden) {
             return;
         }
 
@@ -98,7 +101,6 @@ impl Exposure {
             .into_iter()
             .for_each(|number| is_sampled[number] = true);
         let levels = hierarchy.levels();
-        let first = known.max(hierarchy.cluster_count());
         for level in levels.iter().map(|level| level.start.max(first)..level.end).filter(|level| !level.is_empty()) {
             let sampled: Vec<Sampled> = (level.clone().into_par_iter())
                 .map(|node| {
