@@ -12,6 +12,7 @@ use crate::diagnostic::Diagnostic;
 use crate::errors::{Failure, class_of};
 use crate::relight::grouping;
 use crate::watch::{Listener, watched};
+use crate::workers::workers;
 
 /// What is lit: faces with materials. Unchangeable; may be used by many threads.
 ///
@@ -38,7 +39,9 @@ impl Scene {
     #[pyo3(signature = (path, *, sides="front", allow_any_path=false, lights=None))]
     fn read(py: Python<'_>, path: PathBuf, sides: &str, allow_any_path: bool, lights: Option<PathBuf>) -> PyResult<Self> {
         let options = ImportOptions { sides: sides_of(sides)?, allow_any_path, lights, ..ImportOptions::default() };
-        let read = |observer: &dyn patchlight::progress::Observer| read_scene_observed(&path, &options, observer);
+        let workers = workers(None)?;
+        let read =
+            |observer: &dyn patchlight::progress::Observer| workers.install(|| read_scene_observed(&path, &options, observer));
         let imported = watched(py, &Listener::new(None)?, read)?.map_err(Failure::from)?;
         Self::new(py, imported.scene, &imported.diagnostics, path)
     }
@@ -200,7 +203,8 @@ impl Scene {
         draft.faces = faces.map(|(count, material)| ArrayFace { corners: count as usize, material: number(material) }).collect();
 
         let py = parts.py();
-        let (scene, diagnostics) = py.detach(|| draft.build()).map_err(Failure::from)?;
+        let workers = workers(None)?;
+        let (scene, diagnostics) = py.detach(|| workers.install(|| draft.build())).map_err(Failure::from)?;
         Self::new(py, scene, &diagnostics, PathBuf::new())
     }
 

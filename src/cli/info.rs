@@ -4,7 +4,7 @@ use std::path::Path;
 
 use patchlight::inspect::{DEFAULT_POINTS, inspect};
 use patchlight::output::is_solution_file;
-use patchlight::pipeline::PipelineError;
+use patchlight::pipeline::{PipelineError, Workers};
 use patchlight::scene::SceneSummary;
 use patchlight::scene::import::{Diagnostics, ImportOptions, read_scene};
 use patchlight::solve::Solution;
@@ -29,7 +29,8 @@ pub fn info(arguments: &InfoArguments) -> Result<Exit, Failure> {
         }
         describe_solution(path, &files::read_solution(path)?)
     } else {
-        describe_scene(path, &arguments.trust.import(sides, arguments.lights.clone()))?
+        let options = arguments.trust.import(sides, arguments.lights.clone());
+        Workers::new(0)?.install(|| describe_scene(path, &options))?
     };
     files::to_stdout(|writer| writer.write_all(text.as_bytes()))?;
     Ok(Exit::Done)

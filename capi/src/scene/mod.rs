@@ -192,7 +192,8 @@ pub unsafe extern "C" fn patchlight_scene_add_file(
         }
         // The sides are made when all faces are known.
         let options = ImportOptions { allow_any_path, ..ImportOptions::default() };
-        let imported = read_scene(Path::new(path), &options).map_err(|error| Ending::new(PATCHLIGHT_INVALID_SCENE, error))?;
+        let imported = scene.context.workers.install(|| read_scene(Path::new(path), &options));
+        let imported = imported.map_err(|error| Ending::new(PATCHLIGHT_INVALID_SCENE, error))?;
         scene.change(|draft| {
             draft.files.push(imported);
             Ok(())

@@ -80,7 +80,9 @@ impl SceneObject {
         if state.scene.is_some() {
             return Err(Ending::new(PATCHLIGHT_WRONG_STATE, "the scene is committed already"));
         }
-        let (built, notes) = build(&state.draft, state.grouping.as_ref());
+        // The lock is held by this thread: a worker that waits for others may take up work that asks for the same lock.
+        let State { draft, grouping, .. } = &*state;
+        let (built, notes) = self.context.workers.install(|| build(draft, grouping.as_ref()));
         state.notes = notes;
         let committed = Arc::new(built?);
         let warnings = committed.warnings.clone();

@@ -126,7 +126,7 @@ impl Lanes<'_> {
             (Mode::Look, Some(record)) if !record.has_results() => return Ok(Attempt::Known(record.clone())),
             _ => {}
         }
-        let ready = Ready::new(task, self.stock)?;
+        let ready = Ready::new(task, self.stock, workers)?;
         if let Some(record) = known.filter(|record| ready.is_done(record, self.results)) {
             return Ok(Attempt::Known(record.clone()));
         }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use patchlight::pipeline::PipelineError;
+use patchlight::pipeline::{PipelineError, Workers};
 use patchlight::scene::import::read_scene;
 use patchlight::scene::{Scene, Sides};
 use patchlight::visibility::{self, Backend, OccluderMesh, Visibility};
@@ -75,10 +75,11 @@ impl Stock {
         number
     }
 
-    /// The scene of this number. Others that want it meanwhile wait until it is read.
-    pub fn scene(&self, number: usize) -> Result<Arc<Stocked>, Failure> {
+    /// The scene of this number, read on these threads. Others that want it meanwhile wait until it is read.
+    pub fn scene(&self, number: usize, workers: &Workers) -> Result<Arc<Stocked>, Failure> {
         let mut slot = self.slot(number);
-        let read = || self.read(&self.wanted[number]).map(Arc::new).map_err(|failure| (failure.exit, failure.message));
+        let read =
+            || workers.install(|| self.read(&self.wanted[number])).map(Arc::new).map_err(|failure| (failure.exit, failure.message));
         slot.read.get_or_insert_with(read).clone().map_err(|(exit, message)| Failure { exit, message })
     }
 

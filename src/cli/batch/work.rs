@@ -32,10 +32,10 @@ pub struct Ready<'a> {
 }
 
 impl<'a> Ready<'a> {
-    /// Reads what the job reads.
-    pub fn new(task: &'a Task, stock: &Stock) -> Result<Self, Failure> {
+    /// Reads what the job reads, on these threads.
+    pub fn new(task: &'a Task, stock: &Stock, workers: &Workers) -> Result<Self, Failure> {
         let (job, request) = (&task.job, &task.request);
-        let scene = stock.scene(task.scene)?;
+        let scene = stock.scene(task.scene, workers)?;
         request.outputs.check_unread(&scene.libraries)?;
         let points = request.points.as_ref().map(|(path, _)| files::read_points(path)).transpose()?;
         let digest_of = |path: &Path| {
