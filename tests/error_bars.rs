@@ -11,7 +11,7 @@ use patchlight::progress::Silent;
 use patchlight::scene::{Scene, SurfacePoint};
 use patchlight::solve::{SolveOptions, Solver};
 use patchlight::values::Values;
-use rooms::{crowded, solve, two_squares};
+use rooms::{crowded, points_of, read, solve, two_squares};
 use triangles::Random;
 
 /// Points of all polygons of four corners that reflect, in proportion to their areas.
@@ -94,4 +94,23 @@ fn pictures_have_bars_as_values_do() {
     let mean = parts.iter().sum::<f32>() / parts.len() as f32;
     // Asked for 10% with all rays; pictures take fewer.
     assert!((0.01..0.3).contains(&mean), "{mean}");
+}
+
+/// Whoever interrupts a solve is not kept waiting: values take the fewest rays there are, their standard errors say so, and time enough gives the planned ones.
+#[test]
+fn hurried_values_are_coarser_and_own_it() {
+    for (name, solver) in [("room.obj", Solver::Links), ("full_office.obj", Solver::Cells)] {
+        let scene = read(name);
+        let points: Vec<SurfacePoint> = points_of(&scene, 1000, &mut Random(3)).into_iter().map(|(point, _)| point).collect();
+        let evaluator = solved(scene, solver, 0.05, 0);
+        let planned = evaluator.values_at(&points, &Silent).unwrap();
+        assert_eq!(evaluator.hurried_values_at(&points, 1e9, &Silent).unwrap().0, planned);
+
+        let (hurried, _) = evaluator.hurried_values_at(&points, 0.0, &Silent).unwrap();
+        let size = |numbers: &mut dyn Iterator<Item = f32>| numbers.map(|x| f64::from(x).powi(2)).sum::<f64>().sqrt();
+        let off = size(&mut hurried.radiosity.iter().zip(&planned.radiosity).map(|(a, b)| a - b));
+        let [own, of_planned] = [&hurried, &planned].map(|values| size(&mut values.standard_error.iter().copied()));
+        let is_owned = own > 1.2 * of_planned && (0.5..1.5).contains(&(off / own));
+        assert!(is_owned, "{name}: off by {off} with standard errors of {own}, planned {of_planned}");
+    }
 }

@@ -182,27 +182,6 @@ fn values_at_points_are_taken_in_time_and_claimed() {
     }
 }
 
-/// Whoever interrupts a solve is not kept waiting: values take the fewest rays there are, their standard errors say so, and time enough gives the planned ones.
-#[test]
-fn hurried_values_are_coarser_and_own_it() {
-    for (name, solver) in [("room", Solver::Links), ("full_office", Solver::Cells)] {
-        let scene = scene(name);
-        let points: Vec<SurfacePoint> = points_of(&scene, 1000, &mut Random(3)).into_iter().map(|(point, _)| point).collect();
-        let options = SolveOptions { error: 0.05, solver, ..SolveOptions::default() };
-        let (evaluator, _) = pipeline::solve(scene, &options, &RunOptions::default(), &Silent).unwrap();
-        let planned = evaluator.values_at(&points, &Silent).unwrap();
-        assert_eq!(evaluator.hurried_values_at(&points, 1e9, &Silent).unwrap().0, planned);
-
-        let (hurried, _) = evaluator.hurried_values_at(&points, 0.0, &Silent).unwrap();
-        let sum_sq = |numbers: &mut dyn Iterator<Item = f32>| numbers.map(|x| f64::from(x).powi(2)).sum::<f64>().sqrt();
-        let off = sum_sq(&mut hurried.radiosity.iter().zip(&planned.radiosity).map(|(a, b)| a - b));
-        let [own, of_planned] = [&hurried, &planned].map(|values| sum_sq(&mut values.standard_error.iter().copied()));
-        println!("{name}: off by {off} with standard errors of {own}, planned {of_planned}");
-        assert!(own > 1.2 * of_planned, "{name}: {own}, {of_planned}");
-        assert!((0.5..1.5).contains(&(off / own)), "{name}: off by {off}, standard errors {own}");
-    }
-}
-
 #[test]
 fn reading_can_be_cancelled_while_a_face_is_cut() {
     // A star of ten thousand rays.

@@ -11,6 +11,8 @@
 //! plane. A point is hidden as well if something lies over it that is close for the size of the node, unless that covers the whole node:
 //! others hardly see it, and little light comes there. Smaller nodes tell it apart.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -125,7 +127,11 @@ impl Exposure {
             }
         }
 
-        // Nodes that are split take the mean of their children.
+        self.pull(hierarchy, levels);
+    }
+
+    /// Nodes that are split take the mean of their children.
+    fn pull(&mut self, hierarchy: &Hierarchy, levels: Vec<Range<usize>>) {
         for level in levels.into_iter().rev() {
             let (own, below) = self.by_node[level.start..].split_at_mut(level.len());
             own.par_iter_mut().with_min_len(PARALLEL).enumerate().for_each(|(index, exposure)| {
