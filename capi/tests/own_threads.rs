@@ -3,7 +3,8 @@
 #[path = "support/calls.rs"]
 mod support;
 
-use std::ptr::null_mut;
+use std::ffi::CString;
+use std::ptr::{null, null_mut};
 
 use patchlight_capi::*;
 use support::*;
@@ -43,6 +44,15 @@ fn the_pool_of_the_process_is_left_alone() {
             done(patchlight_solution_get_camera(solution, &mut camera));
             done(patchlight_solution_get_picture(solution, &camera, radiosity.as_mut_ptr(), null_mut(), 64, null_mut()));
         }
+        let folder = tempfile::tempdir().unwrap();
+        let file = CString::new(folder.path().join("a.solution").to_str().unwrap()).unwrap();
+        let mut again = null_mut();
+        // SAFETY: A text that ends with 0, and a place for a handle.
+        unsafe {
+            done(patchlight_solution_save(solution, file.as_ptr()));
+            done(patchlight_solution_load(context, file.as_ptr(), null(), &mut again));
+        }
+        done(patchlight_solution_release(again));
         done(patchlight_solution_release(solution));
     }
     done(patchlight_context_release(context));

@@ -67,8 +67,10 @@ pub fn load(py: Python<'_>, path: PathBuf, threads: Option<usize>, backend: Opti
     let backend = if backend.is_empty() { Ok(Default::default()) } else { backend.parse() };
     let backend = backend.map_err(|error| Failure::option(format_args!("{error}")))?;
     let workers = workers(threads)?;
-    let evaluator =
-        py.detach(|| -> Result<Evaluator, Failure> { Ok(Evaluator::new_on(workers, read_solution(&path)?, backend)?) })?;
+    let evaluator = py.detach(|| -> Result<Evaluator, Failure> {
+        let solution = workers.install(|| read_solution(&path))?;
+        Ok(Evaluator::new_on(workers, solution, backend)?)
+    })?;
     Ok(Solution::of(Lit::new(evaluator, Known::Nothing)))
 }
 

@@ -40,7 +40,8 @@ impl RadiosityBounds {
         self.channels
     }
 
-    /// Makes anew what is not stored, and checks what was read from a file: that there are bounds of every node, and that they can be such. Whether they are proved is not seen.
+    /// Makes anew what is not stored, and checks what was read from a file: that there are bounds of every node, and that they can be such.
+    /// Whether they are proved is not seen.
     ///
     /// # Errors
     /// Says what is wrong.

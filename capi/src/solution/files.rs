@@ -56,7 +56,7 @@ pub unsafe extern "C" fn patchlight_solution_load(
         let context = handles::get(context)?;
         // SAFETY: The contract of the header.
         let (out, path) = unsafe { (Out::new(solution, "solution")?, Path::new(text(path, "path")?)) };
-        let lit = read_solution(path)?;
+        let lit = context.workers.install(|| read_solution(path))?;
         // SAFETY: The contract of the header.
         let Request { settings, visibility, failed, .. } = unsafe { Request::read(info, lit.scene().surfaces().len())? };
         let workers = context.workers.clone();
