@@ -42,6 +42,35 @@ fn values(evaluator: &Evaluator, points: &[SurfacePoint]) -> Values {
     evaluator.values_at(points, &Silent).unwrap()
 }
 
+/// How many errors of values are within one and within 1.96 standard errors, and how many there are.
+#[derive(Default)]
+struct Within {
+    within: [f64; 2],
+    count: f64,
+}
+
+impl Within {
+    fn add(&mut self, found: &Values, truth: &Values) {
+        for index in 0..found.radiosity.len() {
+            let off = f64::from((found.radiosity[index] - truth.radiosity[index]).abs());
+            let bar = f64::from(found.standard_error[index]).hypot(f64::from(truth.standard_error[index]));
+            assert!(bar.is_finite(), "{bar} at {index}");
+            // Points under boxes are dark.
+            if bar > 0.0 {
+                self.count += 1.0;
+                let is_within = [1.0, 1.96].map(|bars| f64::from(u8::from(off <= bars * bar)));
+                self.within = std::array::from_fn(|which| self.within[which] + is_within[which]);
+            } else {
+                assert!(off < 1e-6, "{off} at {index}");
+            }
+        }
+    }
+
+    fn parts(&self) -> [f64; 2] {
+        self.within.map(|within| within / self.count)
+    }
+}
+
 /// The parts of all errors that are within one and within 1.96 standard errors: 68 and 95% where errors are normal and known. They have
 /// tails, and their deviation is known to a fifth at a single point, so a little less often within two.
 #[test]
@@ -50,25 +79,38 @@ fn errors_lie_within_their_bars_as_often_as_these_say() {
         let scene = || crowded(boxes, 4);
         let points = points(&scene(), 400);
         let truth = values(&solved(scene(), Solver::Cells, 0.005, 99), &points);
-        let (mut within, mut count) = ([0.0; 2], 0.0);
+        let mut within = Within::default();
         for seed in 0..6 {
-            let found = values(&solved(scene(), solver, 0.04, seed), &points);
-            for index in 0..found.radiosity.len() {
-                let off = f64::from((found.radiosity[index] - truth.radiosity[index]).abs());
-                let bar = f64::from(found.standard_error[index]).hypot(f64::from(truth.standard_error[index]));
-                assert!(bar.is_finite(), "{solver:?}: {bar} at {index}");
-                // Points under boxes are dark.
-                if bar > 0.0 {
-                    count += 1.0;
-                    within = [within[0] + f64::from(u8::from(off <= bar)), within[1] + f64::from(u8::from(off <= 1.96 * bar))];
-                } else {
-                    assert!(off < 1e-6, "{solver:?}: {off} at {index}");
-                }
-            }
+            within.add(&values(&solved(scene(), solver, 0.04, seed), &points), &truth);
         }
-        let [one, two] = within.map(|within| within / count);
+        let [one, two] = within.parts();
         assert!((0.6..0.8).contains(&one), "{solver:?}, {boxes} boxes: {one} within one");
         assert!((0.9..0.99).contains(&two), "{solver:?}, {boxes} boxes: {two} within two");
+    }
+}
+
+/// The same of a lit mesh. Its bars are root mean squares over elements, so in those with an edge of light most points are within.
+#[test]
+fn errors_of_a_lit_mesh_lie_within_the_bars_of_its_elements() {
+    for boxes in [3, 30] {
+        let scene = || crowded(boxes, 4);
+        let points = points(&scene(), 400);
+        let truth = values(&solved(scene(), Solver::Cells, 0.005, 99), &points);
+        let (mut within, mut told) = (Within::default(), Vec::new());
+        for seed in 0..4 {
+            let options = SolveOptions { error: 0.05, lit_mesh: true, seed, ..SolveOptions::default() };
+            let (evaluator, report) = solve(scene(), &options);
+            let found = evaluator.mesh_values_at(&points).unwrap();
+            within.add(&found, &truth);
+            told.push([found.error.unwrap().local, report.lit_mesh.unwrap().whole.measured]);
+            let parts = evaluator.mesh().unwrap().parts(evaluator.solution().scene());
+            assert!(parts.flat_map(|part| part.standard_errors).all(|error| error.is_finite() && error >= 0.0));
+        }
+        let [one, two] = within.parts();
+        assert!((0.6..0.85).contains(&one), "{boxes} boxes: {one} within one");
+        assert!((0.88..0.99).contains(&two), "{boxes} boxes: {two} within two");
+        // Over these points they come to what is told of the whole, whose points are others.
+        assert!(told.iter().all(|[bars, whole]| (0.5..2.0).contains(&(bars / whole))), "{told:?}");
     }
 }
 

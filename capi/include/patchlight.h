@@ -545,6 +545,9 @@ enum patchlight_mesh_array
   PATCHLIGHT_MESH_ELEMENT_NODES = 3,
   // For each element the surface that it lies on.
   PATCHLIGHT_MESH_ELEMENT_SURFACE = 4,
+  // For each element the standard error of what is read there, in W/m^2, all channels together: the root of the sum of their squares, in the mean
+  // over the element. NaN where it is not known, as with other weights of light groups.
+  PATCHLIGHT_MESH_ELEMENT_ERROR = 5,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

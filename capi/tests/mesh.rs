@@ -106,6 +106,9 @@ fn a_mesh_is_the_one_of_the_library() {
     assert_eq!(as_floats, positions.iter().map(|&x| x as f32).collect::<Vec<_>>());
     let radiosity: Vec<f32> = read(mesh, PATCHLIGHT_MESH_RADIOSITY, FLOAT, 3);
     assert_eq!(radiosity, made.parts(scene).flat_map(|part| part.radiosity).collect::<Vec<_>>());
+    let errors: Vec<f32> = read(mesh, PATCHLIGHT_MESH_ELEMENT_ERROR, FLOAT, 1);
+    assert_eq!(errors, made.parts(scene).flat_map(|part| part.standard_errors).collect::<Vec<_>>());
+    assert!(errors.len() == made.elements() && errors.iter().all(|error| error.is_finite()));
     let nodes: Vec<u32> = read(mesh, PATCHLIGHT_MESH_ELEMENT_NODES, UINT32, 6);
     let as_long: Vec<u64> = read(mesh, PATCHLIGHT_MESH_ELEMENT_NODES, UINT64, 6);
     assert_eq!(as_long, nodes.iter().map(|&node| u64::from(node)).collect::<Vec<_>>());

@@ -66,6 +66,15 @@ impl Mesh {
         array(py, radiosity, &[mesh.nodes(), scene.channels()]).map(Bound::into_any)
     }
 
+    /// The standard error of what is read in each element: float32 array (M,) in W/m^2, all channels together: the root of the sum of their squares, in
+    /// the mean over the element. NaN where it is not known, as with other weights of light groups.
+    #[getter]
+    fn standard_error<'py>(&self, py: Python<'py>) -> Made<'py> {
+        let (scene, mesh) = (self.scene()?, self.lit_mesh()?);
+        let errors = mesh.parts(scene).flat_map(|part| part.standard_errors).collect();
+        array(py, errors, &[mesh.elements()]).map(Bound::into_any)
+    }
+
     /// How far the mesh is off the values at points, relative to these: measured at points that had no part in making it.
     #[getter]
     fn measured(&self) -> PyResult<f64> {

@@ -36,6 +36,7 @@ def test_arrays_fit_each_other(lit, mesh):
     assert elements.shape == (len(mesh), 6) and elements.dtype == np.int64
     assert mesh.surface.shape == (len(mesh),) and mesh.surface.dtype == np.int64
     assert mesh.radiosity.shape == (len(nodes), 1) and mesh.radiosity.dtype == np.float32
+    assert mesh.standard_error.shape == (len(mesh),) and (mesh.standard_error >= 0).all()
     assert np.array_equal(np.unique(elements), np.arange(len(nodes)))
     assert 0 < mesh.measured <= mesh.claimed <= 0.05
 

@@ -18,7 +18,7 @@ impl ErrorSamples {
     pub(super) fn error_bars(&self, gather: &Gather<'_>, again: &[(usize, Gathered)], channels: Range<usize>) -> Option<ErrorBars> {
         let judging = Judging::of(gather);
         let Some(weights) = NormWeights::new(ErrorNorm::Local, &self.lit(judging, &self.values, channels.clone())) else {
-            return Some(ErrorBars { noise: 1.0, bias: 0.0 });
+            return Some(ErrorBars { noise: 1.0, bias: 0.0, of_light: 0.0 });
         };
         let weights = weights.by_point;
 
@@ -47,7 +47,7 @@ impl ErrorSamples {
         }
         let bias_sq = mean_if_positive(bias_sq.sum, bias_sq.deviation_of_sum());
         let bias = if by_sources_sq > 0.0 { (bias_sq / by_sources_sq).sqrt() } else { 0.0 };
-        Some(ErrorBars { noise, bias }).filter(ErrorBars::is_valid)
+        Some(ErrorBars { noise, bias, of_light: bias_sq.sqrt() }).filter(ErrorBars::is_valid)
     }
 
     /// Second values at some of the points, with their numbers; `None` if stopped.

@@ -2,12 +2,14 @@
 
 use std::time::Instant;
 
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::effort::{FOLLOWED, PILOT_POINTS, PILOT_RAYS, RAYS, rays_of_nodes};
+use super::expected::mean_errors_sq;
 use super::grow::{Grower, MOST_GATHERS};
 use super::growing::Growing;
-use super::judged::Judged;
+use super::judged::{Judged, Norm};
 use super::light::{All, Direct, Indirect, Light};
 use super::limits::{MOST_ELEMENTS, MeshLimits};
 use super::line::Line;
@@ -55,6 +57,8 @@ pub(crate) struct MeshBuilder<'a> {
     pub lines: [&'a Discontinuities; 2],
     /// What a view sees, if the mesh is made for a picture: its error is then one over the pixels, else over all area.
     pub seen: Option<&'a SeenSurfaces>,
+    /// What values are off by beside their noise, as a part of the light at each place, or of typical light where it is darker; if it is known.
+    pub values_off: Option<f64>,
     /// The largest error that may be claimed, and in which norm.
     pub error: f64,
     pub norm: ErrorNorm,
@@ -86,7 +90,8 @@ impl MeshBuilder<'_> {
             light.noise_scale = if told > 0.0 { noise_sq / told } else { 1.0 };
         }
         let of_indirect = self.grower(&light, INDIRECT_PART, whole).grow(&mut growing)?;
-        let indirect = self.finish(growing, true);
+        let off_indirect = self.mean_errors_sq(&growing);
+        let indirect = self.finish(growing, Vec::new(), true);
 
         // All light.
         let mut growing = self.begin(surfaces, whole, of_all)?;
@@ -104,7 +109,32 @@ impl MeshBuilder<'_> {
         };
         let of_all = grower.grow(&mut growing)?;
         let Judged { measured, claimed, by_group, .. } = of_indirect.with(of_all);
-        Some(LitMesh { surfaces: self.finish(growing, false), measured, claimed, by_group })
+        let errors = self.standard_errors(&growing, &light.indirect, &off_indirect);
+        Some(LitMesh { surfaces: self.finish(growing, errors, false), measured, claimed, by_group })
+    }
+
+    /// What the function is off in the mean over each triangle, squared, in W^2/m^4.
+    fn mean_errors_sq(&self, growing: &[Growing]) -> Vec<Vec<f64>> {
+        let dark = || growing.iter().map(|of| vec![0.0; of.triangles.triangles.len()]).collect();
+        Norm::of(self.norm, growing).map_or_else(dark, |norm| mean_errors_sq(growing, &norm))
+    }
+
+    /// By surface and triangle: the standard error of what is read there in W/m^2, channels together, of the function of all light, of that of
+    /// indirect light in it, whose squared errors are given, and of the values that both are made from. Empty where these are not known.
+    fn standard_errors(&self, growing: &[Growing], indirect: &MeshReader<'_>, off_indirect: &[Vec<f64>]) -> Vec<Vec<f32>> {
+        let Some(values_off) = self.values_off else { return Vec::new() };
+        let (typical_sq, off_all) = (Norm::typical_light_sq(growing), self.mean_errors_sq(growing));
+        let of_surface = |((of, off_all), off_indirect): ((&Growing, &Vec<f64>), &Vec<f64>)| {
+            let of_triangle = |(triangle, off_sq): (usize, &f64)| {
+                let middle = of.triangles.corners(triangle as u32).iter().sum::<DVec2>() / 3.0;
+                let below = indirect.find(of.plane.to_space(middle), of.surface);
+                let below_sq = below.map_or(0.0, |(_, _, triangle, _)| off_indirect[triangle]);
+                let values_sq = values_off.powi(2) * of.light_sq(triangle as u32).max(typical_sq);
+                (off_sq + below_sq + values_sq).sqrt() as f32
+            };
+            off_all.iter().enumerate().map(of_triangle).collect()
+        };
+        growing.par_iter().zip(&off_all).zip(off_indirect).map(of_surface).collect()
     }
 
     /// The part of so many tests of all light for which there is time.
@@ -186,12 +216,13 @@ impl MeshBuilder<'_> {
         self.limits.allow(elements).then_some(growing)
     }
 
-    /// The functions, by surface; with what is not seen as well, or without.
-    fn finish(&self, growing: Vec<Growing>, takes_all: bool) -> Vec<Option<SurfaceMesh>> {
+    /// The functions, by surface, with the standard errors of their triangles where these are known; with what is not seen as well, or without.
+    fn finish(&self, growing: Vec<Growing>, mut errors: Vec<Vec<f32>>, takes_all: bool) -> Vec<Option<SurfaceMesh>> {
         let mut meshes: Vec<Option<SurfaceMesh>> = self.scene.surfaces().iter().map(|_| None).collect();
-        for of in growing {
+        errors.resize(growing.len(), Vec::new());
+        for (of, errors) in growing.into_iter().zip(errors) {
             let index = of.surface.index();
-            meshes[index] = Some(of.into_mesh(takes_all));
+            meshes[index] = Some(of.into_mesh(errors, takes_all));
         }
         meshes
     }

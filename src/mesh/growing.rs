@@ -55,10 +55,10 @@ impl Growing {
         Self { surface, plane, triangles, seen, deciding, found, fitted, has_new_gathers, gathers, tests, is_tested }
     }
 
-    /// The function as it stands; with what is not seen as well, or without.
-    pub fn into_mesh(self, takes_all: bool) -> SurfaceMesh {
+    /// The function as it stands, with the standard error of each triangle where that is known; with what is not seen as well, or without.
+    pub fn into_mesh(self, errors: Vec<f32>, takes_all: bool) -> SurfaceMesh {
         let values = self.values().iter().map(|&[value, _]| value).collect();
-        let mesh = SurfaceMesh::new(&self.triangles, values);
+        let mesh = SurfaceMesh::new(&self.triangles, values).with_errors(errors);
         let is_seen = |triangle: usize| self.weight(triangle as u32) > 0.0;
         if takes_all { mesh } else { mesh.with_triangles(is_seen) }
     }
@@ -184,6 +184,12 @@ impl Growing {
             variance += weight * weight * noise;
         }
         [element::limited(values.map(|[value, _]| value), function).max(0.0), variance]
+    }
+
+    /// The light in the middle of a triangle, squared, channels added, in W^2/m^4.
+    pub fn light_sq(&self, triangle: u32) -> f64 {
+        let (weights, channels) = (element::weights([1.0 / 3.0; 3]), self.found.len() / self.triangles.nodes.len());
+        (0..self.deciding).map(|channel| self.at(triangle, weights, channel, channels)[0].powi(2)).sum()
     }
 
     /// Holds the function against the light, by channel with its variance, at a point of a triangle;

@@ -83,6 +83,11 @@ impl Norm {
         lit.iter().find(is_median).map(|&(typical_sq, _)| Self::Local { lit: area, typical_sq })
     }
 
+    /// The squared light where typical light is, in W^2/m^4; 0 where all is dark.
+    pub fn typical_light_sq(all: &[Growing]) -> f64 {
+        if let Some(Self::Local { typical_sq, .. }) = Self::of(ErrorNorm::Local, all) { typical_sq } else { 0.0 }
+    }
+
     /// What a squared error counts by m^2, or by pixel, where so much light is.
     pub fn weight(&self, light_sq: f64) -> f64 {
         match *self {

@@ -43,6 +43,9 @@ pub struct MeshPart<'a> {
     pub radiosity: Vec<f32>,
     /// Six nodes of each element: three corners, counter-clockwise from the front, then the middles of the edges from each corner to the next.
     pub elements: &'a [[u32; 6]],
+    /// By element, the standard error of what is read there, in W/m^2: the root of the sum over channels of their squares, in the mean over the element.
+    /// NaN where it is not known, as with other weights of light groups.
+    pub standard_errors: Vec<f32>,
 }
 
 impl LitMesh {
@@ -77,7 +80,9 @@ impl LitMesh {
             let nodes = mesh.nodes().iter().map(|&at| plane.to_space(at).to_array()).collect();
             let of_node = |node: usize| mesh.reflected(node as u32, exitance.len()).iter().zip(exitance);
             let radiosity = (0..mesh.nodes().len()).flat_map(of_node).map(|(&reflected, &e)| reflected.max(0.0) + e as f32);
-            Some(MeshPart { surface, nodes, radiosity: radiosity.collect(), elements: mesh.triangles() })
+            let elements = mesh.triangles();
+            let standard_errors = (0..elements.len()).map(|element| mesh.error(element)).collect();
+            Some(MeshPart { surface, nodes, radiosity: radiosity.collect(), elements, standard_errors })
         };
         self.surfaces.iter().enumerate().filter_map(part)
     }
@@ -113,6 +118,12 @@ impl LitMesh {
             Some(mesh.with_reflected(of_surface(number, mesh.all_reflected())))
         };
         Self { surfaces: self.surfaces.iter().enumerate().map(with).collect(), ..self.clone() }
+    }
+
+    /// The same without standard errors.
+    pub(crate) fn without_errors(self) -> Self {
+        let without = |mesh: Option<SurfaceMesh>| mesh.map(|mesh| mesh.with_errors(Vec::new()));
+        Self { surfaces: self.surfaces.into_iter().map(without).collect(), ..self }
     }
 
     /// The reflected radiosities at nodes, surface by surface, by node and channel.
@@ -179,6 +190,18 @@ impl<'a> MeshReader<'a> {
             mesh.reflected_at(triangle, at, reflected);
             self.scene.clear_dark(reflected);
         }
+    }
+
+    /// The standard errors of what is read at a point of a surface, whose radiosity is given, by channel: of what is known of all channels together each
+    /// has its part of the light. 0 where there is no mesh, and NaN where they are not known.
+    pub fn standard_errors_at(&self, point: DVec3, surface: SurfaceId, radiosity: &[f64], errors: &mut [f64]) {
+        let Some((mesh, _, triangle, _)) = self.find(point, surface) else { return errors.fill(0.0) };
+        let whole = f64::from(mesh.error(triangle));
+        let exitance = &self.scene.material_of(surface).exitance;
+        errors.iter_mut().zip(radiosity.iter().zip(exitance)).for_each(|(error, (b, e))| *error = (b - e).max(0.0));
+        let light = errors.iter().map(|reflected| reflected.powi(2)).sum::<f64>().sqrt();
+        let alike = 1.0 / (errors.len() as f64).sqrt();
+        errors.iter_mut().for_each(|error| *error = whole * if light > 0.0 { *error / light } else { alike });
     }
 
     /// Makes the radiosity of a surface of what elements say that it reflects, by channel.

@@ -17,18 +17,25 @@ pub(super) struct SurfaceMesh {
     triangles: Vec<[u32; 6]>,
     /// Reflected radiosity by node and channel, in W/m^2.
     reflected: Vec<f32>,
+    /// By triangle, the standard error of what is read there, in W/m^2, all channels together; empty where it is not known.
+    errors: Vec<f32>,
 }
 
 impl SurfaceMesh {
     pub fn new(triangles: &Triangles, reflected: Vec<f32>) -> Self {
         let nodes = triangles.nodes.iter().map(|node| node.at).collect();
-        Self { nodes, triangles: triangles.triangles.iter().map(Triangle::nodes).collect(), reflected }
+        Self { nodes, triangles: triangles.triangles.iter().map(Triangle::nodes).collect(), reflected, errors: Vec::new() }
+    }
+
+    /// The same with a standard error for each triangle, or with none.
+    pub fn with_errors(self, errors: Vec<f32>) -> Self {
+        Self { errors, ..self }
     }
 
     /// The same with some of the triangles alone, and their nodes.
     pub fn with_triangles(self, is_kept: impl Fn(usize) -> bool) -> Self {
-        let triangles = self.triangles.iter().enumerate().filter(|(number, _)| is_kept(*number)).map(|(_, nodes)| *nodes);
-        let mut triangles: Vec<[u32; 6]> = triangles.collect();
+        let kept = |(number, nodes): (usize, &[u32; 6])| is_kept(number).then_some(*nodes);
+        let mut triangles: Vec<[u32; 6]> = self.triangles.iter().enumerate().filter_map(kept).collect();
         if triangles.len() == self.triangles.len() {
             return self;
         }
@@ -38,9 +45,10 @@ impl SurfaceMesh {
         kept.dedup();
         let number = |node: u32| kept.partition_point(|&other| other < node) as u32;
         triangles.as_flattened_mut().iter_mut().for_each(|node| *node = number(*node));
+        let errors = self.errors.iter().enumerate().filter(|(number, _)| is_kept(*number)).map(|(_, error)| *error).collect();
         let nodes = kept.iter().map(|&node| self.nodes[node as usize]).collect();
         let reflected = kept.iter().flat_map(|&node| self.reflected(node, channels)).copied().collect();
-        Self { nodes, triangles, reflected }
+        Self { nodes, triangles, reflected, errors }
     }
 
     pub fn nodes(&self) -> &[DVec2] {
@@ -56,9 +64,21 @@ impl SurfaceMesh {
         &self.reflected
     }
 
+    /// By triangle, the standard error of what is read there, in W/m^2, all channels together; empty where it is not known.
+    pub fn errors(&self) -> &[f32] {
+        &self.errors
+    }
+
+    /// The standard error of what is read in a triangle, as [`Self::errors`]; NaN where it is not known.
+    pub fn error(&self, triangle: usize) -> f32 {
+        self.errors.get(triangle).copied().unwrap_or(f32::NAN)
+    }
+
     /// The same for all channels, from those that were solved for.
     pub fn expanded(&self, channels: &DistinctChannels) -> Self {
-        Self { reflected: channels.expand(&self.reflected), ..self.clone() }
+        let scale = (channels.copies as f32).sqrt();
+        let errors = self.errors.iter().map(|error| scale * error).collect();
+        Self { reflected: channels.expand(&self.reflected), errors, ..self.clone() }
     }
 
     /// The same with other radiosities at the nodes.
@@ -68,7 +88,9 @@ impl SurfaceMesh {
 
     /// Bytes that this takes.
     pub fn memory_bytes(&self) -> u64 {
-        (size_of::<Self>() + size_of_val(&*self.nodes) + size_of_val(&*self.triangles) + size_of_val(&*self.reflected)) as u64
+        let Self { nodes, triangles, reflected, errors } = self;
+        (size_of::<Self>() + size_of_val(&**nodes) + size_of_val(&**triangles) + size_of_val(&**reflected) + size_of_val(&**errors))
+            as u64
     }
 
     /// The reflected radiosity at a node, by channel.

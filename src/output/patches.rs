@@ -19,13 +19,17 @@ pub(super) struct Patches<'a> {
     pub corners: Vec<u32>,
     /// Where each patch ends in `corners`, and the number of its surface.
     pub ends: Vec<(usize, u32)>,
+    /// By patch, the standard error of what is shown, all channels together, in W/m^2, 0 of what is known and NaN where nothing is; empty where it is
+    /// not told by patch.
+    pub standard_errors: Vec<f32>,
     /// Whether each patch has one radiosity.
     pub is_flat: bool,
 }
 
 impl<'a> Patches<'a> {
     fn none(scene: &'a Scene, is_flat: bool) -> Self {
-        Self { scene, vertices: Vec::new(), radiosity: Vec::new(), corners: Vec::new(), ends: Vec::new(), is_flat }
+        let (vertices, radiosity, corners, ends, standard_errors) = Default::default();
+        Self { scene, vertices, radiosity, corners, ends, standard_errors, is_flat }
     }
 
     /// Of a lit mesh; surfaces that reflect nothing, which it leaves out, are as bright as they emit.
@@ -40,11 +44,13 @@ impl<'a> Patches<'a> {
             for triangle in part.elements.iter().flat_map(|element| FLAT.map(|corners| corners.map(|k| first + element[k]))) {
                 patches.push(triangle, part.surface);
             }
+            patches.standard_errors.extend(part.standard_errors.iter().flat_map(|&error| FLAT.map(|_| error)));
         }
         for (number, surface) in scene.surfaces().iter().enumerate().filter(|(number, _)| !has_mesh[*number]) {
             let exitance: Vec<f32> = scene.materials()[surface.material as usize].exitance.iter().map(|&e| e as f32).collect();
             let corners: Vec<[f64; 3]> = surface.polygon.vertices().collect();
             patches.push_flat(&corners, number as u32, &exitance);
+            patches.standard_errors.push(0.0);
         }
         patches
     }

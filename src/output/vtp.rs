@@ -1,7 +1,8 @@
 //! The lit scene as XML PolyData of VTK (`.vtp`), as ParaView opens it: raw binary data behind the XML (VTK File Formats, XML formats).
 //!
-//! Points are `Float64`, in metres. A lit mesh has `radiosity` and `irradiance` as point data, elements as cell data, both by channel in W/m^2, and, where
-//! bounds are proved, `lower` and `upper` radiosity. Cells know their `surface`, `face` (both from 0, `face` of the input) and `material`. Field data state
+//! Points are `Float64`, in metres. A lit mesh has `radiosity` and `irradiance` as point data, elements as cell data, both by channel in W/m^2. Cells
+//! of a lit mesh have `standard_error`, that of the radiosity, all channels together, in W/m^2, NaN where it is not known; elements, where bounds are
+//! proved, `lower` and `upper` radiosity. Cells know their `surface`, `face` (both from 0, `face` of the input) and `material`. Field data state
 //! software, quantity, unit, options, and the names of materials, a line for each.
 
 use std::io::{self, Write};
@@ -60,6 +61,9 @@ pub(super) fn write(
         Array::numbers("face", of_surface(|surface| surface.face)),
         Array::numbers("material", of_surface(|surface| surface.material)),
     ];
+    if !patches.standard_errors.is_empty() {
+        of_cells.push(Array::floats("standard_error", 1, patches.standard_errors.iter().copied()));
+    }
     if let Some([lower, upper]) = bounds {
         of_cells.extend([Array::floats("lower", channels, lower), Array::floats("upper", channels, upper)]);
     }

@@ -10,7 +10,7 @@ use super::{Evaluator, PipelineError};
 use crate::mesh::{LEAST_GATHERS, LitMesh, MeshIndex, MeshLimit, MeshReader};
 use crate::picture::{self, Camera, Image, Shown};
 use crate::progress::{Observer, Progress, Stop};
-use crate::scene::SurfacePoint;
+use crate::scene::{SurfaceId, SurfacePoint};
 use crate::solve::{RunOptions, Solution, StoppedBy};
 use crate::transmittance::Rays;
 use crate::values::{self, Values};
@@ -50,15 +50,15 @@ impl Evaluator {
     }
 
     /// Radiosities at points, in their order, read off the lit mesh of the solution; `None` if it has none. They are kept within the bounds where
-    /// there are any. A point takes some microseconds; what the function is off is told for the whole alone, so standard errors are not known.
+    /// there are any. A point takes some microseconds. Standard errors are those of elements, see [`MeshPart::standard_errors`](crate::mesh::MeshPart::standard_errors), shared out by the light
+    /// of the channels.
     pub fn mesh_values_at(&self, points: &[SurfacePoint]) -> Option<Values> {
-        let mut radiosity = self.values_of_mesh(self.mesh()?, points);
-        let channels = self.solution.scene().channels();
-        let missed = radiosity.chunks(channels).filter(|value| value[0].is_nan()).count();
+        let (surfaces, numbers) = self.read(self.mesh()?, points, &|| false);
+        let mut values = Values::of_numbers(self.solution.scene(), surfaces.into_iter(), numbers);
         if let Some(bounds) = self.bounds_at(points) {
-            bounds.confine(&mut radiosity);
+            bounds.confine(&mut values.radiosity);
         }
-        Some(Values { channels, standard_error: vec![f32::NAN; radiosity.len()], radiosity, missed, error: None })
+        Some(values)
     }
 
     /// Makes a lit mesh from the values at points, whether the solution has one or not. It is refined until no more than `error`, in the norm of the
@@ -123,32 +123,45 @@ impl Evaluator {
 
     /// The radiosities of a lit mesh of this solution at points, by point and channel; NaN where a point lies on no surface.
     pub fn values_of_mesh(&self, mesh: &LitMesh, points: &[SurfacePoint]) -> Vec<f32> {
-        self.read(mesh, points, &|| false)
+        self.read(mesh, points, &|| false).1.into_iter().map(|[radiosity, _]| radiosity).collect()
     }
 
     /// The same; cancelled by the observer, it returns `None`.
     pub fn values_of_mesh_observed(&self, mesh: &LitMesh, points: &[SurfacePoint], observer: &dyn Observer) -> Option<Vec<f32>> {
-        let values = self.read(mesh, points, &|| observer.cancelled());
-        (!observer.cancelled()).then_some(values)
+        let (_, numbers) = self.read(mesh, points, &|| observer.cancelled());
+        (!observer.cancelled()).then(|| numbers.into_iter().map(|[radiosity, _]| radiosity).collect())
     }
 
-    /// Reads a mesh at points; once it is stopped, nothing more.
-    fn read(&self, mesh: &LitMesh, points: &[SurfacePoint], stop: Stop<'_>) -> Vec<f32> {
+    /// Reads a mesh at points: the surface that each lies on, and radiosities with their standard errors by point and channel. Once it is stopped,
+    /// nothing more.
+    fn read(&self, mesh: &LitMesh, points: &[SurfacePoint], stop: Stop<'_>) -> (Vec<Option<SurfaceId>>, Vec<[f32; 2]>) {
         let Solution { scene, hierarchy, .. } = &self.solution;
         let (reader, tolerance) = (self.reader(mesh), values::tolerance(scene));
-        let of_point = |point: &SurfacePoint| {
-            let (position, normal) = (DVec3::from(point.position), DVec3::from(point.normal));
-            let mut radiosity = vec![f64::NAN; scene.channels()];
-            if let Some(surface) = hierarchy.surface_at(position, normal, tolerance) {
-                reader.radiosity_at(position, surface, &mut radiosity);
-            }
-            radiosity.into_iter().map(|b| b as f32)
-        };
         let of_some = |some: &[SurfacePoint]| {
-            let points = if stop() { &[] } else { some };
-            points.iter().flat_map(of_point).collect::<Vec<f32>>()
+            let (mut surfaces, mut numbers) = (Vec::new(), Vec::new());
+            let (mut radiosity, mut errors) = (vec![f64::NAN; scene.channels()], vec![f64::NAN; scene.channels()]);
+            for point in if stop() { &[] } else { some } {
+                let (position, normal) = (DVec3::from(point.position), DVec3::from(point.normal));
+                let surface = hierarchy.surface_at(position, normal, tolerance);
+                match surface {
+                    Some(surface) => {
+                        reader.radiosity_at(position, surface, &mut radiosity);
+                        reader.standard_errors_at(position, surface, &radiosity, &mut errors);
+                    }
+                    None => [&mut radiosity, &mut errors].into_iter().for_each(|of| of.fill(f64::NAN)),
+                }
+                surfaces.push(surface);
+                numbers.extend(radiosity.iter().zip(&errors).map(|(&b, &error)| [b as f32, error as f32]));
+            }
+            (surfaces, numbers)
         };
-        self.pool.install(|| points.par_chunks(READ_AT_ONCE).flat_map_iter(of_some).collect())
+        let parts: Vec<_> = self.pool.install(|| points.par_chunks(READ_AT_ONCE).map(of_some).collect());
+        let (mut surfaces, mut numbers) = (Vec::with_capacity(points.len()), Vec::with_capacity(points.len() * scene.channels()));
+        for (of_some, numbers_of_some) in parts {
+            surfaces.extend(of_some);
+            numbers.extend(numbers_of_some);
+        }
+        (surfaces, numbers)
     }
 
     /// A picture of a lit mesh of this solution, in linear radiance, without standard errors. Cancelled by the observer, it returns `None`.

@@ -154,8 +154,8 @@ impl Solution {
         let reflects = |surface: &SurfaceId| scene.material_of(*surface).reflects();
         let surfaces: Vec<SurfaceId> = all().filter(reflects).filter(is_wanted).collect();
         let (budget, norm) = (RayBudget::of_values(self.point_rays, self.options.seed), self.options.norm.into());
-        let builder =
-            MeshBuilder { scene, indirect: &indirect, direct, budget, lines, seen, error, norm, limits, tell: &tell, stop };
+        let (indirect, tell, values_off) = (&indirect, &tell, self.error_bars.map(|bars| bars.of_light));
+        let builder = MeshBuilder { scene, indirect, direct, budget, lines, seen, values_off, error, norm, limits, tell, stop };
         builder.build(&surfaces)
     }
 }

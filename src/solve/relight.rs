@@ -45,7 +45,7 @@ impl Solution {
         let of_floats = |values: &[f32]| sum.of(values, f64::from, |sum| sum as f32);
         let cell_radiosities = light.cells.as_ref().map(|cells| cells.mapped(scene.channels(), of_floats));
         let mesh = self.mesh.as_ref().zip(light.mesh.as_ref());
-        let mesh = mesh.map(|(mesh, apart)| mesh.with_reflected(|surface, _| of_floats(&apart[surface])));
+        let mesh = mesh.map(|(mesh, apart)| mesh.with_reflected(|surface, _| of_floats(&apart[surface])).without_errors());
         let cells_fit = |cells: &CellRadiosities| cells.is_valid(cells.cells(), scene.channels());
         if !radiosity.is_in_range()
             || !cell_radiosities.as_ref().is_none_or(cells_fit)
@@ -143,8 +143,9 @@ impl WeightedSum {
         let worst = |worst: ErrorBars, (_, of): (_, &ErrorBars)| ErrorBars {
             noise: worst.noise.max(of.noise),
             bias: worst.bias.max(of.bias),
+            of_light: worst.of_light.max(of.of_light),
         };
-        lit.fold(ErrorBars { noise: 0.0, bias: 0.0 }, worst)
+        lit.fold(ErrorBars { noise: 0.0, bias: 0.0, of_light: 0.0 }, worst)
     }
 }
 

@@ -19,6 +19,8 @@ pub(crate) struct ErrorBars {
     pub noise: f64,
     /// What links or cells are off by, as a part of what they bring: a root mean square.
     pub bias: f64,
+    /// What values are off by beside their noise, as a part of the light at each place, or of typical light where it is darker: a root mean square.
+    pub of_light: f64,
 }
 
 impl ErrorBars {
@@ -31,6 +33,6 @@ impl ErrorBars {
 
     pub fn is_valid(&self) -> bool {
         let is_valid = |x: f64| x.is_finite() && x >= 0.0;
-        is_valid(self.noise) && is_valid(self.bias)
+        is_valid(self.noise) && is_valid(self.bias) && is_valid(self.of_light)
     }
 }

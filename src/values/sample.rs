@@ -12,7 +12,7 @@ use super::gather::{Gather, Gathered, Over, Scratch};
 use super::irradiance_cache::{CacheBuilder, Fitted, IrradianceCache};
 use crate::paths::Place;
 use crate::progress::{Observer, Progress, Stage};
-use crate::scene::{Scene, SurfacePoint};
+use crate::scene::{Scene, SurfaceId, SurfacePoint};
 
 /// Radiosities at points.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +41,25 @@ pub struct ValuesError {
 }
 
 impl Values {
+    /// Of radiosities with their standard errors, by point and channel, on these surfaces; `None` for a point that lies on none.
+    pub(crate) fn of_numbers(scene: &Scene, surfaces: impl Iterator<Item = Option<SurfaceId>>, numbers: Vec<[f32; 2]>) -> Self {
+        let (channels, mut missed, mut squares) = (scene.channels(), 0, Vec::new());
+        for (surface, numbers) in surfaces.zip(numbers.chunks(channels)) {
+            let Some(surface) = surface else {
+                missed += 1;
+                continue;
+            };
+            let of_channels = numbers.iter().zip(&scene.material_of(surface).exitance).map(|(numbers, e)| {
+                let [radiosity, error] = numbers.map(f64::from);
+                [(radiosity - e).powi(2), error.powi(2)]
+            });
+            squares.push(of_channels.fold([0.0; 2], |sum, squares| [sum[0] + squares[0], sum[1] + squares[1]]));
+        }
+        let error = ValuesError::of(&squares);
+        let (radiosity, standard_error) = numbers.into_iter().map(|[radiosity, error]| (radiosity, error)).unzip();
+        Self { channels, radiosity, standard_error, missed, error }
+    }
+
     /// Bytes that so many take, with all that is needed to take them: places, cached irradiance, radiosities and squares of errors.
     pub fn bytes_of(points: usize, channels: usize) -> u64 {
         let of_channel = size_of::<[f32; 2]>() + 2 * size_of::<f32>() + size_of::<Fitted>();
@@ -102,7 +121,6 @@ pub(crate) fn values_at(
         Some(gather.place_at(position, gather.hierarchy.surface_at(position, normal, tolerance)?))
     };
     let places: Vec<Option<Place>> = points.par_iter().map(place).collect();
-    let missed = places.iter().filter(|place| place.is_none()).count();
 
     // The irradiance cache. It may leave fewer rays to points.
     let cache = build_cache(gather, &places, tolerance, observer);
@@ -129,19 +147,7 @@ pub(crate) fn values_at(
         return None;
     }
 
-    // How wrong they are together.
-    let squares = |(place, numbers): (&Option<Place>, &[[f32; 2]])| {
-        let exitance = &gather.scene.material_of(place.as_ref()?.surface).exitance;
-        let of_channels = numbers.iter().zip(exitance).map(|(numbers, e)| {
-            let [radiosity, error] = numbers.map(f64::from);
-            [(radiosity - e).powi(2), error.powi(2)]
-        });
-        Some(of_channels.fold([0.0; 2], |sum, squares| [sum[0] + squares[0], sum[1] + squares[1]]))
-    };
-    let squares: Vec<[f64; 2]> = places.iter().zip(numbers.chunks(channels)).filter_map(squares).collect();
-    let error = ValuesError::of(&squares);
-    let (radiosity, standard_error) = numbers.into_iter().map(|[radiosity, error]| (radiosity, error)).unzip();
-    Some(Values { channels, radiosity, standard_error, missed, error })
+    Some(Values::of_numbers(gather.scene, places.iter().map(|place| place.as_ref().map(|place| place.surface)), numbers))
 }
 
 /// The irradiance cache of some places, over cells.

@@ -26,6 +26,9 @@ pub enum patchlight_mesh_array {
     PATCHLIGHT_MESH_ELEMENT_NODES = 3,
     /// For each element the surface that it lies on.
     PATCHLIGHT_MESH_ELEMENT_SURFACE = 4,
+    /// For each element the standard error of what is read there, in W/m^2, all channels together: the root of the sum of their squares, in the mean
+    /// over the element. NaN where it is not known, as with other weights of light groups.
+    PATCHLIGHT_MESH_ELEMENT_ERROR = 5,
 }
 
 use patchlight_mesh_array::*;
@@ -46,6 +49,7 @@ pub unsafe extern "C" fn patchlight_mesh_get_array(
             _ if what == PATCHLIGHT_MESH_RADIOSITY as u32 => (lit.nodes(), Components::Reals(scene.channels())),
             _ if what == PATCHLIGHT_MESH_ELEMENT_NODES as u32 => (lit.elements(), Components::Wholes(6)),
             _ if what == PATCHLIGHT_MESH_ELEMENT_SURFACE as u32 => (lit.elements(), Components::Wholes(1)),
+            _ if what == PATCHLIGHT_MESH_ELEMENT_ERROR as u32 => (lit.elements(), Components::Reals(1)),
             _ => return Err(Ending::argument(format_args!("what is {what}, which is no patchlight_mesh_array"))),
         };
         // SAFETY: The contract of the header.
@@ -57,6 +61,9 @@ pub unsafe extern "C" fn patchlight_mesh_get_array(
                 target.write_reals(parts.flat_map(|part| part.radiosity).map(f64::from));
             }
             _ if what == PATCHLIGHT_MESH_ELEMENT_NODES as u32 => target.write_wholes(lit.element_nodes().flatten()),
+            _ if what == PATCHLIGHT_MESH_ELEMENT_ERROR as u32 => {
+                target.write_reals(parts.flat_map(|part| part.standard_errors).map(f64::from));
+            }
             _ => target.write_wholes(parts.flat_map(|part| repeat_n(part.surface, part.elements.len()))),
         }
         Ok(())

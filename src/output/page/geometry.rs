@@ -1,5 +1,6 @@
 //! What a page draws, as arrays: the elements of the lit mesh and all other surfaces, or the elements of the solver.
 
+use crate::mesh::MeshPart;
 use crate::solve::Solution;
 
 /// Nodes, elements and triangles; see the format of the page.
@@ -9,6 +10,8 @@ pub(super) struct Geometry {
     pub channels: usize,
     pub positions: Vec<f32>,
     pub radiosity: Vec<f32>,
+    /// By node, the standard error of the radiosity, all channels together: the mean over the elements that meet there. Empty where it is not known.
+    pub errors: Vec<f32>,
     pub elements: Vec<u32>,
     pub triangles: Vec<u32>,
     pub element_runs: Vec<u32>,
@@ -18,6 +21,18 @@ pub(super) struct Geometry {
 /// The channels that are shown of these numbers: all three, or the mean.
 pub(super) fn shown(numbers: &[f64]) -> Vec<f64> {
     if numbers.len() == 3 { numbers.to_vec() } else { vec![numbers.iter().sum::<f64>() / numbers.len() as f64] }
+}
+
+/// The standard errors at the nodes of a part: the means over the elements that meet there.
+fn errors_at_nodes(part: &MeshPart<'_>) -> Vec<f32> {
+    let mut sums = vec![(0.0, 0.0); part.nodes.len()];
+    for (nodes, error) in part.elements.iter().zip(&part.standard_errors) {
+        nodes.iter().for_each(|&node| {
+            let (sum, count) = &mut sums[node as usize];
+            (*sum, *count) = (*sum + error, *count + 1.0);
+        });
+    }
+    sums.into_iter().map(|(sum, count)| sum / count).collect()
 }
 
 impl Geometry {
@@ -30,6 +45,7 @@ impl Geometry {
             return geometry;
         };
 
+        let mut errors = Vec::new();
         let mut has_elements = vec![false; scene.surfaces().len()];
         for part in mesh.parts(scene) {
             has_elements[part.surface as usize] = true;
@@ -37,6 +53,7 @@ impl Geometry {
             for (node, radiosity) in part.nodes.iter().zip(part.radiosity.chunks(scene.channels())) {
                 geometry.add_node(node, radiosity);
             }
+            errors.extend(errors_at_nodes(&part));
             geometry.elements.extend(part.elements.iter().flatten().map(|node| first + node));
             geometry.element_runs.extend([part.surface, part.elements.len() as u32]);
         }
@@ -46,6 +63,10 @@ impl Geometry {
             let exitance: Vec<f32> = scene.materials()[surface.material as usize].exitance.iter().map(|&e| e as f32).collect();
             let vertices: Vec<[f64; 3]> = surface.polygon.vertices().collect();
             geometry.add_polygon(&vertices, number as u32, &exitance);
+        }
+        if errors.iter().any(|error: &f32| error.is_finite()) {
+            errors.resize(geometry.nodes() as usize, 0.0);
+            geometry.errors = errors;
         }
         geometry
     }

@@ -8,6 +8,7 @@
 //! | `facts-data` | JSON: title, materials, camera, options, counts, errors, and the run's report where there is one |
 //! | `positions` | base64 of little-endian `f32`, three for each node, in metres |
 //! | `radiosity` | base64 of `f32`, one or three for each node, in W/m^2 |
+//! | `standard-errors` | base64 of `f32`, for each node the standard error of its radiosity, channels together; empty where it is not known |
 //! | `elements` | base64 of `u32`: six nodes of each element of the lit mesh |
 //! | `triangles` | base64 of `u32`: three nodes of each triangle of surfaces without elements, or of the solver's elements |
 //! | `element-runs`, `triangle-runs` | base64 of `u32`: the surface that so many of these in a row are on, and how many |
@@ -92,6 +93,7 @@ fn write_data(writer: &mut impl Write, page: &Page<'_>, provenance: &Provenance)
     for (id, bytes) in [
         ("positions", of_floats(&geometry.positions)),
         ("radiosity", of_floats(&geometry.radiosity)),
+        ("standard-errors", of_floats(&geometry.errors)),
         ("elements", of_numbers(&geometry.elements)),
         ("triangles", of_numbers(&geometry.triangles)),
         ("element-runs", of_numbers(&geometry.element_runs)),
