@@ -83,13 +83,6 @@ impl<'a> Checked<'a> {
         if !LitMesh::are_in_range(reflected) {
             return Err("a radiosity is not finite at a node".to_owned());
         }
-        let errors = self.mesh.errors();
-        if !errors.is_empty() && errors.len() != self.mesh.triangles().len() {
-            return Err("there are too many or too few standard errors of elements".to_owned());
-        }
-        if !errors.iter().all(|error| error.is_finite() && *error >= 0.0) {
-            return Err("a standard error is negative, or not finite, in an element".to_owned());
-        }
         if !nodes.iter().all(|&at| self.is_inside(at)) {
             return Err("a node lies outside of the polygon".to_owned());
         }
@@ -99,6 +92,13 @@ impl<'a> Checked<'a> {
         }
         if (filled - self.area).abs() > self.perimeter * self.tolerance {
             return Err("elements do not fill the polygon".to_owned());
+        }
+        let errors = self.mesh.errors();
+        if !errors.is_empty() && errors.len() != self.mesh.triangles().len() {
+            return Err("there are too many or too few standard errors of elements".to_owned());
+        }
+        if !errors.iter().all(|error| error.is_finite() && *error >= 0.0) {
+            return Err("a standard error is negative, or not finite, in an element".to_owned());
         }
         Ok(())
     }

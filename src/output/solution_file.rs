@@ -17,18 +17,19 @@
 //! Fields have no names in the encoding, so any change of the stored types needs a new format version.
 //!
 //! Nothing in the file is trusted before it is checked: magic, version, length and CRC first, then the body must decode without a byte left
-//! over, then [`Solution::restored`] must agree. Memory is taken as bytes arrive, not as the file announces them. What follows from the scene
+//! over, then `Solution::restored` must agree. Memory is taken as bytes arrive, not as the file announces them. What follows from the scene
 //! and the leaves, such as sizes of nodes and what clusters send, is not stored but found again. What passes may tell a wrong answer, but takes
 //! no more memory or time than a solution of its size does.
 
 use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
 use thiserror::Error;
 
 use super::framed::{Frame, FrameError};
 use super::{Provenance, Quantity};
-use crate::solve::Solution;
+use crate::solve::{Solution, StoredSolution};
 
 /// The version that this software writes and reads.
 pub const SOLUTION_FORMAT_VERSION: u32 = 20;
@@ -96,6 +97,14 @@ pub fn write_solution(writer: &mut (impl Write + Seek), solution: &Solution, pro
     FRAME.write(writer, &(provenance.lines(Quantity::Radiosity), solution))
 }
 
+/// The body of a file.
+#[derive(Deserialize)]
+struct Body {
+    _provenance: String,
+    #[serde(with = "StoredSolution")]
+    solution: Solution,
+}
+
 /// Reads the solution at `path` and validates it.
 ///
 /// # Errors
@@ -112,7 +121,7 @@ pub fn read_solution(path: &Path) -> Result<Solution, SolutionFileError> {
 pub fn read_solution_from(reader: impl Read, path: &Path) -> Result<Solution, SolutionFileError> {
     let path = || path.to_owned();
     let damaged = |reason| SolutionFileError::Damaged { path: path(), reason };
-    let (_, solution): (String, Solution) = FRAME.read(reader).map_err(|error| match error {
+    let Body { solution, .. } = FRAME.read(reader).map_err(|error| match error {
         FrameError::Read(source) => SolutionFileError::Read { path: path(), source },
         FrameError::OtherKind => SolutionFileError::NotASolution(path()),
         FrameError::WrongVersion(found) => SolutionFileError::WrongVersion { path: path(), found },

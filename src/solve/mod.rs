@@ -57,6 +57,7 @@ pub use report::{
     LitMeshReport, SkippedWork, SolveReport, StageTimes, StoppedBy, TransportReport,
 };
 pub use solution::Solution;
+pub(crate) use solution::StoredSolution;
 
 use std::time::Instant;
 

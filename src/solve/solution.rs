@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::grouped_light::GroupedLight;
 use super::interest::InitialImportance;
@@ -26,8 +26,8 @@ use crate::values::{ErrorBars, FinalGather, Gather, LinkGather, Over, RayBudget,
 
 /// The answer: scene, hierarchy, links, radiosities and the options they were found with.
 ///
-/// Deserializing trusts nothing: [`Solution::restored`] must pass before it is used.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// What follows from the scene and the leaves is not serialized. Deserializing makes it anew, and fails where something does not fit that later stages rely on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Solution {
     pub(crate) scene: Scene,
     pub(crate) options: SolveOptions,
@@ -52,6 +52,34 @@ pub struct Solution {
     /// What paths bring, if that was to be kept.
     #[serde(with = "shared")]
     pub(crate) transport: Option<Arc<Transport>>,
+}
+
+/// A solution as it is stored: nothing is checked yet, and [`Solution::restored`] must pass before it is used.
+#[derive(Deserialize)]
+#[serde(remote = "Solution")]
+pub(crate) struct StoredSolution {
+    scene: Scene,
+    options: SolveOptions,
+    hierarchy: Hierarchy,
+    links: LinkSet,
+    exposure: Exposure,
+    lights: LightIrradiance,
+    radiosity: Radiosity,
+    point_rays: u32,
+    resolution: Resolution,
+    cell_radiosities: Option<CellRadiosities>,
+    error_bars: Option<ErrorBars>,
+    bounds: Option<RadiosityBounds>,
+    mesh: Option<LitMesh>,
+    groups: Option<GroupedLight>,
+    #[serde(with = "shared")]
+    transport: Option<Arc<Transport>>,
+}
+
+impl<'de> Deserialize<'de> for Solution {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        StoredSolution::deserialize(deserializer)?.restored().map_err(serde::de::Error::custom)
+    }
 }
 
 /// What is shared is stored as if it were not.
@@ -232,7 +260,7 @@ impl Solution {
     ///
     /// # Errors
     /// Says what is wrong.
-    pub fn restored(mut self) -> Result<Self, String> {
+    pub(crate) fn restored(mut self) -> Result<Self, String> {
         self.scene.validate()?;
         self.options.validate().map_err(|error| error.to_string())?;
         self.hierarchy.restore(&self.scene)?;

@@ -9,7 +9,7 @@ use patchlight::progress::Silent;
 use patchlight::scene::SurfacePoint;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::scene::{Material, Scene, Sides};
-use patchlight::solve::{RunOptions, Solution, SolveOptions, SolveReport};
+use patchlight::solve::{RunOptions, SolveOptions, SolveReport};
 
 use crate::triangles::{Random, add, cross, sub, times, unit};
 
@@ -218,8 +218,7 @@ pub fn regathered(evaluator: &Evaluator, rays: u32, seed: u64) -> Evaluator {
     let mut fields = serde_json::to_value(evaluator.solution()).unwrap();
     fields["point_rays"] = rays.into();
     fields["options"]["seed"] = seed.into();
-    let stored: Solution = serde_json::from_value(fields).unwrap();
-    Evaluator::new(stored.restored().unwrap(), &RunOptions::default()).unwrap()
+    Evaluator::new(serde_json::from_value(fields).unwrap(), &RunOptions::default()).unwrap()
 }
 
 /// Radiosities at points of known surfaces, in f64.
