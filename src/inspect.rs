@@ -4,13 +4,19 @@
 //! tells that light is lost there that should be reflected: most often the face is wound the wrong way. A point from which nearly
 //! all rays meet backs lies inside of a closed object, like the floor under a box: that is no mistake, and its rays do not count.
 //! Rays that meet nothing measure how open the scene is. Shares are sampled, to about 1/sqrt(rays), without a guarantee. The points
-//! come from an Owen-scrambled Sobol sequence (B. Burley, JCGT 9(4), 2020), so the same scene gives the same answer.
+//! come from an Owen-scrambled Sobol sequence (B. Burley, JCGT 9(4), 2020), so the same scene gives the same answer. Faces that cover one place
+//! are found exactly (`overlaps`); what was found of each face can be drawn (`findings`).
+
+mod findings;
+mod overlaps;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::DVec3;
 
+pub use self::findings::{FindingClass, Findings};
+use self::overlaps::overlapping_faces;
 use crate::geometry::Frame;
 use crate::scene::Scene;
 use crate::scene::import::{Diagnostic, DiagnosticKind};
@@ -32,12 +38,14 @@ const SHARE_WORTH_TELLING: f64 = 0.005;
 const NAMED_FACES: usize = 5;
 
 /// What the rays met.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Inspection {
     /// How many points rays were cast from.
     pub points: u32,
     /// How many of them lie inside of closed objects.
     pub inside: u32,
+    /// Where these are, in metres.
+    pub inside_at: Vec<[f64; 3]>,
     /// How many rays left the other points.
     pub rays: u32,
     /// How many of these rays left the scene.
@@ -46,6 +54,8 @@ pub struct Inspection {
     pub met_back: u32,
     /// The faces whose backs were met: 0-based number in the input and how often, the most met first.
     pub back_faces: Vec<(u32, u32)>,
+    /// Faces that lie in the front of others, nearer than visibility tells apart: the 0-based number of each, ascending, and that of one other.
+    pub overlapping: Vec<(u32, u32)>,
 }
 
 /// Casts rays from `points` points (at least one) on the surfaces of `scene`; `visibility` must be of that scene.
@@ -88,13 +98,15 @@ pub fn inspect(scene: &Scene, visibility: &dyn Visibility, points: u32) -> Inspe
         let behind = surface.polygon.facet().normal.dot(DVec3::from(ray.direction)) > 0.0;
         (surface.twin.is_none() && behind).then_some(surface)
     };
-    let mut inspection = Inspection { points, inside: 0, rays: 0, escaped: 0, met_back: 0, back_faces: Vec::new() };
+    let overlapping = overlapping_faces(scene);
+    let mut inspection = Inspection { points, overlapping, ..Inspection::default() };
     let mut met: BTreeMap<u32, u32> = BTreeMap::new();
     let per_point = RAYS_PER_POINT as usize;
     for (rays, hits) in queries.chunks(per_point).zip(hits.chunks(per_point)) {
         let backs: Vec<_> = rays.iter().zip(hits).filter_map(|(ray, hit)| back(ray, hit)).collect();
         if backs.len() >= RAYS_OF_INSIDE as usize {
             inspection.inside += 1;
+            inspection.inside_at.push(rays[0].origin);
             continue;
         }
         inspection.rays += RAYS_PER_POINT;
@@ -110,11 +122,23 @@ pub fn inspect(scene: &Scene, visibility: &dyn Visibility, points: u32) -> Inspe
 }
 
 impl Inspection {
+    /// A number of rays as a part of all.
+    fn share(&self, rays: u32) -> f64 {
+        f64::from(rays) / f64::from(self.rays.max(1))
+    }
+
+    /// The part of the area that lies inside of closed objects, if it is worth telling.
+    fn inside_share(&self) -> Option<f64> {
+        let share = f64::from(self.inside) / f64::from(self.points.max(1));
+        (share >= SHARE_WORTH_TELLING).then_some(share)
+    }
+
     /// What a user should be told. `lines` holds the line of each face in `file`, see
     /// [`Imported::lines`](crate::scene::import::Imported::lines).
     pub fn suspicions(&self, file: &Path, lines: &[u32]) -> Vec<Diagnostic> {
-        let share = |count: u32| f64::from(count) / f64::from(self.rays.max(1));
+        let share = |count| self.share(count);
         let percent = |count| format!("{:.1}%", 100.0 * share(count));
+        let line_of = |face: u32| lines.get(face as usize).copied().unwrap_or(0);
         let mut diagnostics = Vec::new();
 
         // The worst faces with their lines.
@@ -128,13 +152,16 @@ impl Inspection {
                         self.back_faces.len()
                     );
                 }
-                let line = lines.get(face as usize).copied().unwrap_or(0);
-                diagnostics.push(Diagnostic::new(DiagnosticKind::BackFaceSeen, text).at(file, line).face(face + 1));
+                diagnostics.push(Diagnostic::new(DiagnosticKind::BackFaceSeen, text).at(file, line_of(face)).face(face + 1));
             }
         }
 
-        let inside = f64::from(self.inside) / f64::from(self.points);
-        if inside >= SHARE_WORTH_TELLING {
+        for &(face, other) in &self.overlapping {
+            let text = format!("lies in the front of face {}: light that arrives there arrives at both", other + 1);
+            diagnostics.push(Diagnostic::new(DiagnosticKind::Overlap, text).at(file, line_of(face)).face(face + 1));
+        }
+
+        if let Some(inside) = self.inside_share() {
             let text = format!("{:.1}% of the area lies inside of closed objects, where no light comes", 100.0 * inside);
             diagnostics.push(Diagnostic::new(DiagnosticKind::Inside, text).at(file, 0));
         }

@@ -2,6 +2,7 @@
 
 mod baking;
 mod error;
+mod findings;
 mod hurried;
 mod of_mesh;
 mod pictures;
@@ -11,6 +12,7 @@ mod vertices;
 mod workers;
 
 pub use error::PipelineError;
+pub use findings::picture_of_findings;
 pub use of_mesh::ViewMesh;
 pub use workers::Workers;
 

@@ -170,10 +170,64 @@ fn a_vtp_of_a_mesh_has_point_data() {
     export_mesh(&mut file, ExportFormat::Vtp, solution, mesh, &Provenance::new(solution.options())).unwrap();
     let arrays = arrays(&file);
     let names: Vec<&str> = arrays.iter().map(|array| array.0.as_str()).collect();
-    assert_eq!(names, ["radiosity", "irradiance", "surface", "face", "material", "Points", "connectivity", "offsets"]);
+    let of_cells = ["surface", "face", "material", "object", "group"];
+    assert_eq!(names, [&["radiosity", "irradiance"][..], &of_cells, &["Points", "connectivity", "offsets"]].concat());
     let radiosity: Vec<f32> = mesh.parts(solution.scene()).flat_map(|part| part.radiosity).collect();
     assert!(arrays[0].2 == radiosity.iter().flat_map(|b| b.to_le_bytes()).collect::<Vec<u8>>());
     assert_eq!(arrays[2].2.len(), 8 * 4 * mesh.elements());
+}
+
+#[test]
+fn files_tell_faces_and_names_of_the_input() {
+    let evaluator = lit_room();
+    let (solution, mesh) = (evaluator.solution(), evaluator.mesh().unwrap());
+    let (scene, provenance) = (solution.scene(), Provenance::new(solution.options()));
+    let written = |format: ExportFormat, of_mesh: bool| {
+        let mut file = Vec::new();
+        match of_mesh {
+            true => export_mesh(&mut file, format, solution, mesh, &provenance).unwrap(),
+            false => export_elements(&mut file, format, solution, &provenance).unwrap(),
+        }
+        file
+    };
+    for of_mesh in [false, true] {
+        // Cells of the one, by number of the list of names; -1 is no name.
+        let file = written(ExportFormat::Vtp, of_mesh);
+        let arrays = arrays(&file);
+        let of = |name: &str| -> Vec<i64> {
+            let array = arrays.iter().find(|array| array.0 == name).unwrap();
+            array.2.chunks(8).map(|bytes| i64::from_le_bytes(bytes.try_into().unwrap())).collect()
+        };
+        for (k, &surface) in of("surface").iter().enumerate() {
+            let surface = &scene.surfaces()[surface as usize];
+            let object = i64::from(surface.face == 6);
+            assert_eq!((of("face")[k], of("object")[k], of("group")[k]), (surface.face.into(), object, -1));
+        }
+        let names = b"Name=\"objects\" NumberOfTuples=\"1\" format=\"ascii\">119 97 108 108 115 10 108 97 109 112 0<";
+        assert!(file.windows(names.len()).any(|part| part == names));
+
+        // Faces of another, behind what else it tells of them; the last is the lamp.
+        let file = written(ExportFormat::Ply, of_mesh);
+        let end = file.windows(11).position(|bytes| bytes == b"end_header\n").unwrap();
+        let header = std::str::from_utf8(&file[..end]).unwrap();
+        for line in ["comment material 0 wall", "comment object 1 lamp", "property uint face", "property int group"] {
+            assert!(header.lines().any(|found| found == line), "{header}");
+        }
+        let numbers: Vec<i32> =
+            file[file.len() - 16..].chunks(4).map(|bytes| i32::from_le_bytes(bytes.try_into().unwrap())).collect();
+        assert_eq!(numbers, [6, 1, 1, -1]);
+
+        // Vertices of the third; nodes have the names.
+        let file = written(ExportFormat::Glb, of_mesh);
+        let (json, binary) = chunks(&file);
+        for (node, mesh) in json["nodes"].as_array().unwrap().iter().zip(json["meshes"].as_array().unwrap()) {
+            let faces = floats(&json, binary, &mesh["primitives"][0]["attributes"]["_FACE"]);
+            assert!(!faces.is_empty());
+            let is_lamp = node["extras"]["object"] == "lamp";
+            assert_eq!(node["extras"]["material"], if is_lamp { "lamp" } else { "wall" });
+            assert!(faces.iter().all(|&face| (face == 6.0) == is_lamp && face < 7.0 && face.fract() == 0.0));
+        }
+    }
 }
 
 /// Reads a Radiance picture with run-length encoded scan lines.

@@ -181,7 +181,10 @@ fn read_ply(file: &[u8]) -> (Vec<String>, Vec<PlyFace>) {
             let corners = usize::from(take(1)[0]);
             let corners = (0..corners).map(|_| vertices[u32::from_le_bytes(take(4).try_into().unwrap()) as usize]).collect();
             let surface = u32::from_le_bytes(take(4).try_into().unwrap());
-            (corners, surface, (0..channels).map(|_| f32::from_le_bytes(take(4).try_into().unwrap())).collect())
+            let radiosity = (0..channels).map(|_| f32::from_le_bytes(take(4).try_into().unwrap())).collect();
+            // Face, material, object, group; the scene names no objects.
+            assert_eq!(take(16)[8..], [255; 8]);
+            (corners, surface, radiosity)
         })
         .collect();
     assert!(data.is_empty(), "{} bytes are left over", data.len());

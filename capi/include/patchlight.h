@@ -282,6 +282,8 @@ enum patchlight_diagnostic_code
   PATCHLIGHT_UNKNOWN_KEYWORD = 105,
   // Points, lines, curves and curved surfaces were left out.
   PATCHLIGHT_IGNORED_ELEMENT = 106,
+  // A face lies in the front of another, nearer than visibility tells apart.
+  PATCHLIGHT_OVERLAP = 107,
   // Part of the light leaves the scene.
   PATCHLIGHT_OPEN = 200,
   // Corners were moved onto the plane of their face by less than the digits of a file are worth.

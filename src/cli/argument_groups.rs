@@ -133,15 +133,22 @@ pub enum Texture {
     Reject,
 }
 
-/// How pictures are taken.
+/// Where pictures are taken from.
 #[derive(Debug, Default, Args)]
-pub struct PictureArguments {
+pub struct ViewArguments {
     /// 'eye=x,y,z target=x,y,z up=x,y,z fov=degrees'; what is left out is chosen to show the scene
     #[arg(long, value_name = "CAMERA")]
     pub camera: Option<String>,
     /// Width and height in pixels [default: 960x720]
     #[arg(long, value_name = "WxH")]
     pub size: Option<String>,
+}
+
+/// How pictures are taken.
+#[derive(Debug, Default, Args)]
+pub struct PictureArguments {
+    #[command(flatten)]
+    pub view: ViewArguments,
     /// PNG: auto, or the exposure value EV; radiances are multiplied by 2^EV [default: auto]
     #[arg(long, value_name = "EV", allow_hyphen_values = true)]
     pub exposure: Option<String>,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use super::argument_groups::{PictureArguments, RunArguments, SettingArguments, TrustArguments, Whence, WhoseUv};
+use super::argument_groups::{PictureArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments, Whence, WhoseUv};
 use super::option_help::{self, EXIT_CODES};
 
 /// Hierarchical radiosity: lights polygonal scenes, and tells how wrong the answer can be.
@@ -385,6 +385,11 @@ pub struct InfoArguments {
     /// Lights that are no surfaces, beside those of the scene's own file: a TOML file, see docs/lights.md
     #[arg(long, value_name = "LIGHTS.toml")]
     pub lights: Option<PathBuf>,
+    /// Draw the scene, whatever its light, with faces in colours of what was found about them, and a key to these on its right: .png
+    #[arg(long, value_name = "FILE.png")]
+    pub image: Option<PathBuf>,
+    #[command(flatten)]
+    pub view: ViewArguments,
     #[command(flatten)]
     pub trust: TrustArguments,
 }

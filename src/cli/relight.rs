@@ -63,7 +63,7 @@ impl RelightRequest {
         let picture = if typed.image.is_empty() {
             let flags = &typed.picture;
             let of_pngs = [&flags.exposure, &flags.scale, &flags.show];
-            if of_pngs.into_iter().chain([&flags.camera, &flags.size, &flags.quantity]).any(Option::is_some) {
+            if of_pngs.into_iter().chain([&flags.view.camera, &flags.view.size, &flags.quantity]).any(Option::is_some) {
                 return Err(Failure::usage("--camera, --size, --exposure, --quantity, --scale and --show need --image FILE"));
             }
             None

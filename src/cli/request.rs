@@ -7,7 +7,7 @@ use patchlight::picture::{Camera, CameraRequest};
 use patchlight::scene::import::ImportOptions;
 use patchlight::solve::{Bounds, Interest, RunOptions, SolveOptions};
 
-use super::argument_groups::{PictureArguments, Whence};
+use super::argument_groups::{PictureArguments, ViewArguments, Whence};
 use super::arguments::{ExportArguments, RenderArguments, ReportArguments, SampleArguments, SolveArguments};
 use super::exit::Failure;
 use super::files::{Outputs, Sink};
@@ -44,8 +44,7 @@ pub enum Show {
 impl PictureRequest {
     /// Validates what was typed of a picture in these files.
     pub fn new(paths: &[PathBuf], typed: &PictureArguments, outputs: &mut Outputs) -> Result<Self, Failure> {
-        let camera = typed.camera.as_deref().unwrap_or("").parse().map_err(Failure::usage)?;
-        let size = typed.size.as_deref().map_or(Ok(DEFAULT_SIZE), parse_size)?;
+        let (camera, size) = view(&typed.view)?;
         let quantity = typed.quantity.as_deref().map_or(Ok(Quantity::Radiance), parse_quantity)?;
         let formats: Vec<ImageFormat> =
             paths.iter().map(|path| ImageFormat::of_path(path)).collect::<Result<_, _>>().map_err(Failure::usage)?;
@@ -54,13 +53,6 @@ impl PictureRequest {
         }
         let look = look(typed, quantity, &formats, size)?;
         let show = typed.show.as_deref().map(parse_show).transpose()?;
-        // A view that is given in full can be judged before the scene is known.
-        if let CameraRequest { eye: Some(eye), target: Some(target), up, field_of_view_degrees } = camera {
-            let up = up.unwrap_or(if eye[0] == target[0] && eye[2] == target[2] { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] });
-            let field_of_view_degrees = field_of_view_degrees.unwrap_or(45.0);
-            let camera = Camera { eye, target, up, field_of_view_degrees, width: size.0, height: size.1 };
-            camera.validate().map_err(Failure::usage)?;
-        }
         let destinations: Vec<Destination> = paths.iter().map(|path| outputs.file(path)).collect::<Result<_, _>>()?;
         let files = destinations.into_iter().zip(formats).collect();
         Ok(Self { files, camera, size, look, quantity, from: typed.from, show, error: None })
@@ -89,7 +81,7 @@ pub struct SolveRequest {
 impl SolveRequest {
     /// Validates what was typed.
     pub fn new(typed: SolveArguments) -> Result<Self, Failure> {
-        let mut settings = Settings::new(&typed.settings, &typed.run, typed.picture.camera.as_deref())?;
+        let mut settings = Settings::new(&typed.settings, &typed.run, typed.picture.view.camera.as_deref())?;
         if typed.mesh.is_some() {
             settings.want_mesh(&typed.settings)?;
         }
@@ -150,9 +142,9 @@ impl SolveRequest {
     fn picture(typed: &SolveArguments, options: &SolveOptions, outputs: &mut Outputs) -> Result<Option<PictureRequest>, Failure> {
         let flags = &typed.picture;
         if typed.image.is_empty() {
-            let camera = flags.camera.as_ref().filter(|_| !matches!(options.importance, Interest::View(_)));
+            let camera = flags.view.camera.as_ref().filter(|_| !matches!(options.importance, Interest::View(_)));
             let of_pngs = [flags.exposure.as_ref(), flags.scale.as_ref(), flags.show.as_ref()];
-            let typed = [camera, flags.size.as_ref(), flags.quantity.as_ref()];
+            let typed = [camera, flags.view.size.as_ref(), flags.quantity.as_ref()];
             if flags.from.is_some() || typed.iter().chain(&of_pngs).any(|flag| flag.is_some()) {
                 return Err(Failure::usage(
                     "--camera, --size, --exposure, --quantity, --scale, --from and --show need --image FILE",
@@ -172,6 +164,20 @@ impl SolveRequest {
         }
         Ok(Some(picture))
     }
+}
+
+/// A view as typed.
+pub fn view(typed: &ViewArguments) -> Result<(CameraRequest, (u32, u32)), Failure> {
+    let camera = typed.camera.as_deref().unwrap_or("").parse().map_err(Failure::usage)?;
+    let size = typed.size.as_deref().map_or(Ok(DEFAULT_SIZE), parse_size)?;
+    // One that is given in full can be judged before the scene is known.
+    if let CameraRequest { eye: Some(eye), target: Some(target), up, field_of_view_degrees } = camera {
+        let up = up.unwrap_or(if eye[0] == target[0] && eye[2] == target[2] { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] });
+        let field_of_view_degrees = field_of_view_degrees.unwrap_or(45.0);
+        let camera = Camera { eye, target, up, field_of_view_degrees, width: size.0, height: size.1 };
+        camera.validate().map_err(Failure::usage)?;
+    }
+    Ok((camera, size))
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), Failure> {

@@ -1,7 +1,8 @@
 //! The lit scene as binary glTF 2.0 (`.glb`), which shows it as it is in every viewer.
 //!
 //! A node with a mesh for each object and material, by their names. Vertices have `COLOR_0`, linear radiances times `2^EV`, at most 1, which materials show
-//! unlit (KHR_materials_unlit); and `_RADIOSITY`, in W/m^2 as it is, up to four channels a vector (numbered `_RADIOSITY_0`, ... where there are more).
+//! unlit (KHR_materials_unlit); and `_RADIOSITY`, in W/m^2 as it is, up to four channels a vector (numbered `_RADIOSITY_0`, ... where there are more); and
+//! `_FACE`, the number of their face in the input from 0, a float, as the format asks for: exact up to 2^24. `extras` of nodes name object and material.
 //! `asset.extras` states software, quantity, unit, options and the exposure EV: positions are floats, in metres.
 
 use std::collections::{BTreeMap, HashMap};
@@ -91,10 +92,10 @@ pub(super) fn write(writer: &mut impl Write, patches: &Patches<'_>, provenance: 
     let scene = patches.scene;
 
     // Patches by object and material.
-    let mut parts: BTreeMap<(Option<usize>, u32), Vec<&[u32]>> = BTreeMap::new();
+    let mut parts: BTreeMap<(Option<usize>, u32), Vec<(u32, &[u32])>> = BTreeMap::new();
     for (surface, corners) in patches.iter() {
         let of = &scene.surfaces()[surface as usize];
-        parts.entry((scene.objects().of(of.face), of.material)).or_default().push(corners);
+        parts.entry((scene.objects().of(of.face), of.material)).or_default().push((of.face, corners));
     }
 
     // A mesh and a node for each, and the materials that they have.
@@ -114,22 +115,25 @@ pub(super) fn write(writer: &mut impl Write, patches: &Patches<'_>, provenance: 
         });
         let name = object.map_or(&of_scene.name, |object| &scene.objects().names()[object]);
         meshes.push(json!({ "name": name, "primitives": [primitive(&mut file, patches, &part, number, scale)] }));
-        nodes.push(json!({ "name": name, "mesh": meshes.len() - 1 }));
+        let object = object.map(|object| &scene.objects().names()[object]);
+        let extras = json!({ "object": object, "material": of_scene.name });
+        nodes.push(json!({ "name": name, "mesh": meshes.len() - 1, "extras": extras }));
     }
 
     let parts = json!({ "nodes": nodes, "meshes": meshes, "materials": materials });
     file.write(writer, parts, (Quantity::Radiosity, ev), provenance)
 }
 
-/// A primitive of triangles: fans of the patches, with vertices of its own.
-fn primitive(file: &mut File, patches: &Patches<'_>, part: &[&[u32]], material: usize, scale: f64) -> Value {
+/// A primitive of triangles: fans of the patches, each with the number of its face, with vertices of its own.
+fn primitive(file: &mut File, patches: &Patches<'_>, part: &[(u32, &[u32])], material: usize, scale: f64) -> Value {
     let mut own: HashMap<u32, u32> = HashMap::new();
-    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
-    for corners in part {
+    let (mut vertices, mut faces, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    for (face, corners) in part {
         let numbers: Vec<u32> = (corners.iter())
             .map(|&corner| {
                 *own.entry(corner).or_insert_with(|| {
                     vertices.push(corner);
+                    faces.push(*face as f32);
                     vertices.len() as u32 - 1
                 })
             })
@@ -148,7 +152,8 @@ fn primitive(file: &mut File, patches: &Patches<'_>, part: &[&[u32]], material: 
         <[f32; 3]>::try_from(radiosity).unwrap_or(mean).map(|b| (f64::from(b) * scale).min(1.0) as f32)
     };
     let colours = file.accessor(floats(vertices.iter().flat_map(colour).collect()), FLOAT, 3, json!({}));
-    let mut attributes = json!({ "POSITION": corners, "COLOR_0": colours });
+    let faces = file.accessor(floats(faces), FLOAT, 1, json!({}));
+    let mut attributes = json!({ "POSITION": corners, "COLOR_0": colours, "_FACE": faces });
     let channels = patches.scene.channels();
     let columns =
         |from: usize, to: usize| vertices.iter().flat_map(|&vertex| patches.radiosity_at(vertex)[from..to].to_vec()).collect();

@@ -1,7 +1,7 @@
 //! The scene with its lightmap as binary glTF 2.0: every viewer shows it as it is lit.
 //!
 //! A node with a mesh for each object and page. Vertices have coordinates on the page as `TEXCOORD_1`, where engines look for lightmaps, and the same as
-//! `TEXCOORD_0`, which the format asks for; materials show the page unlit (KHR_materials_unlit), exposed and in sRGB. `asset.extras` states what a
+//! `TEXCOORD_0`, which the format asks for, and as `_FACE` the number of their face in the input from 0; materials show the page unlit (KHR_materials_unlit), exposed and in sRGB. `asset.extras` states what a
 //! lightmap's file states, and the exposure EV.
 
 use std::collections::BTreeMap;
@@ -42,7 +42,7 @@ pub fn write_lightmap_glb(
     let (mut meshes, mut nodes) = (Vec::new(), Vec::new());
     for ((page, object), faces) in parts {
         let name = object.map_or("scene", |object| &scene.objects().names()[object]);
-        meshes.push(json!({ "name": name, "primitives": [primitive(&mut file, &faces, page)] }));
+        meshes.push(json!({ "name": name, "primitives": [primitive(&mut file, scene, &faces, page)] }));
         nodes.push(json!({ "name": name, "mesh": meshes.len() - 1 }));
     }
 
@@ -69,16 +69,20 @@ pub fn write_lightmap_glb(
 }
 
 /// A primitive of triangles: fans of the faces, each with vertices of its own.
-fn primitive(file: &mut File, faces: &[FaceOnAtlas], page: usize) -> Value {
+fn primitive(file: &mut File, scene: &Scene, faces: &[FaceOnAtlas], page: usize) -> Value {
     let (mut positions, mut uv, mut indices): (Vec<[f32; 3]>, Vec<[f32; 2]>, Vec<u32>) = Default::default();
+    let mut numbers: Vec<f32> = Vec::new();
     for face in faces {
         let (first, count) = (positions.len() as u32, face.uv.len() as u32);
         positions.extend(face.vertices.iter().map(|vertex| vertex.map(|x| x as f32)));
         uv.extend(face.uv.iter().map(|at| at.map(|x| x as f32)));
+        numbers.resize(positions.len(), scene.surfaces()[face.surface as usize].face as f32);
         indices.extend((1..count - 1).flat_map(|k| [first, first + k, first + k + 1]));
     }
     let corners = with_bounds(file, &positions);
     let uv = file.accessor(uv.into_iter().flatten().map(f32::to_le_bytes), FLOAT, 2, json!({}));
+    let numbers = file.accessor(numbers.into_iter().map(f32::to_le_bytes), FLOAT, 1, json!({}));
     let indices = file.accessor(indices.into_iter().map(u32::to_le_bytes), UNSIGNED_INT, 1, json!({}));
-    json!({ "attributes": { "POSITION": corners, "TEXCOORD_0": uv, "TEXCOORD_1": uv }, "indices": indices, "material": page })
+    let attributes = json!({ "POSITION": corners, "TEXCOORD_0": uv, "TEXCOORD_1": uv, "_FACE": numbers });
+    json!({ "attributes": attributes, "indices": indices, "material": page })
 }

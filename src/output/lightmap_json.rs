@@ -8,7 +8,7 @@ use super::{Provenance, Quantity};
 use crate::bake::Lightmap;
 use crate::scene::Scene;
 
-/// Writes pages, and for each face its number in the input, chart and page, its vertices in metres, and their coordinates on the page: parts of its width
+/// Writes pages, and for each face its number in the input from 1, the names of object, group and material, chart and page, its vertices in metres, and their coordinates on the page: parts of its width
 /// and height from the top left.
 ///
 /// # Errors
@@ -38,6 +38,7 @@ pub fn write_lightmap_json(
         let surface = &scene.surfaces()[face.surface as usize];
         let line = json!({
             "face": u64::from(surface.face) + 1, "surface": face.surface, "object": scene.objects().name_of(surface.face),
+            "group": scene.groups().name_of(surface.face),
             "material": scene.materials()[surface.material as usize].name, "chart": face.chart, "page": face.page,
             "vertices": face.vertices, "uv": face.uv,
         });

@@ -1,12 +1,13 @@
 //! A lit mesh with float radiosities, as binary little-endian PLY.
 //!
 //! Vertices (`double x y z`, in metres) are the nodes, surface after surface, with their radiosity per channel in W/m^2, named as in
-//! [`write_ply`](super::write_ply). Faces, with the number of their surface, are the elements as they are, or four triangles for each.
+//! [`write_ply`](super::write_ply). Faces, with the number of their surface and those of its origin as there, are the elements as they are, or four triangles
+//! for each.
 
 use std::io::{self, Write};
 
 use super::values::radiosity_columns;
-use super::{Provenance, Quantity};
+use super::{Provenance, Quantity, origin};
 use crate::mesh::LitMesh;
 use crate::scene::Scene;
 
@@ -42,6 +43,7 @@ fn write_faces(
     for (key, text) in provenance.statements(Quantity::Radiosity) {
         writeln!(writer, "comment {key}: {text}")?;
     }
+    origin::write_ply_comments(writer, scene)?;
     writeln!(writer, "element vertex {}", mesh.nodes())?;
     writeln!(writer, "property double x\nproperty double y\nproperty double z")?;
     let channels = scene.channels();
@@ -49,7 +51,7 @@ fn write_faces(
         writeln!(writer, "property float {column}")?;
     }
     writeln!(writer, "element face {}", of_element.len() * mesh.elements())?;
-    writeln!(writer, "property list uchar uint vertex_indices\nproperty uint surface\nend_header")?;
+    writeln!(writer, "property list uchar uint vertex_indices\nproperty uint surface\n{}\nend_header", origin::PLY_PROPERTIES)?;
 
     for part in mesh.parts(scene) {
         for (node, radiosity) in part.nodes.iter().zip(part.radiosity.chunks(channels)) {
@@ -63,6 +65,7 @@ fn write_faces(
             writer.write_all(&[face.len() as u8])?;
             face.iter().try_for_each(|&node| writer.write_all(&(first + element[node]).to_le_bytes()))?;
             writer.write_all(&part.surface.to_le_bytes())?;
+            origin::write_ply_numbers(writer, scene, part.surface)?;
         }
         first += part.nodes.len() as u32;
     }

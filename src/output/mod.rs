@@ -10,6 +10,7 @@
 //! | `.exr` | [`write_exr`] | linear radiance or radiosity, 32-bit float |
 //! | `.hdr` | [`write_hdr`] | the same in Radiance's format, within half a percent of the largest channel |
 //! | `.png` | [`write_png`], [`write_display`] | an exposed, tone-mapped picture for display, or false colours with a legend |
+//! | `.png` | [`write_keyed_png`] | a picture in colours, with a key that says what they mean |
 //! | `.ply` | [`write_mesh_ply`] | the lit mesh with float radiosities at its nodes |
 //! | `.ply` | [`write_ply`] | the leaves of the hierarchy with float radiosities |
 //! | `.glb`, `.vtp` | [`export_mesh`], [`export_elements`] | the same for viewers and for ParaView |
@@ -37,6 +38,7 @@ mod glb;
 mod glyphs;
 mod hdr;
 pub mod irradiances;
+mod keyed_png;
 mod legend;
 pub mod lightmap_glb;
 pub mod lightmap_json;
@@ -44,6 +46,7 @@ pub mod lightmap_png;
 pub mod mesh_ply;
 #[cfg(feature = "openexr")]
 pub mod openexr;
+mod origin;
 pub mod page;
 mod patches;
 mod ply;
@@ -66,6 +69,7 @@ pub use flux::write_fluxes;
 pub use format::{ExportFormat, ImageFormat, UnknownExtension};
 pub use hdr::write_hdr;
 pub use irradiances::{Illuminances, write_irradiances};
+pub use keyed_png::{KeyLine, write_keyed_png};
 pub use legend::LEAST_SIZE_WITH_LEGEND;
 pub use lightmap_glb::write_lightmap_glb;
 pub use lightmap_json::write_lightmap_json;

@@ -1,14 +1,15 @@
 //! Polygons with float radiosities, as binary little-endian PLY.
 //!
 //! Vertices (`double x y z`, in metres) are shared where they are the same to the bit. Each leaf of the hierarchy is a face: its
-//! vertex indices, the number of its surface, and its radiosity per channel in W/m^2, named `B_r`, `B_g`, `B_b` for three channels,
-//! else `B_0`, `B_1`, ... Comment lines state software, quantity, unit and options.
+//! vertex indices, the number of its surface, its radiosity per channel in W/m^2, named `B_r`, `B_g`, `B_b` for three channels,
+//! else `B_0`, `B_1`, ..., and the numbers of its face in the input, material, object and group, from 0, -1 where there is none. Comment lines state
+//! software, quantity, unit and options, and the names of materials, objects and groups.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
 
 use super::values::radiosity_columns;
-use super::{Provenance, Quantity};
+use super::{Provenance, Quantity, origin};
 use crate::solve::Solution;
 
 /// Writes the leaves of `solution`.
@@ -40,6 +41,7 @@ pub fn write_ply(writer: &mut impl Write, solution: &Solution, provenance: &Prov
     for (key, text) in provenance.statements(Quantity::Radiosity) {
         writeln!(writer, "comment {key}: {text}")?;
     }
+    origin::write_ply_comments(writer, solution.scene())?;
     writeln!(writer, "element vertex {}", vertices.len())?;
     writeln!(writer, "property double x\nproperty double y\nproperty double z")?;
     writeln!(writer, "element face {faces}")?;
@@ -48,7 +50,7 @@ pub fn write_ply(writer: &mut impl Write, solution: &Solution, provenance: &Prov
     for column in radiosity_columns(solution.scene().channels()) {
         writeln!(writer, "property float {column}")?;
     }
-    writeln!(writer, "end_header")?;
+    writeln!(writer, "{}\nend_header", origin::PLY_PROPERTIES)?;
 
     for coordinate in vertices.iter().flatten() {
         writer.write_all(&coordinate.to_le_bytes())?;
@@ -70,7 +72,7 @@ pub fn write_ply(writer: &mut impl Write, solution: &Solution, provenance: &Prov
         }
         face.extend(surface.to_le_bytes());
         radiosity.iter().for_each(|b| face.extend(b.to_le_bytes()));
-        result = writer.write_all(&face);
+        result = writer.write_all(&face).and_then(|()| origin::write_ply_numbers(writer, solution.scene(), surface));
     });
     result
 }

@@ -164,7 +164,7 @@ impl Display<'_> {
     }
 }
 
-fn into_io(error: ::png::EncodingError) -> io::Error {
+pub(super) fn into_io(error: ::png::EncodingError) -> io::Error {
     match error {
         ::png::EncodingError::IoError(error) => error,
         other => io::Error::other(other),

@@ -2,13 +2,13 @@
 //!
 //! Points are `Float64`, in metres. A lit mesh has `radiosity` and `irradiance` as point data, elements as cell data, both by channel in W/m^2. Cells
 //! of a lit mesh have `standard_error`, that of the radiosity, all channels together, in W/m^2, NaN where it is not known; elements, where bounds are
-//! proved, `lower` and `upper` radiosity. Cells know their `surface`, `face` (both from 0, `face` of the input) and `material`. Field data state
-//! software, quantity, unit, options, and the names of materials, a line for each.
+//! proved, `lower` and `upper` radiosity. Cells know their `surface`, `face` (both from 0, `face` of the input), `material`, `object` and `group` (-1 where
+//! the input names none). Field data state software, quantity, unit, options, and the names of materials, objects and groups, a line for each.
 
 use std::io::{self, Write};
 
 use super::patches::Patches;
-use super::{Provenance, Quantity};
+use super::{Provenance, Quantity, origin};
 
 /// An array that is written behind the XML.
 struct Array {
@@ -53,14 +53,10 @@ pub(super) fn write(
         Array::floats("radiosity", channels, light.iter().flat_map(|&(vertex, _)| patches.radiosity_at(vertex).to_vec())),
         Array::floats("irradiance", channels, light.iter().flat_map(|&(vertex, surface)| patches.irradiance_at(vertex, surface))),
     ];
-    let of_surface = |pick: fn(&crate::scene::Surface) -> u32| {
-        patches.iter().map(move |(surface, _)| i64::from(pick(&patches.scene.surfaces()[surface as usize])))
-    };
-    let mut of_cells = vec![
-        Array::numbers("surface", patches.iter().map(|(surface, _)| i64::from(surface))),
-        Array::numbers("face", of_surface(|surface| surface.face)),
-        Array::numbers("material", of_surface(|surface| surface.material)),
-    ];
+    let mut of_cells = vec![Array::numbers("surface", patches.iter().map(|(surface, _)| i64::from(surface)))];
+    of_cells.extend((0..).zip(origin::NUMBERS).map(|(which, name): (usize, _)| {
+        Array::numbers(name, patches.iter().map(|(surface, _)| origin::of_surface(patches.scene, surface)[which]))
+    }));
     if !patches.standard_errors.is_empty() {
         of_cells.push(Array::floats("standard_error", 1, patches.standard_errors.iter().copied()));
     }
@@ -86,9 +82,8 @@ pub(super) fn write(
 
 /// What the field data state.
 fn statements(patches: &Patches<'_>, provenance: &Provenance) -> Vec<(&'static str, String)> {
-    let names: Vec<&str> = patches.scene.materials().iter().map(|material| material.name.as_str()).collect();
     let mut statements = provenance.statements(Quantity::Radiosity);
-    statements.push(("materials", names.join("\n")));
+    statements.extend(origin::names(patches.scene).map(|(list, names)| (list, names.join("\n"))));
     statements
 }
 

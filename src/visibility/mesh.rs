@@ -32,9 +32,14 @@ pub struct OccluderMesh {
 impl OccluderMesh {
     /// The triangles of a scene: each surface as a fan.
     pub fn of_scene(scene: &Scene) -> Self {
+        Self::of_surfaces(scene, |_| true)
+    }
+
+    /// Those of some surfaces alone, by their numbers in the scene; of a sheet both sides count as its first.
+    pub fn of_surfaces(scene: &Scene, is_wanted: impl Fn(u32) -> bool) -> Self {
         let mut mesh = Self::default();
         for (id, surface) in scene.surfaces().iter().enumerate() {
-            if surface.twin.is_some_and(|twin| twin.index() < id) {
+            if surface.twin.is_some_and(|twin| twin.index() < id) || !is_wanted(id as u32) {
                 continue;
             }
             let first = mesh.vertices.len() as u32;

@@ -96,8 +96,8 @@ fn files_have_the_light_at_vertices_of_faces() {
     }
     let vertices: Vec<u8> = ply[end..end + 24 * 36].chunks(36).flat_map(|vertex| vertex[24..].to_vec()).collect();
     assert_eq!(vertices, bytes);
-    // A face: how many, four indices, the surface.
-    assert_eq!(ply.len() - end - 24 * 36, 6 * 21);
+    // A face: how many, four indices, the surface; face, material, object and group.
+    assert_eq!(ply.len() - end - 24 * 36, 6 * (21 + 16));
 
     let glb = written(ExportFormat::Glb);
     let (json, binary) = chunks(&glb);

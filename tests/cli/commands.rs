@@ -92,3 +92,30 @@ fn info_tells_what_is_in_a_scene() {
     assert!(ran.stdout.contains("room.obj: scene") && ran.stdout.contains("surfaces     7"), "{}", ran.stdout);
     assert!(!ran.stdout.contains("suspicious"), "{}", ran.stdout);
 }
+
+#[test]
+fn info_draws_what_it_finds() {
+    let place = Place::new();
+    let (room, bad) = (place.read("room.obj"), place.path("bad.obj"));
+    fs::write(&bad, format!("{room}f 9 10 11 12\n")).unwrap();
+    let ran = place.run("info bad.obj --image bad.png --size 60x40");
+    let stdout = ran.succeeded().stdout.clone();
+    assert!(
+        stdout.contains("picture      bad.png, from eye=") && stdout.contains("  dropped, repeats another: 1 face\n"),
+        "{stdout}"
+    );
+    let reader = png::Decoder::new(std::io::Cursor::new(fs::read(place.path("bad.png")).unwrap())).read_info().unwrap();
+    assert!(reader.info().height == 40 && reader.info().width > 60);
+    let ran = place.run("info room.obj --image room.png --size 60x40");
+    assert!(ran.succeeded().stdout.contains("  nothing is found wrong\n"), "{}", ran.stdout);
+    for (arguments, words) in [
+        ("info room.obj --image a.exr", &["--image draws a PNG", "a.png"][..]),
+        ("info room.obj --size 60x40", &["--camera and --size need --image"]),
+        ("info room.obj --image a.png --size 0x40", &["the size 0x40"]),
+        ("info room.obj --image none/a.png", &["none"]),
+        ("info room.solution --image a.png", &["--image is for scenes", "patchlight render"]),
+        ("info room.png --image room.png", &["room.png is read by this command"]),
+    ] {
+        place.run(arguments).failed(2, words);
+    }
+}

@@ -59,6 +59,8 @@ pub enum patchlight_diagnostic_code {
     PATCHLIGHT_UNKNOWN_KEYWORD = 105,
     /// Points, lines, curves and curved surfaces were left out.
     PATCHLIGHT_IGNORED_ELEMENT = 106,
+    /// A face lies in the front of another, nearer than visibility tells apart.
+    PATCHLIGHT_OVERLAP = 107,
     /// Part of the light leaves the scene.
     PATCHLIGHT_OPEN = 200,
     /// Corners were moved onto the plane of their face by less than the digits of a file are worth.
@@ -144,6 +146,7 @@ fn code_of(kind: DiagnosticKind) -> Code {
         DiagnosticKind::IgnoredProperty => Code::PATCHLIGHT_IGNORED_PROPERTY,
         DiagnosticKind::UnknownKeyword => Code::PATCHLIGHT_UNKNOWN_KEYWORD,
         DiagnosticKind::IgnoredElement => Code::PATCHLIGHT_IGNORED_ELEMENT,
+        DiagnosticKind::Overlap => Code::PATCHLIGHT_OVERLAP,
         DiagnosticKind::Flattened => Code::PATCHLIGHT_FLATTENED,
         DiagnosticKind::Inside => Code::PATCHLIGHT_INSIDE,
         DiagnosticKind::ConcaveFace => Code::PATCHLIGHT_CONCAVE_FACE,

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::super::argument_groups::{PictureArguments, RunArguments, SettingArguments, TrustArguments};
+use super::super::argument_groups::{PictureArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments};
 use super::super::arguments::SolveArguments;
 use super::super::exit::Failure;
 use super::super::progress::Voice;
@@ -96,8 +96,7 @@ impl Common<'_> {
             trust: self.trust,
             image: outputs("image"),
             picture: PictureArguments {
-                camera: flag("camera"),
-                size: flag("size"),
+                view: ViewArguments { camera: flag("camera"), size: flag("size") },
                 exposure: flag("exposure"),
                 quantity: flag("quantity"),
                 from,

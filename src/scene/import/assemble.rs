@@ -12,6 +12,7 @@ use std::time::Duration;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::changed_faces::ChangedFaces;
 use super::cut::{Cut, Pieces, convex_pieces};
 use super::faces::Face;
 use super::{Diagnostic, DiagnosticKind, Diagnostics};
@@ -32,10 +33,10 @@ const BETWEEN_QUESTIONS: Duration = Duration::from_millis(20);
 /// So many faces are cut at once; what they became waits in memory.
 const FACES_AT_ONCE: usize = 1 << 14;
 
-/// Polygons with the index of their material and the 0-based number of their face, and how many faces were dropped here.
+/// Polygons with the index of their material and the 0-based number of their face, and the faces that were dropped here or flattened.
 pub(super) struct Assembled {
     pub polygons: Vec<(Polygon, u32, u32)>,
-    pub dropped: usize,
+    pub changed: ChangedFaces,
 }
 
 /// Faces as they were read.
@@ -77,8 +78,8 @@ pub(super) fn assemble(read: &Faces<'_>, diagnostics: &mut Diagnostics, stop: St
 /// The same on the threads of this pool.
 fn assemble_here(read: &Faces<'_>, diagnostics: &mut Diagnostics, stop: Stop<'_>) -> Option<Assembled> {
     let mut polygons = Vec::with_capacity(read.faces.len());
-    let mut dropped = 0;
-    let mut flattened = (0_usize, 0.0_f64);
+    let mut changed = ChangedFaces::default();
+    let mut most_flattened = 0.0_f64;
     let rounding = PLANE_TOLERANCE * Aabb::around(read.corners.iter().copied()).diagonal();
 
     // Each face by itself, many at once.
@@ -95,7 +96,7 @@ fn assemble_here(read: &Faces<'_>, diagnostics: &mut Diagnostics, stop: Stop<'_>
         for ((index, face), FaceAlone { corners, pieces, winding }) in (first..).zip(faces).zip(alone?) {
             let mut note = |kind, text: String| diagnostics.push(read.about(kind, text, face.number));
             if pieces.polygons.is_empty() {
-                dropped += 1;
+                changed.drop(face.number, &read.corners[face.start..face.end], None);
                 let why = if corners < 3 { "it has fewer than three different corners" } else { "it has no area" };
                 note(DiagnosticKind::DegenerateFace, format!("dropped: {why}"));
                 continue;
@@ -105,7 +106,7 @@ fn assemble_here(read: &Faces<'_>, diagnostics: &mut Diagnostics, stop: Stop<'_>
             match same.map(|(earlier, same)| (&read.faces[earlier], same)) {
                 Some((earlier, Same::Side)) => {
                     let but = if earlier.material == face.material { "" } else { " with another material" };
-                    dropped += 1;
+                    changed.drop(face.number, &read.corners[face.start..face.end], Some(earlier.number));
                     note(DiagnosticKind::DuplicateFace, format!("dropped: it repeats {}{but}", read.name(earlier.number)));
                     continue;
                 }
@@ -118,15 +119,16 @@ fn assemble_here(read: &Faces<'_>, diagnostics: &mut Diagnostics, stop: Stop<'_>
             }
 
             if pieces.flattened > 0.0 {
-                flattened = (flattened.0 + 1, flattened.1.max(pieces.flattened));
+                changed.flattened.push(face.number);
+                most_flattened = most_flattened.max(pieces.flattened);
             }
             note_cuts(&pieces, note);
             polygons.extend(pieces.polygons.into_iter().map(|polygon| (polygon, face.material, face.number)));
         }
     }
 
-    note_flattened(flattened, read, diagnostics);
-    Some(Assembled { polygons, dropped })
+    note_flattened((changed.flattened.len(), most_flattened), read, diagnostics);
+    Some(Assembled { polygons, changed })
 }
 
 /// The faces so far by their corners, of those that may have some in common: one for each of the two windings, as an index into the faces.

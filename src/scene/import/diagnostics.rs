@@ -51,6 +51,8 @@ pub enum DiagnosticKind {
     CrossingFace,
     /// Backs of one-sided faces are seen from the fronts of others.
     BackFaceSeen,
+    /// A face lies in the front of another, nearer than visibility tells apart.
+    Overlap,
     /// Part of the light leaves the scene.
     Open,
     /// Textures, highlights or transparency, which diffuse materials do not have, were left out.
@@ -92,6 +94,7 @@ impl DiagnosticKind {
             | Self::NoLight
             | Self::CrossingFace
             | Self::BackFaceSeen
+            | Self::Overlap
             | Self::IgnoredProperty
             | Self::UnknownKeyword
             | Self::IgnoredElement => Severity::Suspicion,
@@ -115,6 +118,9 @@ pub struct Diagnostic {
     pub face: Option<u32>,
     /// The object that the face belongs to, where the file names it.
     pub object: Option<String>,
+    /// The material that it is about, where it is about one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
     /// What was found and what was made of it.
     pub text: String,
 }
@@ -122,7 +128,7 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// A diagnostic about no place.
     pub fn new(kind: DiagnosticKind, text: impl Into<String>) -> Self {
-        Self { kind, file: None, line: None, face: None, object: None, text: text.into() }
+        Self { kind, file: None, line: None, face: None, object: None, material: None, text: text.into() }
     }
 
     /// The same about a line of a file.
@@ -137,6 +143,13 @@ impl Diagnostic {
     #[must_use]
     pub fn face(mut self, face: u32) -> Self {
         self.face = Some(face);
+        self
+    }
+
+    /// The same about a material.
+    #[must_use]
+    pub fn material(mut self, name: &str) -> Self {
+        self.material = Some(name.to_owned());
         self
     }
 

@@ -6,6 +6,7 @@
 
 mod arrays;
 mod assemble;
+mod changed_faces;
 mod cut;
 mod diagnostics;
 mod draft;
@@ -31,6 +32,7 @@ mod textures;
 use std::path::{Path, PathBuf};
 
 pub use arrays::{ArrayFace, ArraysError, polygons_of_arrays};
+pub use changed_faces::{ChangedFaces, DroppedFace};
 pub use diagnostics::{Diagnostic, DiagnosticKind, Diagnostics, Severity};
 pub use draft::{Draft, DraftError, Mistake, MistakeKind};
 pub use error::ImportError;
@@ -48,6 +50,8 @@ pub struct Imported {
     pub scene: Scene,
     /// What was repaired or looks suspicious.
     pub diagnostics: Diagnostics,
+    /// The faces that were dropped or flattened. Those of fewer than three corners are told by diagnostics alone.
+    pub changed: ChangedFaces,
     /// The file that it was read from.
     pub file: PathBuf,
     /// The other files that were read: material libraries, buffers, images, lights.
@@ -111,7 +115,7 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
     let assembled = assemble::assemble(&in_file, &mut diagnostics, &stop).ok_or(ImportError::Cancelled)?;
     if assembled.polygons.is_empty() {
         // Faces of fewer than three corners never came as far as the assembly.
-        let dropped = assembled.dropped + lines.len().saturating_sub(faces.len());
+        let dropped = assembled.changed.dropped.len() + lines.len().saturating_sub(faces.len());
         return Err(ImportError::NoFaces { file: file(), read: lines.len(), dropped });
     }
 
@@ -133,5 +137,5 @@ pub fn read_scene_observed(path: &Path, options: &ImportOptions, observer: &dyn 
         let text = "no light: no face has a material that emits, and there are no lights, so everything is black";
         diagnostics.push(Diagnostic::new(DiagnosticKind::NoLight, text).at(path, 0));
     }
-    Ok(Imported { scene, diagnostics, file: file(), libraries, lines, vertices, uv })
+    Ok(Imported { scene, diagnostics, changed: assembled.changed, file: file(), libraries, lines, vertices, uv })
 }

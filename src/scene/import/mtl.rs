@@ -220,7 +220,7 @@ impl Libraries {
             });
         }
         let text = format!("material '{name}' is not defined: grey {DEFAULT_REFLECTANCE}");
-        diagnostics.push(Diagnostic::new(DiagnosticKind::MissingMaterial, text).at(file, line));
+        diagnostics.push(Diagnostic::new(DiagnosticKind::MissingMaterial, text).at(file, line).material(name));
         let grey = Some((0, format!("{DEFAULT_REFLECTANCE} {DEFAULT_REFLECTANCE} {DEFAULT_REFLECTANCE}")));
         Ok(self.push(Definition { reflectance: grey, ..Definition::new(name, file, line) }) as u32)
     }
@@ -251,7 +251,7 @@ impl Libraries {
             let used = used.get(index).copied().unwrap_or(false);
             let mut warn = |kind, line, text| {
                 if used {
-                    diagnostics.push(Diagnostic::new(kind, text).at(&definition.file, line));
+                    diagnostics.push(Diagnostic::new(kind, text).at(&definition.file, line).material(&definition.name));
                 }
             };
             let parsed = read.get(index);

@@ -186,7 +186,7 @@ impl Colours<'_> {
                 "material '{}' has faces of reflectance 1 and more by its texture: they become {LARGEST_REFLECTANCE}",
                 own.name
             );
-            diagnostics.push(Diagnostic::new(DiagnosticKind::ReflectanceClamped, text).at(&maps.file, line));
+            diagnostics.push(Diagnostic::new(DiagnosticKind::ReflectanceClamped, text).at(&maps.file, line).material(&own.name));
         }
 
         let key = std::array::from_fn(|k| if k < 3 { reflectance[k] } else { exitance[k - 3] }.to_bits());
