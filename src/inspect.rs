@@ -98,8 +98,7 @@ pub fn inspect(scene: &Scene, visibility: &dyn Visibility, points: u32) -> Inspe
         let behind = surface.polygon.facet().normal.dot(DVec3::from(ray.direction)) > 0.0;
         (surface.twin.is_none() && behind).then_some(surface)
     };
-    let overlapping = overlapping_faces(scene);
-    let mut inspection = Inspection { points, overlapping, ..Inspection::default() };
+    let mut inspection = Inspection { points, overlapping: overlapping_faces(scene), ..Inspection::default() };
     let mut met: BTreeMap<u32, u32> = BTreeMap::new();
     let per_point = RAYS_PER_POINT as usize;
     for (rays, hits) in queries.chunks(per_point).zip(hits.chunks(per_point)) {

@@ -90,7 +90,6 @@ impl<'a> Way<'a> for CellsWay<'a> {
     fn estimate_error(&mut self) -> Option<ErrorEstimate> {
         let Self { linked, plan, cells, judge, judged, .. } = self;
         let start = Instant::now();
-        linked.claimed = None;
         linked.progress(Stage::Error);
         let own = cells.as_ref()?;
         judge.estimate_error(
@@ -102,7 +101,7 @@ impl<'a> Way<'a> for CellsWay<'a> {
             },
             |rays| user_gather(linked, own, rays),
         );
-        linked.claimed = judge.error.map(|error| error.claimed_of_all());
+        linked.claimed = judge.error.map(|error| error.claimed_of_all()).or(linked.claimed);
         if judge.error.is_some() {
             *judged = None;
         }

@@ -80,7 +80,6 @@ impl<'a> Way<'a> for LinksWay<'a> {
     fn estimate_error(&mut self) -> Option<ErrorEstimate> {
         let Self { linked, plan, judge, judged, .. } = self;
         let start = Instant::now();
-        linked.claimed = None;
         linked.progress(Stage::Error);
         let bounces = plan.replicate_bounces();
         judge.estimate_error(
@@ -92,7 +91,7 @@ impl<'a> Way<'a> for LinksWay<'a> {
             },
             |rays| user_gather(linked, rays),
         );
-        linked.claimed = judge.error.map(|error| error.claimed_of_all());
+        linked.claimed = judge.error.map(|error| error.claimed_of_all()).or(linked.claimed);
         if judge.error.is_some() {
             *judged = None;
         }

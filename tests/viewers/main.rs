@@ -1,6 +1,6 @@
-//! Other programs: the Khronos glTF validator, Blender, PyVista and trimesh open what is written, and what they write is read.
+//! Other programs: the Khronos glTF validator, Blender, PyVista and trimesh open what is written, and what they and three.js write is read.
 //!
-//! They are asked where they are installed, and skipped aloud where they are not: `npm install gltf-validator` where `NODE_PATH` says; `pip install bpy
+//! They are asked where they are installed, and skipped aloud where they are not: `npm install gltf-validator three` where `NODE_PATH` says; `pip install bpy
 //! pyvista trimesh` for the Python that `PATCHLIGHT_VIEWERS_PYTHON` names, or else `python3`.
 #![allow(clippy::print_stdout, reason = "a test tells what it skips")]
 
@@ -8,6 +8,7 @@
 mod same_light;
 #[path = "../support/mod.rs"]
 mod support;
+mod three;
 
 use std::fs;
 use std::path::{Path, PathBuf};
