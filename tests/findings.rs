@@ -95,14 +95,8 @@ fn each_face_has_the_colour_of_what_is_found_about_it() {
 #[test]
 fn what_is_wrong_shows_as_stripes_through_what_hides_it() {
     let hidden = square([0.0, 0.0, 0.0], true) + "f -3 -2 -1 -4\n";
-    let imported = read(&(hidden + &square([-1.0, 1.0, -1.0], true) + &square([0.0, 1.0, 0.0], true)));
-    let (findings, picture, key) = drawn(&imported);
-    assert_eq!(findings.faces[class(DiagnosticKind::DuplicateFace)], 1);
-    // Faces without a material are repaired, and what is repaired hides nothing: stripes are for plain surfaces.
-    assert!(!picture.shows_stripes && key.iter().all(|line| !line.text.contains("stripes")));
-
-    let hidden = square([0.0, 0.0, 0.0], true) + "f -3 -2 -1 -4\n";
-    let imported = read(&("mtllib a.mtl\nusemtl grey\n".to_owned() + &hidden + &square([0.0, 1.0, 0.0], true)));
+    let imported = read(&("mtllib a.mtl\nusemtl grey\n".to_owned() + &hidden + &square([0.0, 30.0, 0.0], true)));
+    // So high above that its back does not count.
     let (_, picture, key) = drawn(&imported);
     let seen: Vec<[u8; 3]> = (0..9).map(|k| pixel(&picture, [0.05 + 0.1 * f64::from(k), 0.5])).collect();
     let violet = |[r, g, b]: [u8; 3]| b > g.saturating_add(60) && r > g;

@@ -95,7 +95,7 @@ impl Told {
         const WORTH_TELLING_S: f64 = 1.0;
         const LEAST_PART: f64 = 0.02;
         let (taken, part) = ((self.at - self.begun.0).as_secs_f64(), self.fraction - self.begun.1);
-        (taken >= WORTH_TELLING_S && part >= LEAST_PART).then(|| taken * (1.0 - self.fraction) / part)
+        (taken >= WORTH_TELLING_S && part >= LEAST_PART && self.fraction < 1.0).then(|| taken * (1.0 - self.fraction) / part)
     }
 }
 
@@ -190,7 +190,7 @@ fn style_of(fraction: Option<f64>) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner())
 }
 
-/// A progress report in words, with the seconds that are left of the step, if that is known.
+/// A progress report in words, with the seconds that are left of the step, if that is known: what matters most first, for narrow terminals.
 fn describe(progress: &Progress, left_s: Option<f64>) -> String {
     let mut text = match progress.stage {
         Stage::Read => "reading",
@@ -210,12 +210,6 @@ fn describe(progress: &Progress, left_s: Option<f64>) -> String {
     if let Some(fraction) = progress.fraction {
         text += &format!(" {:.0}%", 100.0 * fraction);
     }
-    if progress.links > 0 {
-        text += &format!(", {} links", progress.links);
-    }
-    if progress.elements > 0 {
-        text += &format!(", {} elements", progress.elements);
-    }
     if let Some(error) = progress.error.filter(|error| error.is_finite()) {
         text += &format!(", error {:.2}%", 100.0 * error);
     }
@@ -223,6 +217,12 @@ fn describe(progress: &Progress, left_s: Option<f64>) -> String {
         Some(seconds) if seconds < 90.0 => text += &format!(", about {:.0} s left of this step", seconds.ceil()),
         Some(seconds) => text += &format!(", about {:.0} min left of this step", seconds / 60.0),
         None => {}
+    }
+    if progress.links > 0 {
+        text += &format!(", {} links", progress.links);
+    }
+    if progress.elements > 0 {
+        text += &format!(", {} elements", progress.elements);
     }
     text
 }
@@ -235,7 +235,7 @@ mod tests {
     fn progress_is_told_in_words() {
         let mut progress =
             Progress { stage: Stage::Refine, round: 3, fraction: None, links: 12, elements: 34, error: Some(0.0312) };
-        assert_eq!(describe(&progress, None), "refining, round 3, 12 links, 34 elements, error 3.12%");
+        assert_eq!(describe(&progress, None), "refining, round 3, error 3.12%, 12 links, 34 elements");
         progress = Progress { stage: Stage::Render, round: 0, fraction: Some(0.5), links: 0, elements: 0, error: None };
         assert_eq!(describe(&progress, Some(12.2)), "taking the picture 50%, about 13 s left of this step");
         assert_eq!(describe(&progress, Some(600.0)), "taking the picture 50%, about 10 min left of this step");
@@ -258,5 +258,6 @@ mod tests {
         let again = at(Some(at(Some(later), Some(0.0), 20)), Some(0.5), 25);
         assert!((again.left_s().unwrap() - 5.0).abs() < 1e-9);
         assert!(at(Some(at(None, None, 0)), None, 50).left_s().is_none());
+        assert!(at(Some(later), Some(1.0), 20).left_s().is_none());
     }
 }

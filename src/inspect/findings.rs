@@ -128,7 +128,7 @@ fn faces_of(kinds: &[DiagnosticKind], imported: &Imported, inspection: &Inspecti
         let noted = || imported.diagnostics.items.iter().filter(move |item| item.kind == *kind);
         match kind {
             DiagnosticKind::BackFaceSeen if inspection.share(inspection.met_back) >= SHARE_WORTH_TELLING => {
-                faces.extend(inspection.back_faces.iter().map(|&(face, _)| face));
+                faces.extend(backs_that_count(inspection));
             }
             DiagnosticKind::BackFaceSeen => {}
             DiagnosticKind::Overlap => faces.extend(inspection.overlapping.iter().map(|&(face, _)| face)),
@@ -151,6 +151,18 @@ fn faces_of(kinds: &[DiagnosticKind], imported: &Imported, inspection: &Inspecti
         }
     }
     faces
+}
+
+/// The faces whose backs most rays met that met any: others are met along edges, by rounding.
+fn backs_that_count(inspection: &Inspection) -> impl Iterator<Item = u32> + '_ {
+    const PART_OF_RAYS: f64 = 0.95;
+    let (enough, mut met) = (PART_OF_RAYS * f64::from(inspection.met_back), 0.0);
+    let until_enough = inspection.back_faces.iter().take_while(move |&&(_, count)| {
+        let counts = met < enough;
+        met += f64::from(count);
+        counts
+    });
+    until_enough.map(|&(face, _)| face)
 }
 
 /// Adds all faces of the materials of some.

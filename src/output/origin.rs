@@ -16,9 +16,8 @@ pub(super) fn of_surface(scene: &Scene, surface: u32) -> [i64; 4] {
 
 /// The names of all materials, objects and groups, with what each list is called.
 pub(super) fn names(scene: &Scene) -> [(&'static str, Vec<&str>); 3] {
-    let of = |names: &'_ [String]| names.iter().map(String::as_str).collect();
     let materials = scene.materials().iter().map(|material| material.name.as_str()).collect();
-    let [objects, groups]: [Vec<&str>; 2] = [of(scene.objects().names()), of(scene.groups().names())];
+    let [objects, groups] = [scene.objects(), scene.groups()].map(|of| of.names().iter().map(String::as_str).collect());
     [("materials", materials), ("objects", objects), ("groups", groups)]
 }
 
