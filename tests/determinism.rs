@@ -32,6 +32,7 @@ fn run(scene: Scene, options: &SolveOptions, threads: usize, points: &[SurfacePo
     let values = evaluator.values_at(points, &Silent).unwrap().radiosity.into_iter().map(f32::to_bits).collect();
     let mut report = SolveReport { time_s: Default::default(), ..report };
     report.skipped.iter_mut().for_each(|skipped| skipped.estimate_saved_s = 0.0);
+    report.history.iter_mut().for_each(|judgement| judgement.time_s = 0.0);
     (bytes, values, serde_json::to_string(&report).unwrap())
 }
 

@@ -12,8 +12,8 @@ use serde::Serialize;
 use crate::bounds::BoundsReport;
 use crate::scene::Scene;
 use crate::solve::{
-    Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LightGroupsReport, LinkErrorReport, LitMeshReport,
-    Norm, SkippedWork, SolveOptions, SolveReport, StageTimes, StoppedBy, TransportReport,
+    Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, Judgement, LightGroupsReport, LinkErrorReport,
+    LitMeshReport, Norm, SkippedWork, SolveOptions, SolveReport, StageTimes, StoppedBy, TransportReport,
 };
 use crate::values::ValuesError;
 
@@ -45,6 +45,8 @@ pub struct RunReport {
     pub memory: MemoryReport,
     /// The claimed error.
     pub error: ErrorFigures,
+    /// The error each time that it was estimated, first to last, in the norm of `error`; `rays_per_point` is `null` of the lit mesh.
+    pub history: Vec<Judgement>,
     /// The lit mesh, where that was asked for and there is one.
     pub lit_mesh: Option<LitMeshReport>,
     /// What is known of light groups, where the scene has any.
@@ -207,6 +209,7 @@ impl RunReport {
                 skipped: error.skipped,
                 points: None,
             },
+            history: report.history.clone(),
             lit_mesh: report.lit_mesh,
             light_groups: report.light_groups.clone(),
             transport: report.transport,

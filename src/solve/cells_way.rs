@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::finish::{Outcome, finish};
-use super::judge::{Judge, Judged, add_time, cell_seed};
+use super::history::JudgedPart;
+use super::judge::{Judge, Judged, add_time, cell_seed, note_error};
 use super::linked::Linked;
 use super::next_step::{Instead, next_step};
 use super::options::Strategy;
@@ -101,7 +102,7 @@ impl<'a> Way<'a> for CellsWay<'a> {
             },
             |rays| user_gather(linked, own, rays),
         );
-        linked.claimed = judge.error.map(|error| error.claimed_of_all()).or(linked.claimed);
+        note_error(linked, JudgedPart::OverCells, judge.error.as_ref(), plan.point_rays());
         if judge.error.is_some() {
             *judged = None;
         }

@@ -30,6 +30,7 @@ pub(super) struct Job<'a> {
     pub kept_channels: usize,
     pub options: &'a SolveOptions,
     pub run: &'a RunOptions,
+    began: Instant,
     deadline: Option<Instant>,
     time_s: Option<f64>,
     of_values: &'a TimeOfValues,
@@ -48,14 +49,20 @@ impl<'a> Job<'a> {
         rays: &'a Rays<'a>,
         observer: &'a dyn Observer,
     ) -> Self {
-        let deadline = run.deadline_from(Instant::now());
+        let began = Instant::now();
+        let deadline = run.deadline_from(began);
         let memory = MemoryLedger::new(scene, run.backend, run.memory_bytes);
-        Self { scene, kept_channels, options, run, deadline, time_s: run.time_s, of_values, memory, rays, observer }
+        Self { scene, kept_channels, options, run, began, deadline, time_s: run.time_s, of_values, memory, rays, observer }
     }
 
     /// The part of the job that finds values at points where a function on the surfaces is made from them: it has half of the time.
     pub fn of_values(&self, options: &'a SolveOptions) -> Self {
         Self { options, deadline: self.half_time(), time_s: self.time_s.map(|seconds| seconds / 2.0), ..*self }
+    }
+
+    /// Wall seconds since time counts.
+    pub fn seconds(&self) -> f64 {
+        self.began.elapsed().as_secs_f64()
     }
 
     /// Seconds for all of it, if there is a limit.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::history::{JudgedPart, Judgement};
 use super::linked::Linked;
 use super::plan::Plan;
 use crate::cells::SolvedCells;
@@ -129,6 +130,21 @@ impl<'a> Judge<'a> {
     pub fn sampled_value_noise(&self, gather: &Gather<'_>, stop: Stop<'_>) -> f64 {
         self.samples.sampled_value_noise(gather, stop)
     }
+}
+
+/// Notes an error of values that take so many rays each, where it was estimated.
+pub(super) fn note_error(linked: &mut Linked<'_>, of: JudgedPart, error: Option<&ErrorEstimate>, point_rays: u32) {
+    let Some(error) = error else { return };
+    linked.claimed = Some(error.claimed_of_all());
+    let rays = linked.job.rays;
+    linked.report.history.push(Judgement {
+        time_s: linked.job.seconds(),
+        of,
+        claimed: error.claimed_of_all(),
+        measured: if error.is_elsewhere { f64::INFINITY } else { error.measured },
+        rays_per_point: Some(point_rays),
+        rays: rays.segments().count() + rays.first_hit_rays().count(),
+    });
 }
 
 /// The seed of cell radiosities: number 0 of values, the next ones of replicates.

@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use super::cells_way::CellsWay;
 use super::finish::{Outcome, finish};
-use super::judge::{Judge, Judged, add_time};
+use super::history::JudgedPart;
+use super::judge::{Judge, Judged, add_time, note_error};
 use super::linked::Linked;
 use super::next_step::{Instead, next_step, refinement};
 use super::plan::Plan;
@@ -91,7 +92,7 @@ impl<'a> Way<'a> for LinksWay<'a> {
             },
             |rays| user_gather(linked, rays),
         );
-        linked.claimed = judge.error.map(|error| error.claimed_of_all()).or(linked.claimed);
+        note_error(linked, JudgedPart::OverLinks, judge.error.as_ref(), plan.point_rays());
         if judge.error.is_some() {
             *judged = None;
         }

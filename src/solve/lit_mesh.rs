@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::history::{JudgedPart, Judgement};
 use super::job::Job;
 use super::judge::add_time;
 use super::memory::{Holdings, MemoryLedger};
@@ -49,6 +50,15 @@ pub(super) fn add(job: &Job<'_>, solution: &mut Solution, report: &mut SolveRepo
     solution.mesh = mesh;
     report.memory_bytes = solution.memory_bytes();
     report.count_rays(job.rays);
+    let judgement = |whole: ErrorFigure| Judgement {
+        time_s: job.seconds(),
+        of: JudgedPart::LitMesh,
+        claimed: whole.estimate,
+        measured: whole.measured,
+        rays_per_point: None,
+        rays: report.counts.rays,
+    };
+    report.history.extend(report.lit_mesh.map(|mesh| judgement(mesh.whole)));
     add_time(&mut report.time_s.mesh, start);
 }
 

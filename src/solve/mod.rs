@@ -14,6 +14,7 @@ mod first_error;
 mod flux;
 mod grouped_light;
 mod groups_apart;
+mod history;
 mod interest;
 mod job;
 mod judge;
@@ -33,6 +34,7 @@ mod scale;
 mod shares;
 mod skipped;
 mod solution;
+mod stage_times;
 mod step;
 mod strategies;
 mod transport;
@@ -43,6 +45,7 @@ mod worthwhile_cells;
 pub use crate::links::Skips;
 pub(crate) use beginning::Beginning;
 pub use flux::Flux;
+pub use history::{JudgedPart, Judgement};
 pub(crate) use interest::InitialImportance;
 pub use interest::InterestError;
 pub(crate) use memory::least_bytes;
@@ -54,10 +57,11 @@ pub use options::{
 pub use other_materials::OtherMaterialsError;
 pub use report::{
     Counts, Energy, EnergyBalance, ErrorFigure, ErrorReport, IterationReport, LightGroupReport, LightGroupsReport, LinkErrorReport,
-    LitMeshReport, SkippedWork, SolveReport, StageTimes, StoppedBy, TransportReport,
+    LitMeshReport, SkippedWork, SolveReport, StoppedBy, TransportReport,
 };
 pub use solution::Solution;
 pub(crate) use solution::StoredSolution;
+pub use stage_times::StageTimes;
 
 use std::time::Instant;
 

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::history::Judgement;
+use super::stage_times::StageTimes;
 use crate::bounds::{BoundsReport, Certainty};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
@@ -153,37 +155,6 @@ pub struct SkippedWork {
     pub estimate_saved_s: f64,
 }
 
-/// Seconds of wall time by stage, as far as the library spends them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct StageTimes {
-    /// Visibility structure and hierarchy.
-    pub build: f64,
-    /// Deciding pairs.
-    pub refine: f64,
-    /// The part of `refine` in which pairs of surfaces are linked, for strategies that do so.
-    pub initial_linking: f64,
-    /// Answering visibility, added over threads.
-    pub visibility: f64,
-    /// Looking for first hits, the part of `visibility` that `first_hit_rays` took.
-    pub first_hits: f64,
-    /// Form factors, added over threads.
-    pub form_factor: f64,
-    /// Gathering over links.
-    pub gather: f64,
-    /// Push-pull.
-    pub push_pull: f64,
-    /// Resolving radiosities by light paths.
-    pub resolve: f64,
-    /// Estimating the error.
-    pub error: f64,
-    /// Keeping what paths bring.
-    pub transport: f64,
-    /// Making the lit mesh.
-    pub mesh: f64,
-    /// Bounding it.
-    pub bounds: f64,
-}
-
 /// What there is after an iteration of a strategy that lets light travel once in each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct IterationReport {
@@ -299,6 +270,8 @@ pub struct SolveReport {
     pub counts: Counts,
     /// The claimed error.
     pub error: ErrorReport,
+    /// The error each time that it was estimated.
+    pub history: Vec<Judgement>,
     /// The lit mesh, if that was asked for and there is one.
     pub lit_mesh: Option<LitMeshReport>,
     /// What is known of light groups, if the scene has any.
