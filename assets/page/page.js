@@ -2,43 +2,10 @@
 // The page of a solution: the lit scene in 3D, and what is known of it. Data stand in the elements above, see `output/page/mod.rs`.
 (() => {
   const byId = (id) => document.getElementById(id);
-  const data = JSON.parse(byId("facts-data").textContent);
-  const bytes = (id) => Uint8Array.from(atob(byId(id).textContent.trim()), (c) => c.charCodeAt(0));
-  const floats = (id) => new Float32Array(bytes(id).buffer);
-  const numbers = (id) => new Uint32Array(bytes(id).buffer);
-
-  // Nodes, elements of six nodes, polygons as triangles, and the surfaces that they are on, as runs of (surface, count).
-  const positions = floats("positions");
-  const radiosity = floats("radiosity");
-  const elements = numbers("elements");
-  const triangles = numbers("triangles");
-  const surfaceData = numbers("surfaces"); // by surface: face, material
+  const { short, percent, round, helix } = patchlightScale;
+  const { facts: data, floats, positions, radiosity, elements, triangles, index, surfaceData, surfaceOfNode, surfaceOfTriangle } = patchlightData();
   const channels = data.shown_channels;
   const nodeCount = positions.length / 3;
-
-  const ofRuns = (runs, length) => {
-    const of = new Uint32Array(length);
-    let next = 0;
-    for (let k = 0; k < runs.length; k += 2) {
-      of.fill(runs[k], next, next + runs[k + 1]);
-      next += runs[k + 1];
-    }
-    return of;
-  };
-  const elementSurface = ofRuns(numbers("element-runs"), elements.length / 6);
-  const triangleSurface = ofRuns(numbers("triangle-runs"), triangles.length / 3);
-
-  // Four triangles for each element: corners 0 to 2, middles 3 to 5 behind them.
-  const PIECES = [0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5];
-  const index = new Uint32Array(2 * elements.length + triangles.length);
-  const surfaceOfNode = new Uint32Array(nodeCount);
-  for (let e = 0; e < elements.length / 6; e++) {
-    PIECES.forEach((corner, k) => (index[12 * e + k] = elements[6 * e + corner]));
-    for (let k = 0; k < 6; k++) surfaceOfNode[elements[6 * e + k]] = elementSurface[e];
-  }
-  index.set(triangles, 2 * elements.length);
-  triangles.forEach((node, k) => (surfaceOfNode[node] = triangleSurface[Math.floor(k / 3)]));
-  const surfaceOfTriangle = (t) => (12 * (elements.length / 6) > 3 * t ? elementSurface[Math.floor(t / 4)] : triangleSurface[t - (elements.length / 6) * 4]);
 
   // Irradiance H = (B - E) / rho where something is reflected, else 0; seen by an eye in lx.
   const WEIGHTS = channels === 3 ? [0.2126, 0.7152, 0.0722] : [1];
@@ -60,16 +27,6 @@
   };
   show();
 
-  const short = (x) => (x === null || !Number.isFinite(x) ? "not known" : x === 0 ? "0" : Math.abs(x) >= 1e5 || Math.abs(x) < 1e-3 ? x.toExponential(2) : String(Number(x.toPrecision(4))));
-  const percent = (x) => (x === null || x === undefined || !Number.isFinite(x) ? "not known" : `${(100 * x).toFixed(2)} %`);
-
-  // The least of 1, 2 or 5 times a power of ten that is not below a number.
-  const round = (x) => {
-    if (!(x > 0)) return 1;
-    const power = 10 ** Math.floor(Math.log10(x));
-    return [1, 2, 5, 10].map((digit) => digit * power).find((high) => high >= x * (1 - 1e-9));
-  };
-
   // The exposure that brings the geometric mean of the luminances to 0.22, as of pictures.
   let [sum, lit] = [0, 0];
   for (let node = 0; node < nodeCount; node++) {
@@ -78,41 +35,39 @@
   }
   const exposure = lit > 0 ? Math.log2(0.22) - sum / lit : 0;
 
+  // What can be shown in false colours: a number for each node, with its unit, and up to where the colours go.
+  const sorted = Float32Array.from(shown).sort();
+  const planeValues = floats("plane-values");
+  const brightest = planeValues.reduce((most, value) => (value > most ? value : most), sorted[Math.floor(0.98 * (nodeCount - 1))]);
+  const quantities = {
+    lux: { title: `${data.quantity} in false colours`, unit: data.unit, values: shown, scale: round(brightest) },
+  };
+  Object.entries(quantities).forEach(([name, { title }]) => byId("show").add(Object.assign(document.createElement("option"), { value: name, textContent: title }), 1));
+
   // What is chosen, and kept in the address.
   const typed = new URLSearchParams(location.hash.slice(1));
-  const sorted = Float32Array.from(shown).sort();
   const state = {
-    show: ["lux", "texels"].find((name) => name === typed.get("show")) ?? "beauty",
+    show: [...Object.keys(quantities), "texels"].find((name) => name === typed.get("show")) ?? "beauty",
     exposure: Number(typed.get("exposure") ?? exposure.toFixed(1)),
-    scale: Number(typed.get("scale") ?? round(sorted[Math.floor(0.98 * (nodeCount - 1))])),
     texel: Number(typed.get("texel") ?? 0.05), // what bakes take if nothing is said
     lines: typed.get("lines") === "1",
     isolines: typed.get("isolines") === "1",
+    planes: data.planes.length > 0 && typed.get("planes") !== "0", // who asked for them sees them
+    face: null,
     backs: typed.get("backs") === "1",
     factors: null,
   };
   if (!Number.isFinite(state.exposure)) state.exposure = 0;
-  [["scale", 1], ["texel", 0.05]].filter(([name]) => !(state[name] > 0)).forEach(([name, usual]) => (state[name] = usual));
+  if (!(state.texel > 0)) state.texel = 0.05;
+  // Where light is shown, the scale is that of light on planes.
+  const coloured = () => quantities[state.show] ?? quantities.lux;
+  if (Number(typed.get("scale")) > 0) coloured().scale = Number(typed.get("scale"));
 
-  // The helix in Oklab of `output/false_colours.rs`, as GLSL and for the legend.
-  const HELIX = { lightness: [0.25, 0.93], hue: [0.83, 0.3], chroma: 0.095 };
-  const mix = ([from, to], t) => from + t * (to - from);
-  const helix = (t) => {
-    const angle = 2 * Math.PI * mix(HELIX.hue, t);
-    const [L, a, b] = [mix(HELIX.lightness, t), HELIX.chroma * Math.cos(angle), HELIX.chroma * Math.sin(angle)];
-    const l = (L + 0.3963377774 * a + 0.2158037573 * b) ** 3;
-    const m = (L - 0.1055613458 * a - 0.0638541728 * b) ** 3;
-    const s = (L - 0.0894841775 * a - 1.291485548 * b) ** 3;
-    const linear = [4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s, -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s, -0.0041960863 * l - 0.7034186147 * m + 1.707614701 * s];
-    return linear.map((x) => Math.min(Math.max(x, 0), 1)).map((x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055));
-  };
-
-  patchlightFacts(data, byId("facts"), { short, percent });
+  let goTo = () => {};
+  patchlightFacts(data, byId("facts"), (face) => goTo(face));
   byId("title").textContent = data.title;
   document.title = `${data.title} - Patchlight`;
   byId("claim").textContent = data.claim;
-  byId("lux-option").textContent = data.quantity + " in false colours";
-  byId("scale-unit").textContent = data.unit;
 
   // The scene.
   let renderer;
@@ -128,7 +83,7 @@
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
   geometry.setAttribute("radiance", new THREE.BufferAttribute(colours, 3));
-  geometry.setAttribute("shown", new THREE.BufferAttribute(shown, 1));
+  geometry.setAttribute("shown", new THREE.BufferAttribute(Float32Array.from(shown), 1));
   geometry.setIndex(new THREE.BufferAttribute(index, 1));
   const ramp = Array.from({ length: 65 }, (_, k) => helix(k / 64)).map(([r, g, b]) => new THREE.Vector3(r, g, b));
   const material = new THREE.ShaderMaterial({
@@ -136,52 +91,19 @@
     polygonOffset: true,
     polygonOffsetFactor: 1,
     polygonOffsetUnits: 1,
-    vertexShader: `
-      attribute vec3 radiance; attribute float shown;
-      varying vec3 light; varying float value; varying vec3 place;
-      void main() { light = radiance; value = shown; place = position; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }`,
-    // The tone curve of output/png.rs: straight up to 0.5, then bent towards white, on the largest channel.
-    fragmentShader: `
-      uniform float factor; uniform float scale; uniform float isolines; uniform float texel; uniform vec3 ramp[65];
-      varying vec3 light; varying float value; varying vec3 place;
-      vec3 encoded(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
-      void main() {
-        if (scale > 0.0) {
-          float at = clamp(value / scale, 0.0, 1.0) * 64.0;
-          int below = int(min(floor(at), 63.0));
-          vec3 c = mix(ramp[below], ramp[below + 1], at - float(below));
-          // Lines of equal light are a pixel and a half wide, however fast it changes; where it does not change there are none.
-          float mark = 5.0 * value / scale;
-          float slope = fwidth(mark);
-          float away = abs(mark - max(round(mark), 1.0));
-          if (isolines > 0.0 && slope < 0.5 && away < 0.75 * slope) c = vec3(dot(c, vec3(0.299, 0.587, 0.114)) < 0.5 ? 1.0 : 0.0);
-          gl_FragColor = vec4(c, 1.0);
-          return;
-        }
-        vec3 c = min(max(light * factor, 0.0), 1e6);
-        float peak = max(c.r, max(c.g, c.b));
-        if (peak > 0.5) {
-          float bent = 1.0 - 0.25 / peak;
-          float kept = 1.0 / (1.0 + 0.15 * (peak - bent));
-          c = bent + (c / peak * bent - bent) * kept;
-        }
-        c = encoded(c);
-        if (texel > 0.0) {
-          // Squares along the axis that lies most in the surface; where they are smaller than two pixels, what they are in the mean.
-          vec3 n = normalize(cross(dFdx(place), dFdy(place)));
-          vec3 a = abs(n) - vec3(0.02, 0.01, 0.0); // of two that lie in it alike always the same
-          vec3 axis = a.x <= min(a.y, a.z) ? vec3(1.0, 0.0, 0.0) : a.y <= a.z ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
-          vec3 u = normalize(axis - dot(axis, n) * n);
-          vec2 at = vec2(dot(place, u), dot(place, cross(n, u))) / texel;
-          float odd = mod(floor(at.x + 1e-3) + floor(at.y + 1e-3), 2.0);
-          c *= mix(0.6 + 0.4 * odd, 0.8, clamp(2.0 * max(fwidth(at.x), fwidth(at.y)) - 0.5, 0.0, 1.0));
-        }
-        gl_FragColor = vec4(c, 1.0);
-      }`,
+    vertexShader: patchlightShaders.vertex,
+    fragmentShader: patchlightShaders.fragment,
   });
   const scene = new THREE.Scene();
   const mesh = new THREE.Mesh(geometry, material);
   scene.add(mesh);
+  const planes = patchlightPlanes(data.planes, planeValues, new THREE.ShaderMaterial({
+    uniforms: { ...material.uniforms, scale: { value: 1 }, isolines: { value: 0 } },
+    vertexShader: patchlightShaders.vertex,
+    fragmentShader: patchlightShaders.fragment,
+    side: THREE.DoubleSide,
+  }));
+  scene.add(planes.mesh);
   const marker = new THREE.Mesh(new THREE.SphereGeometry(1, 12, 8), new THREE.MeshBasicMaterial({ color: 0xff7800 }));
   marker.visible = false;
   scene.add(marker);
@@ -234,18 +156,8 @@
   fillers.setIndex(halves);
   const behind = new THREE.ShaderMaterial({
     uniforms: material.uniforms,
-    vertexShader: `
-      attribute vec3 radiance; attribute float shown; attribute vec3 facing;
-      varying vec3 light; varying float value; varying vec3 place; varying float front;
-      void main() {
-        light = radiance; value = shown; place = position; front = dot(cameraPosition - position, facing);
-        gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-        gl_Position.z += 2e-4 * gl_Position.w;
-      }`,
-    fragmentShader: material.fragmentShader
-      .replace("varying float value;", "varying float value; varying float front;")
-      .replace("if (texel > 0.0)", "if (false)")
-      .replace("void main() {", "void main() { if (front <= 0.0) discard;"),
+    vertexShader: patchlightShaders.edgeVertex,
+    fragmentShader: patchlightShaders.edgeFragment,
   });
   scene.add(new THREE.LineSegments(fillers, behind));
 
@@ -253,22 +165,35 @@
   const legend = () => {
     const stops = Array.from({ length: 17 }, (_, k) => `rgb(${helix(k / 16).map((x) => Math.round(255 * x)).join(",")})`);
     byId("bar").style.background = `linear-gradient(to top, ${stops.join(",")})`;
-    byId("unit").textContent = data.unit;
+    byId("unit").textContent = coloured().unit;
     byId("bar").replaceChildren(
       ...[0, 0.2, 0.4, 0.6, 0.8, 1].map((t) => {
         const tick = document.createElement("span");
         tick.style.bottom = `${100 * t}%`;
-        tick.textContent = short(t * state.scale);
+        tick.textContent = short(t * coloured().scale);
         return tick;
       }),
     );
   };
   byId("exposure").min = Math.round(exposure) - 8;
   byId("exposure").max = Math.round(exposure) + 8;
+  // Gives nodes the numbers of a quantity, where they have others.
+  let painted = shown;
+  const paint = (values) => {
+    if (values === painted) return;
+    painted = values;
+    geometry.getAttribute("shown").array.set(values);
+    geometry.getAttribute("shown").needsUpdate = true;
+  };
   const update = () => {
-    const isLux = state.show === "lux";
+    const [isColoured, { values, scale, unit }] = [state.show in quantities, coloured()];
+    paint(values);
+    // Planes were measured with the weights of the solution.
+    const isAsSolved = !groups || state.factors.every((factor, g) => factor === groups.solved[g]);
+    planes.mesh.visible = state.planes && isAsSolved && coloured() === quantities.lux;
+    planes.mesh.material.uniforms.scale.value = quantities.lux.scale;
     material.uniforms.factor.value = 2 ** state.exposure;
-    material.uniforms.scale.value = isLux ? state.scale : 0;
+    material.uniforms.scale.value = isColoured ? scale : 0;
     material.uniforms.texel.value = state.show === "texels" ? state.texel : 0;
     if (state.lines && !lines) makeLines();
     if (lines) lines.visible = state.lines;
@@ -277,21 +202,27 @@
     byId("show").value = state.show;
     byId("exposure").value = state.exposure;
     byId("ev").textContent = `${Number(state.exposure).toFixed(1)} EV`;
-    byId("scale").value = state.scale;
+    byId("scale").value = scale;
+    byId("scale-unit").textContent = unit;
     byId("texel").value = state.texel;
     byId("texel-row").hidden = state.show !== "texels";
     byId("lines").checked = state.lines;
     byId("isolines").checked = state.isolines;
     byId("backs").checked = state.backs;
-    byId("exposure-row").hidden = isLux;
-    byId("scale-row").hidden = byId("isolines-row").hidden = byId("legend").hidden = !isLux;
+    byId("planes").checked = state.planes;
+    byId("planes-row").hidden = data.planes.length === 0;
+    byId("exposure-row").hidden = isColoured;
+    byId("isolines-row").hidden = !isColoured;
+    byId("scale-row").hidden = byId("legend").hidden = !isColoured && !planes.mesh.visible;
     legend();
     draw();
   };
   const changed = () => {
-    const kept = new URLSearchParams({ show: state.show, exposure: state.exposure, scale: state.scale });
+    const kept = new URLSearchParams({ show: state.show, exposure: state.exposure, scale: coloured().scale });
     if (state.show === "texels") kept.set("texel", state.texel);
     ["lines", "isolines", "backs"].filter((name) => state[name]).forEach((name) => kept.set(name, 1));
+    if (data.planes.length > 0 && !state.planes) kept.set("planes", 0);
+    if (state.face) kept.set("face", state.face);
     if (state.factors && state.factors.some((factor, g) => factor !== groups.solved[g])) kept.set("weights", state.factors.join(","));
     history.replaceState(null, "", `#${kept}`);
     update();
@@ -314,7 +245,8 @@
     state.factors = factors;
     groups.apply(factors, radiosity, data.materials);
     show();
-    ["radiance", "shown"].forEach((name) => (geometry.getAttribute(name).needsUpdate = true));
+    geometry.getAttribute("radiance").needsUpdate = true;
+    painted = null;
     const claim = groups.claim(factors);
     byId("weights-claim").textContent = `error ${percent(claim)} claimed by energy; ${groups.command(factors)}`;
     byId("weights").querySelectorAll("label").forEach((label, g) => label.querySelectorAll("input").forEach((input) => (input.value = factors[g])));
@@ -347,12 +279,24 @@
   if (groups) makeGroups();
 
   // A click that does not turn the scene shows values.
+  const mark = ({ point, distance }) => {
+    marker.position.copy(point);
+    marker.scale.setScalar(0.006 * distance);
+    draw();
+  };
   const pick = (x, y) => {
     const box = byId("view").getBoundingClientRect();
     const ray = new THREE.Raycaster();
     ray.setFromCamera(new THREE.Vector2((2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height), camera);
     const hit = ray.intersectObject(mesh)[0];
-    marker.visible = Boolean(hit);
+    const field = planes.hit(ray);
+    marker.visible = Boolean(field || hit);
+    if (field && !(hit && hit.distance < field.distance)) {
+      const { plane, value } = field;
+      byId("note").textContent = `measuring plane ${plane.name}\n${plane.quantity} ${short(value)} ${plane.unit}`;
+      mark(field);
+      return;
+    }
     if (!hit) {
       byId("note").textContent = "Nothing that faces the eye is there.";
       draw();
@@ -375,9 +319,7 @@
       reflects ? `irradiance ${h.map(short).join(", ")} W/m²` : "irradiance not known: nothing is reflected here",
       reflects ? `${data.quantity} ${short(shownOf(h))} ${data.unit}` : "",
     ].filter(Boolean).join("\n");
-    marker.position.copy(hit.point);
-    marker.scale.setScalar(0.006 * hit.distance);
-    draw();
+    mark(hit);
   };
   let down = null;
   byId("view").addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
@@ -389,12 +331,36 @@
   controls.addEventListener("change", draw);
   byId("show").addEventListener("change", (event) => ((state.show = event.target.value), changed()));
   byId("exposure").addEventListener("input", (event) => ((state.exposure = Number(event.target.value)), changed()));
-  ["scale", "texel"].forEach((name) => byId(name).addEventListener("change", ({ target }) => (Number(target.value) > 0 && (state[name] = Number(target.value)), changed())));
-  ["lines", "isolines", "backs"].forEach((name) => byId(name).addEventListener("change", (event) => ((state[name] = event.target.checked), changed())));
-  byId("reset").addEventListener("click", () => (toStart(), draw()));
+  byId("scale").addEventListener("change", ({ target }) => (Number(target.value) > 0 && (coloured().scale = Number(target.value)), changed()));
+  byId("texel").addEventListener("change", ({ target }) => (Number(target.value) > 0 && (state.texel = Number(target.value)), changed()));
+  ["lines", "isolines", "backs", "planes"].forEach((name) => byId(name).addEventListener("change", (event) => ((state[name] = event.target.checked), changed())));
+  byId("reset").addEventListener("click", () => {
+    places.clear();
+    state.face = null;
+    toStart();
+    changed();
+  });
   addEventListener("resize", resize);
+  // A warning shows the face that it is about.
+  const cornersOf = (face) => {
+    const found = [];
+    for (let t = 0; t < index.length / 3; t++) {
+      if (surfaceData[2 * surfaceOfTriangle(t)] + 1 !== face) continue;
+      for (let corner = 3 * t; corner < 3 * t + 3; corner++) found.push(...positions.subarray(3 * index[corner], 3 * index[corner] + 3));
+    }
+    return found;
+  };
+  const places = patchlightPlaces(data.places, cornersOf, { scene, camera, controls, size, draw });
+  goTo = (face, atOnce = matchMedia("(prefers-reduced-motion: reduce)").matches) => {
+    if (!places.show(face, atOnce)) return;
+    // Planes may hide it.
+    [state.face, state.planes] = [face, false];
+    byId("note").textContent = `face ${face}, by a warning`;
+    changed();
+  };
   update();
   resize();
+  if (typed.has("face")) goTo(Number(typed.get("face")), true);
   document.body.dataset.drawn = "yes";
   if (typed.has("pick")) pick(...typed.get("pick").split(",").map(Number));
 })();

@@ -164,6 +164,7 @@ fn json(scene: &Committed, options: &SolveOptions, report: &SolveReport, threads
         RunReport::of_solve(provenance.software(), SceneReport::of(&scene.scene, scene.files.clone().into()), options, report);
     run.threads = threads;
     run.warnings.clone_from(&scene.warnings);
+    run.warned_faces.clone_from(&scene.warned_faces);
     let mut text = Vec::new();
     // Writing to memory does not fail.
     let _ = write_report(&mut text, &run);

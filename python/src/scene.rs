@@ -25,6 +25,8 @@ pub struct Scene {
     pub file: PathBuf,
     /// What was repaired or is suspicious.
     pub warnings: Vec<String>,
+    /// The faces that these are about, from 1.
+    pub warned_faces: Vec<Option<u32>>,
     noted: Vec<Diagnostic>,
 }
 
@@ -85,7 +87,8 @@ impl Scene {
         let scene = scene.map_err(|source| Failure::from(ImportError::Scene { file: path.clone(), source }))?;
         let noted = self.noted.iter().filter(|noted| noted.kind != "no_light").cloned();
         let noted = noted.chain(read.diagnostics.items.iter().map(Diagnostic::of)).collect();
-        Ok(Self { scene, file: self.file.clone(), warnings: read.diagnostics.warnings(), noted })
+        let (warnings, warned_faces) = (read.diagnostics.warnings(), read.diagnostics.warned_faces());
+        Ok(Self { scene, file: self.file.clone(), warnings, warned_faces, noted })
     }
 
     /// The same scene with its lights in groups, which `Solution.relight` weights after the solve.
@@ -94,7 +97,8 @@ impl Scene {
     ///     sequence of "material NAME", "object NAME" and "light NAME", in which every surface that emits and every light is once.
     fn with_light_groups(&self, by: &Bound<'_, PyAny>) -> PyResult<Self> {
         let scene = self.scene.with_light_groups(&grouping(by)?).map_err(Failure::from)?;
-        Ok(Self { scene, file: self.file.clone(), warnings: self.warnings.clone(), noted: self.noted.clone() })
+        let (warnings, warned_faces) = (self.warnings.clone(), self.warned_faces.clone());
+        Ok(Self { scene, file: self.file.clone(), warnings, warned_faces, noted: self.noted.clone() })
     }
 
     /// The names of its light groups, in their order; empty if it has none.
@@ -183,7 +187,8 @@ impl Scene {
         for warning in &warnings {
             warn.call1((warning, &class))?;
         }
-        Ok(Self { scene, file, warnings, noted: diagnostics.items.iter().map(Diagnostic::of).collect() })
+        let (warned_faces, noted) = (diagnostics.warned_faces(), diagnostics.items.iter().map(Diagnostic::of).collect());
+        Ok(Self { scene, file, warnings, warned_faces, noted })
     }
 
     /// Of what `patchlight/_meshes.py` makes of arrays and meshes: vertices, corners, counts, materials, reflectances, exitances, sides.

@@ -94,6 +94,7 @@ fn json(scene: &Scene, options: &SolveOptions, report: &SolveReport, threads: us
     let mut run = RunReport::of_solve(provenance.software(), of_scene, options, report);
     run.threads = threads;
     run.warnings.clone_from(&scene.warnings);
+    run.warned_faces.clone_from(&scene.warned_faces);
     let mut text = Vec::new();
     // Writing to memory does not fail.
     let _ = write_report(&mut text, &run);

@@ -115,6 +115,15 @@ impl TrustArguments {
     }
 }
 
+/// Measuring planes of a page.
+#[derive(Debug, Default, Args)]
+pub struct PlaneArguments {
+    /// Measure on a plane, and show it in the page: false colours, mean, minimum, uniformity, and the daylight factor where skies send all light; as
+    /// 'height=0.75', or in full, as of 'patchlight sample'; may be repeated. It takes its time after the solve, whatever --time says
+    #[arg(long, value_name = "PLANE", allow_hyphen_values = true)]
+    pub plane: Vec<String>,
+}
+
 /// Whose coordinates a lightmap has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum WhoseUv {

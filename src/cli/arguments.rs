@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use super::argument_groups::{PictureArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments, Whence, WhoseUv};
+use super::argument_groups::{PictureArguments, PlaneArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments, Whence, WhoseUv};
 use super::option_help::{self, EXIT_CODES};
 
 /// Hierarchical radiosity: lights polygonal scenes, and tells how wrong the answer can be.
@@ -84,6 +84,11 @@ pub struct SolveArguments {
     /// Write a page for browsers: the lit scene in 3D, and what the run tells about itself; it loads nothing from anywhere
     #[arg(long, value_name = "FILE.html")]
     pub html: Option<PathBuf>,
+    #[command(flatten)]
+    pub planes: PlaneArguments,
+    /// Draw what the run tells about itself: error.png (against time), time.png and light.png (where both went), in this folder
+    #[arg(long, value_name = "FOLDER")]
+    pub plots: Option<PathBuf>,
     /// Write what the run tells about itself as JSON, '-' for stdout
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,
@@ -370,6 +375,8 @@ pub struct ReportArguments {
     /// The page: one .html file that loads nothing from anywhere
     #[arg(short, long, value_name = "FILE.html")]
     pub output: PathBuf,
+    #[command(flatten)]
+    pub planes: PlaneArguments,
     #[command(flatten)]
     pub run: RunArguments,
 }

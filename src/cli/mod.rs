@@ -12,16 +12,20 @@ mod exit;
 mod files;
 mod info;
 mod interrupt;
+mod key_figures;
 mod light_groups;
 mod lightmap_files;
 mod memory_guard;
 mod option_help;
 mod per_vertex;
 mod pictures;
+mod planes;
+mod plots;
 mod process;
 mod progress;
 mod reader;
 mod relight;
+mod report;
 mod request;
 mod results;
 mod sensors;
@@ -63,7 +67,7 @@ fn execute(command: Command) -> Result<Exit, Failure> {
         Command::Render(arguments) => pictures::render(request::RenderRequest::new(arguments)?),
         Command::Relight(arguments) => relight::relight(&relight::RelightRequest::new(*arguments)?),
         Command::Export(arguments) => results::export(request::ExportRequest::new(arguments)?),
-        Command::Report(arguments) => results::report(request::ReportRequest::new(arguments)?),
+        Command::Report(arguments) => report::report(report::ReportRequest::new(arguments)?),
         Command::Bake(arguments) => bake::bake(bake::BakeRequest::new(*arguments)?),
         Command::Batch(arguments) => batch::batch(*arguments),
         Command::Info(arguments) => info::info(&arguments),

@@ -13,12 +13,14 @@ use super::arguments::RelightArguments;
 use super::changes::{Change, Property, changed};
 use super::exit::{Exit, Failure};
 use super::files::{self, Outputs, Sink};
+use super::key_figures::claim_in_words;
 use super::light_groups::{parse_weight, tell_groups};
 use super::pictures::Limits;
 use super::progress::{Voice, Watcher};
-use super::request::{PictureRequest, page_file};
+use super::report::{page_file, write_page_to};
+use super::request::PictureRequest;
 use super::settings::run_options;
-use super::solve::{Ending, claim_in_words};
+use super::solve::Ending;
 use super::{interrupt, pictures, results};
 
 /// What is changed.
@@ -187,7 +189,7 @@ pub fn relight(request: &RelightRequest) -> Result<Exit, Failure> {
     }
     if let Some(page) = &request.page {
         let name = request.read.file_name().unwrap_or_default().to_string_lossy();
-        ending.write(|| results::write_page_to(page, &evaluator, (&name, None), voice));
+        ending.write(|| write_page_to(page, (&evaluator, &name), (None, &[]), voice));
     }
     if let Some(sink) = &request.report {
         ending.write(|| {

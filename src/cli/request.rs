@@ -12,7 +12,10 @@ use super::arguments::{ExportArguments, RenderArguments, ReportArguments, Sample
 use super::exit::Failure;
 use super::files::{Outputs, Sink};
 use super::light_groups::Grouping;
+use super::planes::{self, NamedPlane};
+use super::plots::PlotFiles;
 use super::progress::Voice;
+use super::report::page_file;
 use super::sensors::SensorRequest;
 use super::settings::{Settings, limit, run_options};
 
@@ -74,6 +77,9 @@ pub struct SolveRequest {
     pub points: Option<(PathBuf, Sink)>,
     pub report: Option<Sink>,
     pub html: Option<Destination>,
+    /// Measuring planes that the page shows.
+    pub planes: Vec<NamedPlane>,
+    pub plots: Option<PlotFiles>,
     /// All of these, to be held against what the scene turns out to read.
     pub outputs: Outputs,
 }
@@ -98,7 +104,8 @@ impl SolveRequest {
         let values = typed.values.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let report = typed.report.as_deref().map(|path| outputs.sink(path)).transpose()?;
         let html = typed.html.as_deref().map(|path| page_file(path, "--html", &mut outputs)).transpose()?;
-        Ok(Self {
+        let plots = typed.plots.as_deref().map(|folder| PlotFiles::new(folder, &mut outputs)).transpose()?;
+        let request = Self {
             scene: typed.scene,
             import: typed.trust.import(settings.sides, typed.lights),
             options: settings.options,
@@ -111,15 +118,26 @@ impl SolveRequest {
             points: typed.points.zip(values),
             report,
             html,
+            planes: planes::parse(&typed.planes)?,
+            plots,
             outputs,
-        })
+        };
+        if !request.planes.is_empty() && request.html.is_none() && !request.asks_for_nothing() {
+            return Err(Failure::usage("--plane shows a measuring plane in the page: name one by --html FILE.html"));
+        }
+        Ok(request)
+    }
+
+    /// Whether no output is asked for.
+    fn asks_for_nothing(&self) -> bool {
+        let Self { solution, picture, mesh, points, html, report, plots, .. } = self;
+        let of_light = [solution.is_none(), picture.is_none(), mesh.is_none(), points.is_none(), html.is_none()];
+        of_light == [true; 5] && report.is_none() && plots.is_none()
     }
 
     /// Who asks for nothing gets something to look at: the page `out/NAME.html`.
     pub fn or_leave_a_page(mut self) -> Result<Self, Failure> {
-        let Self { solution, picture, mesh, points, html, report, .. } = &self;
-        let none_of = [solution.is_none(), picture.is_none(), mesh.is_none(), points.is_none(), html.is_none(), report.is_none()];
-        if none_of != [true; 6] {
+        if !self.asks_for_nothing() {
             return Ok(self);
         }
         let folder = Path::new("out");
@@ -263,32 +281,6 @@ pub fn parse_quantity(text: &str) -> Result<Quantity, Failure> {
         "illuminance" => Ok(Quantity::Illuminance),
         _ => Err(Failure::usage(format_args!("quantity is '{text}', it must be one of {}", Quantity::NAMES.join(", ")))),
     }
-}
-
-/// `patchlight report`.
-#[derive(Debug)]
-pub struct ReportRequest {
-    pub solution: PathBuf,
-    pub page: Destination,
-    pub run: RunOptions,
-    pub voice: Voice,
-}
-
-impl ReportRequest {
-    /// Validates what was typed.
-    pub fn new(typed: ReportArguments) -> Result<Self, Failure> {
-        let page = page_file(&typed.output, "report", &mut Outputs::beside(&[&typed.solution]))?;
-        let (run, voice) = (run_options(&typed.run)?, Voice::new(typed.run.progress));
-        Ok(Self { solution: typed.solution, page, run, voice })
-    }
-}
-
-/// The file of a page, by its extension.
-pub fn page_file(path: &Path, flag: &str, outputs: &mut Outputs) -> Result<Destination, Failure> {
-    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
-        return Err(Failure::usage(format_args!("{flag} writes HTML: name the file {}", path.with_extension("html").display())));
-    }
-    outputs.file(path)
 }
 
 /// `patchlight sample`.

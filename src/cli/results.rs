@@ -1,12 +1,12 @@
-//! What is made from a solution: values at points, pages, exports.
+//! What is made from a solution: values at points, exports.
 
 use std::time::Instant;
 
 use patchlight::bounds::PointBounds;
 use patchlight::mesh::LitMesh;
 use patchlight::output::{
-    Destination, ExportFormat, Page, Points, Provenance, RunReport, export_elements, export_mesh, write_bounded_values,
-    write_fluxes, write_page, write_quadratic_mesh_ply, write_solution, write_values,
+    Destination, ExportFormat, Points, Provenance, export_elements, export_mesh, write_bounded_values, write_fluxes,
+    write_quadratic_mesh_ply, write_solution, write_values,
 };
 use patchlight::pipeline::Evaluator;
 use patchlight::solve::Solution;
@@ -17,7 +17,7 @@ use super::exit::{Exit, Failure};
 use super::files::{self, Sink};
 use super::interrupt;
 use super::progress::{Voice, Watcher};
-use super::request::{ExportRequest, Exported, ReportRequest, SampleRequest, Sampled};
+use super::request::{ExportRequest, Exported, SampleRequest, Sampled};
 use super::sensors;
 
 /// `patchlight sample`.
@@ -87,31 +87,6 @@ pub fn write_values_to(sink: &Sink, points: &Points, (values, bounds): &BoundedV
     voice.figure("wrote", format_args!("{} ({} points)", sink.name(), points.len()));
     Ok(())
 }
-
-/// `patchlight report`.
-pub fn report(request: ReportRequest) -> Result<Exit, Failure> {
-    let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
-    let name = request.solution.file_name().unwrap_or_default().to_string_lossy();
-    write_page_to(&request.page, &evaluator, (&name, None), request.voice)?;
-    Ok(Exit::Done)
-}
-
-/// Writes a page under a title, with the report of the run if there is one.
-pub fn write_page_to(
-    destination: &Destination,
-    evaluator: &Evaluator,
-    (title, report): (&str, Option<&RunReport>),
-    voice: Voice,
-) -> Result<(), Failure> {
-    let (solution, camera) = (evaluator.solution(), evaluator.default_camera(PAGE_VIEW[0], PAGE_VIEW[1]));
-    let page = Page { title, solution, camera: &camera, report };
-    destination.write(|mut file| write_page(&mut file, &page, &Provenance::new(solution.options())))?;
-    voice.figure("wrote", format_args!("{}", destination.path().display()));
-    Ok(())
-}
-
-/// The first view of a page shows the scene in a picture of these sides.
-const PAGE_VIEW: [u32; 2] = [960, 720];
 
 /// Writes the lit mesh.
 pub fn write_mesh_to(

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use patchlight::output::{
-    Destination, Display, Illuminances, Look, Points, Provenance, Quantity, Scale, write_display, write_irradiances,
+    Destination, Display, Look, MeasuredPlane, Points, Provenance, Scale, ShownPlane, write_display, write_irradiances,
 };
 use patchlight::picture::{MeasuringPlane, PlaneRequest};
 use patchlight::pipeline::Evaluator;
@@ -91,21 +91,32 @@ pub fn measure(
             write_to(sink, &points, &irradiances, voice)?;
             Ok(ending(&timed, irradiances.missing(), voice))
         }
-        Sensors::Plane(plane, picture) => {
-            let (plane, is_inside) = evaluator.measuring_plane(plane).map_err(Failure::usage)?;
-            let sensors = plane.sensors();
-            let inside: Vec<SurfacePoint> =
-                sensors.iter().zip(&is_inside).filter(|(_, inside)| **inside).map(|(s, _)| *s).collect();
-            let measured = evaluator.irradiances_at(&inside, &timed);
-            let irradiances = spread(&measured, &is_inside);
-            write_to(sink, &Points::from(sensors.as_slice()), &irradiances, voice)?;
-            tell(&plane, &irradiances, voice);
+        Sensors::Plane(request, picture) => {
+            let (measured, missing) = measured_on(evaluator, (request, String::new()), &timed)?;
+            let MeasuredPlane { plane, irradiances, .. } = &measured;
+            write_to(sink, &Points::from(plane.sensors().as_slice()), irradiances, voice)?;
+            let shown = measured.shown(evaluator.solution().scene());
+            tell(plane, &shown, voice);
             if let Some(picture) = picture {
-                picture.write(&plane, &irradiances, &Provenance::new(evaluator.solution().options()), voice)?;
+                picture.write(plane, &shown, &Provenance::new(evaluator.solution().options()), voice)?;
             }
-            Ok(ending(&timed, measured.missing(), voice))
+            Ok(ending(&timed, missing, voice))
         }
     }
+}
+
+/// What the sensors of a plane measure, under a name, and how many were not reached before `observer` cancelled.
+pub fn measured_on(
+    evaluator: &Evaluator,
+    (request, name): (&PlaneRequest, String),
+    observer: &dyn Observer,
+) -> Result<(MeasuredPlane, usize), Failure> {
+    let (plane, is_inside) = evaluator.measuring_plane(request).map_err(Failure::usage)?;
+    let inside: Vec<SurfacePoint> =
+        plane.sensors().into_iter().zip(&is_inside).filter(|(_, inside)| **inside).map(|(sensor, _)| sensor).collect();
+    let measured = evaluator.irradiances_at(&inside, observer);
+    let irradiances = spread(&measured, &is_inside);
+    Ok((MeasuredPlane { name, plane, irradiances }, measured.missing()))
 }
 
 fn write_to(sink: &Sink, points: &Points, irradiances: &Irradiances, voice: Voice) -> Result<(), Failure> {
@@ -136,23 +147,11 @@ fn spread(measured: &Irradiances, is_measured: &[bool]) -> Irradiances {
     Irradiances { channels, irradiance: spread(&measured.irradiance), standard_error: spread(&measured.standard_error) }
 }
 
-/// What a plane shows: illuminance, or of channels of which it is not known what an eye sees, the mean of the irradiances; and its unit.
-fn shown(irradiances: &Irradiances) -> (Quantity, Illuminances) {
-    if let Some(illuminances) = Illuminances::of(irradiances) {
-        return (Quantity::Illuminance, illuminances);
-    }
-    let channels = irradiances.channels;
-    let mean = |numbers: &[f32]| numbers.chunks(channels).map(|of| of.iter().sum::<f32>() / channels as f32).collect();
-    let means = Illuminances { lux: mean(&irradiances.irradiance), standard_error: mean(&irradiances.standard_error) };
-    (Quantity::Irradiance, means)
-}
-
 /// Tells mean, extremes and uniformity.
-fn tell(plane: &MeasuringPlane, irradiances: &Irradiances, voice: Voice) {
-    let (quantity, shown) = shown(irradiances);
-    let ([columns, rows], unit) = (plane.counts, quantity.unit());
-    let numbers = shown.lux.iter().zip(&shown.standard_error).map(|(&value, &error)| [value, error]);
-    let Some(summary) = Summary::of(numbers) else {
+fn tell(plane: &MeasuringPlane, shown: &ShownPlane, voice: Voice) {
+    let ([columns, rows], quantity) = (plane.counts, shown.quantity);
+    let unit = quantity.unit();
+    let Some(summary) = shown.summary else {
         voice.warn(format_args!("none of the {columns}x{rows} sensors of the plane hangs in a room"));
         return;
     };
@@ -166,20 +165,14 @@ fn tell(plane: &MeasuringPlane, irradiances: &Irradiances, voice: Voice) {
 }
 
 impl PlanePicture {
-    fn write(
-        &self,
-        plane: &MeasuringPlane,
-        irradiances: &Irradiances,
-        provenance: &Provenance,
-        voice: Voice,
-    ) -> Result<(), Failure> {
-        let (quantity, shown) = shown(irradiances);
+    fn write(&self, plane: &MeasuringPlane, shown: &ShownPlane, provenance: &Provenance, voice: Voice) -> Result<(), Failure> {
+        let ShownPlane { quantity, values, .. } = shown;
         let scale = self.scale.unwrap_or_else(|| {
-            let largest = shown.lux.iter().copied().filter(|value| !value.is_nan()).fold(0.0, f32::max);
+            let largest = values.lux.iter().copied().filter(|value| !value.is_nan()).fold(0.0, f32::max);
             Scale::up_to(f64::from(largest))
         });
-        let (image, marks) = plane.picture(&shown.lux, quantity.per_radiance());
-        let display = Display { image: &image, quantity, look: Look::Scale(scale), marks: Some(&marks) };
+        let (image, marks) = plane.picture(&values.lux, quantity.per_radiance());
+        let display = Display { image: &image, quantity: *quantity, look: Look::Scale(scale), marks: Some(&marks) };
         self.destination.write(|file| write_display(file, &display, provenance).map(|_| ()))?;
         let (name, low, high, unit) = (quantity.name(), scale.low(), scale.high(), quantity.unit());
         voice.figure("wrote", format_args!("{} ({name} from {low} to {high} {unit})", self.destination.path().display()));

@@ -2,23 +2,23 @@
 
 use std::time::Instant;
 
-use patchlight::bounds::{BoundsReport, Certainty};
-use patchlight::output::{CpuReport, Points, Provenance, Quantity, RunReport, SceneReport, write_report};
+use patchlight::output::{CpuReport, MeasuredPlane, Points, Provenance, Quantity, RunReport, SceneReport, write_report};
 use patchlight::picture::Image;
 use patchlight::pipeline::{self, Evaluator, Workers};
 use patchlight::scene::import::read_scene;
 use patchlight::scene::{FileUv, Scene};
-use patchlight::solve::{ErrorReport, LitMeshReport, Norm, RunOptions, SolveOptions, SolveReport, StoppedBy};
+use patchlight::solve::{RunOptions, SolveOptions, StoppedBy};
 use patchlight::values::{Values, ValuesError};
 
 use super::exit::{Exit, Failure};
 use super::files::Outputs;
-use super::light_groups::tell_groups;
+use super::key_figures::{tell_key_figures, tell_time};
 use super::pictures::Limits;
 use super::progress::{Voice, Watcher};
+use super::report::write_page_to;
 use super::request::{PictureRequest, SolveRequest};
 use super::stderr::say;
-use super::{files, interrupt, pictures, process, results};
+use super::{files, interrupt, pictures, planes, process, results};
 
 /// Warnings that are printed one by one; `patchlight info` prints all.
 const PRINTED_WARNINGS: usize = 20;
@@ -56,13 +56,15 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let limits = Limits::of(RunOptions { time_s, ..run }, start);
     let written = write_results(&request, &evaluator, points.as_ref(), (&provenance, &limits), &mut ending);
     run_report.error.points = written.and_then(|values| values.error);
+    let (planes, cut_short) = planes::measure(&evaluator, &request.planes, voice)?;
+    ending.limit(cut_short);
     let sample_s = sampling.elapsed().as_secs_f64() - ending.output_s;
 
     // The report, last: it tells about all of the above.
     let cpu_now = process::cpu_seconds();
     let between = |from: Option<f64>, to: Option<f64>| Some(to? - from?);
     run_report.threads = if request.run.threads > 0 { request.run.threads } else { available_threads() };
-    run_report.warnings = warnings;
+    (run_report.warnings, run_report.warned_faces) = (warnings.texts, warnings.faces);
     run_report.time_s.load = load_s;
     run_report.time_s.sample = sample_s;
     run_report.time_s.output = ending.output_s;
@@ -70,16 +72,30 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     run_report.cpu_s = CpuReport { total: cpu_now, solve: between(cpu_before, cpu_solved), sample: between(cpu_solved, cpu_now) };
     run_report.memory.peak_resident_bytes = process::peak_resident_bytes();
     tell_time(voice, &run_report);
-    if let Some(sink) = &request.report {
-        ending.note(sink.write(|mut writer| write_report(&mut writer, &run_report)));
-    }
-    if let Some(page) = &request.html {
-        let name = request.scene.file_name().unwrap_or_default().to_string_lossy();
-        ending.note(results::write_page_to(page, &evaluator, (&name, Some(&run_report)), voice));
-    }
+    write_reports(&request, (&evaluator, &planes), (&run_report, &provenance), &mut ending);
     // The program ends: the system takes all memory back at once, where freeing a large scene piece by piece takes a while.
     std::mem::forget(evaluator);
     ending.finish()
+}
+
+/// Writes what tells about the run: report, plots and page.
+fn write_reports(
+    request: &SolveRequest,
+    (evaluator, planes): (&Evaluator, &[MeasuredPlane]),
+    (report, provenance): (&RunReport, &Provenance),
+    ending: &mut Ending,
+) {
+    let voice = request.voice;
+    if let Some(sink) = &request.report {
+        ending.note(sink.write(|mut writer| write_report(&mut writer, report)));
+    }
+    if let Some(plots) = &request.plots {
+        ending.note(plots.write(report, provenance, voice));
+    }
+    if let Some(page) = &request.html {
+        let name = request.scene.file_name().unwrap_or_default().to_string_lossy();
+        ending.note(write_page_to(page, (evaluator, &name), (Some(report), planes), voice));
+    }
 }
 
 /// What is made of a scene right after it is solved takes so much.
@@ -139,8 +155,14 @@ pub fn within_limits(request: &SolveRequest, points: Option<&Points>, load_s: f6
     }
 }
 
+/// What was repaired or is suspicious, and the faces that this is about, from 1.
+struct Warnings {
+    texts: Vec<String>,
+    faces: Vec<Option<u32>>,
+}
+
 /// Reads the scene, with coordinates that its file has for lightmaps, and warns of what was repaired.
-fn read(request: &SolveRequest, outputs: &Outputs) -> Result<(Scene, Vec<String>, FileUv), Failure> {
+fn read(request: &SolveRequest, outputs: &Outputs) -> Result<(Scene, Warnings, FileUv), Failure> {
     let imported = read_scene(&request.scene, &request.import).map_err(Failure::bad_input)?;
     outputs.check_unread(&imported.libraries)?;
     let warnings = imported.diagnostics.warnings();
@@ -153,7 +175,8 @@ fn read(request: &SolveRequest, outputs: &Outputs) -> Result<(Scene, Vec<String>
         Some(grouping) => grouping.apply_to(&imported.scene)?,
         None => imported.scene,
     };
-    Ok((scene, warnings, imported.uv))
+    planes::check(&request.planes, &scene)?;
+    Ok((scene, Warnings { texts: warnings, faces: imported.diagnostics.warned_faces() }, imported.uv))
 }
 
 /// What is known of values that were written.
@@ -211,127 +234,6 @@ fn available_threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// What matters most, on a few lines.
-fn tell_key_figures(voice: Voice, run: &RunReport, report: &SolveReport) {
-    let scene = &run.scene;
-    let channels = if scene.channels == 1 { "1 channel".to_owned() } else { format!("{} channels", scene.channels) };
-    voice.figure("scene", format_args!("{}: {} surfaces, {channels}", scene.file.display(), scene.surfaces));
-    voice.figure("backend", format_args!("{}", report.backend));
-    let counts = &report.counts;
-    voice.figure("solution", format_args!("{} elements, {} links, {} rays", counts.elements, counts.links, counts.rays));
-    let error = &report.error;
-    let claim = claim_in_words(error, run.options.norm);
-    if run.options.lit_mesh {
-        voice.figure("error", format_args!("{claim}, of values at points"));
-        voice.figure("mesh", format_args!("{}", mesh_in_words(report)));
-    } else {
-        let reached = if report.converged { "reached" } else { "not reached" };
-        let asked = 100.0 * run.options.error;
-        voice.figure("error", format_args!("{claim}; {asked:.2}% asked for: {reached} (stopped by {})", stopped_by_name(report)));
-    }
-    if let Some(groups) = &report.light_groups {
-        tell_groups(voice, groups);
-    }
-    if let Some(transport) = &report.transport {
-        let (terms, mb) = (transport.terms, transport.bytes as f64 * 1e-6);
-        voice.figure("transport", format_args!("{terms} terms of paths over {} cells, {mb:.1} MB", transport.cells));
-    } else if run.options.keep_transport {
-        voice.warn(format_args!("what paths bring is not kept: a limit ended the solve before"));
-    }
-    if let Some(links) = &report.link_error {
-        let part = 100.0 * links.estimated_error / links.reflected;
-        voice.figure(
-            "links",
-            format_args!("leave {part:.2}% of what elements reflect open, weighted by importance: an estimated error"),
-        );
-    }
-    if let Some(bounds) = &report.bounds {
-        voice.figure("bounds", format_args!("{}", bounds_in_words(bounds)));
-    }
-}
-
-/// How good the lit mesh is, or why there is none.
-fn mesh_in_words(report: &SolveReport) -> String {
-    let Some(mesh) = &report.lit_mesh else {
-        return format!("not made: the solve was stopped by {}", stopped_by_name(report));
-    };
-    let LitMeshReport { elements, nodes, off_values, whole, .. } = mesh;
-    let off = 100.0 * off_values.estimate;
-    let claim = if whole.estimate.is_finite() {
-        let reached = if report.converged { "reached" } else { "not reached" };
-        let (claimed, asked) = (100.0 * whole.estimate, 100.0 * report.error.requested);
-        format!("{claimed:.2}% claimed of both together; {asked:.2}% asked for: {reached} (stopped by {})", stopped_by_name(report))
-    } else {
-        "nothing can be said about both together".to_owned()
-    };
-    format!("{elements} elements, {nodes} nodes, claimed to be {off:.2}% off the values; {claim}")
-}
-
-/// What bounds prove. It is a mean over the area, of elements: single points have bounds of their own, which may be wider or narrower.
-fn bounds_in_words(bounds: &BoundsReport) -> String {
-    let apart = if bounds.relative_error <= 1.0 {
-        format!("{:.2}% of the reflected light apart in the mean over the area", 100.0 * bounds.relative_error)
-    } else {
-        "have not closed in: farther apart, in the mean over the area, than what is certainly reflected".to_owned()
-    };
-    let in_doubt = bounds.conditions.iter().filter(|condition| condition.could_matter);
-    let reasons: Vec<String> = in_doubt.map(|condition| condition.kind.to_string()).collect();
-    match (bounds.certainty, bounds.conditions.len()) {
-        (Certainty::Estimate, _) if reasons.is_empty() => format!("{apart}: an estimate"),
-        (Certainty::Estimate, _) => {
-            format!("{apart}: an estimate, because of {}; the report says where", reasons.join(" and "))
-        }
-        (Certainty::Guaranteed, 1) => format!("{apart}: proved, on a condition that the report lists"),
-        (Certainty::Guaranteed, count) => format!("{apart}: proved, on {count} conditions that the report lists"),
-    }
-}
-
-/// Where light was found on less than this part of the area, the claim says so.
-const WORTH_TELLING: f64 = 0.99;
-
-/// The claim, or that there is none: nothing was estimated, or nothing can be.
-pub fn claim_in_words(error: &ErrorReport, norm: Norm) -> String {
-    if !error.estimate.is_finite() {
-        let why = if norm == Norm::Local && error.lit > 0.0 {
-            let claimed = error.where_found.map(|found| found.estimate).filter(|claimed| claimed.is_finite());
-            let there = claimed.map_or_else(String::new, |claimed| format!(", where {:.2}% is claimed", 100.0 * claimed));
-            let lit = 100.0 * error.lit;
-            format!("light comes to much of the area by paths too rare to tell how much; it was found on {lit:.0}%{there}")
-        } else {
-            "too little was done to estimate it".to_owned()
-        };
-        return format!("nothing can be said about it in the {norm} norm: {why}");
-    }
-    let (percent, confidence) = (100.0 * error.estimate, 100.0 * error.confidence);
-    let where_lit = if norm == Norm::Local && error.lit < WORTH_TELLING {
-        format!(", on the {:.0}% of the area where light was found", 100.0 * error.lit)
-    } else {
-        String::new()
-    };
-    format!("{percent:.2}% claimed in the {norm} norm with {confidence:.0}% confidence{where_lit}")
-}
-
-/// The name that the report uses.
-pub fn stopped_by_name(report: &SolveReport) -> String {
-    serde_json::to_value(report.stopped_by).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
-}
-
-fn tell_time(voice: Voice, run: &RunReport) {
-    let time = &run.time_s;
-    let cpu = run.cpu_s.total.map_or(String::new(), |seconds| format!(", {seconds:.2} CPU-s"));
-    voice.figure(
-        "time",
-        format_args!(
-            "{:.2} s{cpu}: load {:.2}, solve {:.2}, sample {:.2}, output {:.2}",
-            time.total,
-            time.load,
-            time.total - time.load - time.sample - time.output,
-            time.sample,
-            time.output
-        ),
-    );
-}
-
 /// How the run ends: one failure does not keep the other results from being written.
 pub struct Ending {
     exit: Exit,
@@ -375,22 +277,5 @@ impl Ending {
         let last = self.failures.pop();
         self.failures.iter().for_each(|failure| say(format_args!("error: {}", failure.message)));
         last.map_or(Ok(self.exit), Err)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_error_that_is_not_known_is_not_claimed() {
-        let known = ErrorReport { estimate: 0.0123, confidence: 0.98, ..ErrorReport::default() };
-        assert_eq!(claim_in_words(&known, Norm::Energy), "1.23% claimed in the energy norm with 98% confidence");
-        let half = claim_in_words(&ErrorReport { lit: 0.5, ..known }, Norm::Local);
-        assert_eq!(half, "1.23% claimed in the local norm with 98% confidence, on the 50% of the area where light was found");
-        for estimate in [f64::INFINITY, f64::NAN] {
-            let unknown = claim_in_words(&ErrorReport { estimate, ..known }, Norm::Local);
-            assert!(unknown.starts_with("nothing can be said about it in the local norm"), "{unknown}");
-        }
     }
 }

@@ -25,6 +25,7 @@
 //! | `.glb` | [`write_lightmap_glb`] | the scene with its lightmap |
 //! | `.json` | [`write_lightmap_json`] | where faces lie on a lightmap |
 //! | `.json` | [`write_report`] | what the run tells about itself |
+//! | `.png` | [`write_plot`] | the same as plots: error against time, where time went, and light |
 
 mod atomic;
 pub mod bake_file;
@@ -43,12 +44,14 @@ mod legend;
 pub mod lightmap_glb;
 pub mod lightmap_json;
 pub mod lightmap_png;
+pub mod measured_plane;
 pub mod mesh_ply;
 #[cfg(feature = "openexr")]
 pub mod openexr;
 mod origin;
 pub mod page;
 mod patches;
+pub mod plots;
 mod ply;
 pub mod png;
 pub mod points;
@@ -74,10 +77,12 @@ pub use legend::LEAST_SIZE_WITH_LEGEND;
 pub use lightmap_glb::write_lightmap_glb;
 pub use lightmap_json::write_lightmap_json;
 pub use lightmap_png::{LightmapCode, write_lightmap_png};
+pub use measured_plane::{MeasuredPlane, ShownPlane};
 pub use mesh_ply::{write_mesh_ply, write_quadratic_mesh_ply};
 #[cfg(feature = "openexr")]
 pub use openexr::{write_openexr, write_openexr_layers};
 pub use page::{Page, write_page};
+pub use plots::{Plot, write_plot};
 pub use ply::write_ply;
 pub use png::{Display, Look, PngExposure, auto_exposure, write_display, write_png};
 pub use points::{Points, PointsError, read_points};

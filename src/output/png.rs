@@ -108,22 +108,35 @@ pub fn write_display(writer: impl Write, display: &Display<'_>, provenance: &Pro
     let (bytes, ev) = display.colours();
     let coloured = bytes.len() > image.width as usize * image.height as usize;
 
-    let mut encoder = ::png::Encoder::new(writer, image.width, image.height);
-    encoder.set_color(if coloured { ::png::ColorType::Rgb } else { ::png::ColorType::Grayscale });
-    encoder.set_depth(::png::BitDepth::Eight);
-    encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
     let title = |key: &str| key[..1].to_uppercase() + &key[1..];
-    for (key, text) in provenance.statements(quantity) {
-        encoder.add_text_chunk(title(key), text).map_err(into_io)?;
-    }
+    let mut texts: Vec<(String, String)> =
+        provenance.statements(quantity).into_iter().map(|(key, text)| (title(key), text)).collect();
     let (key, text) = match (display.look, ev) {
         (Look::Scale(scale), _) => ("Scale", format!("{}..{} {}, a helix in Oklab", scale.low(), scale.high(), quantity.unit())),
         (_, ev) => ("Exposure", format!("EV {:.4}: radiance times 2^EV, shoulder above {SHOULDER}, sRGB", ev.unwrap_or(0.0))),
     };
-    encoder.add_text_chunk(key.to_owned(), text).map_err(into_io)?;
-    let mut writer = encoder.write_header().map_err(into_io)?;
-    writer.write_image_data(&bytes).and_then(|()| writer.finish()).map_err(into_io)?;
+    texts.push((key.to_owned(), text));
+    let colour = if coloured { ::png::ColorType::Rgb } else { ::png::ColorType::Grayscale };
+    write_pixels(writer, [image.width, image.height], (colour, &bytes), texts)?;
     Ok(ev)
+}
+
+/// Writes 8-bit sRGB or grey pixels as PNG, with texts by their keys.
+pub(super) fn write_pixels(
+    writer: impl Write,
+    [width, height]: [u32; 2],
+    (colour, bytes): (::png::ColorType, &[u8]),
+    texts: Vec<(String, String)>,
+) -> io::Result<()> {
+    let mut encoder = ::png::Encoder::new(writer, width, height);
+    encoder.set_color(colour);
+    encoder.set_depth(::png::BitDepth::Eight);
+    encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
+    for (key, text) in texts {
+        encoder.add_text_chunk(key, text).map_err(into_io)?;
+    }
+    let mut writer = encoder.write_header().map_err(into_io)?;
+    writer.write_image_data(bytes).and_then(|()| writer.finish()).map_err(into_io)
 }
 
 impl Display<'_> {

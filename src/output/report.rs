@@ -71,6 +71,8 @@ pub struct RunReport {
     pub stopped_by: StoppedBy,
     /// What was repaired or is suspicious in the scene.
     pub warnings: Vec<String>,
+    /// The face that each of these is about, by its number in the input from 1; `null` where it is about none, or about one that was dropped.
+    pub warned_faces: Vec<Option<u32>>,
 }
 
 /// What was solved.
@@ -222,6 +224,7 @@ impl RunReport {
             converged: report.converged,
             stopped_by: report.stopped_by,
             warnings: Vec::new(),
+            warned_faces: Vec::new(),
         }
     }
 }

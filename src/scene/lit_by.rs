@@ -44,6 +44,20 @@ impl Scene {
         self.skies().next().is_some()
     }
 
+    /// The irradiance on open level ground under its skies, by channel in W/m^2, without that of suns; `None` where no sky is on.
+    pub fn irradiance_of_skies(&self) -> Option<Vec<f64>> {
+        let mut sum = vec![0.0; self.channels];
+        self.skies().for_each(|(_, light)| sum.iter_mut().zip(&light.strength).for_each(|(sum, strength)| *sum += strength));
+        self.has_sky().then_some(sum)
+    }
+
+    /// Whether skies send all light that there is.
+    pub fn is_lit_by_skies_alone(&self) -> bool {
+        let emits = self.surfaces.iter().any(|surface| self.materials[surface.material as usize].emits());
+        let is_sky = |light: &Light| matches!(light.shape, LightShape::Sky(_));
+        !emits && self.has_sky() && self.lights.iter().filter(|light| light.is_on()).all(is_sky)
+    }
+
     /// The lights that are skies, and on.
     fn skies(&self) -> impl Iterator<Item = (&Sky, &Light)> {
         self.lights.iter().filter(|light| light.is_on()).filter_map(|light| match &light.shape {

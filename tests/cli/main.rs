@@ -6,6 +6,7 @@ mod commands;
 mod hostile;
 mod lights;
 mod lit_mesh;
+mod page;
 mod pictures;
 mod relight;
 mod sensors;

@@ -13,6 +13,8 @@ pub struct Committed {
     pub files: String,
     /// What was repaired or is suspicious.
     pub warnings: Vec<String>,
+    /// The faces that these are about, from 1.
+    pub warned_faces: Vec<Option<u32>>,
 }
 
 /// The scene, with its lights grouped if they are, and what was noted.
@@ -25,7 +27,8 @@ pub fn build(draft: &Draft, grouping: Option<&LightGrouping>) -> (Outcome<Commit
             };
             let files: Vec<String> = draft.files.iter().map(|file| file.file.display().to_string()).collect();
             let notes = diagnostics.items.iter().map(Note::of).collect();
-            (grouped.map(|scene| Committed { scene, files: files.join(", "), warnings: diagnostics.warnings() }), notes)
+            let (files, warnings, warned_faces) = (files.join(", "), diagnostics.warnings(), diagnostics.warned_faces());
+            (grouped.map(|scene| Committed { scene, files, warnings, warned_faces }), notes)
         }
         Err(error) => {
             let notes = error.diagnostics.items.iter().map(Note::of).chain(error.mistakes.iter().map(Note::of_mistake)).collect();

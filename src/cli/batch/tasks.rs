@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::super::argument_groups::{PictureArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments};
+use super::super::argument_groups::{PictureArguments, PlaneArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments};
 use super::super::arguments::SolveArguments;
 use super::super::exit::Failure;
 use super::super::progress::Voice;
@@ -109,6 +109,8 @@ impl Common<'_> {
             report: None,
             // It tells the times of the run, and results are the same bytes.
             html: None,
+            planes: PlaneArguments::default(),
+            plots: None,
             run: RunArguments { backend: self.backend.clone(), ..RunArguments::default() },
         })
     }

@@ -14,10 +14,13 @@
 //! | `element-runs`, `triangle-runs` | base64 of `u32`: the surface that so many of these in a row are on, and how many |
 //! | `surfaces` | base64 of `u32`: face and material of each surface |
 //! | `group-radiosity` | as `radiosity`, of each light group alone; without groups empty |
+//! | `plane-values` | base64 of `f32`: what the sensors of measuring planes show, row after row and plane after plane, in the unit of the plane |
 
 mod base64;
 mod geometry;
 mod groups;
+mod planes;
+mod warned;
 
 use std::io::{self, Write};
 
@@ -26,16 +29,22 @@ use serde_json::{Value, json};
 use self::base64::write_base64;
 use self::geometry::Geometry;
 use self::groups::Groups;
-use super::{LUMENS_PER_WATT, Provenance, Quantity, RunReport};
+use super::{LUMENS_PER_WATT, MeasuredPlane, Provenance, Quantity, RunReport};
 use crate::picture::Camera;
 use crate::solve::{Norm, Solution, SolveOptions};
 
 const HTML: &str = include_str!("../../../assets/page/page.html");
-const PARTS: [(&str, &str); 5] = [
+const PARTS: [(&str, &str); 11] = [
     ("{{style}}", include_str!("../../../assets/page/page.css")),
     ("{{three}}", include_str!("../../../assets/page/three.min.js")),
+    ("{{input}}", include_str!("../../../assets/page/input.js")),
+    ("{{scale}}", include_str!("../../../assets/page/scale.js")),
+    ("{{history}}", include_str!("../../../assets/page/history.js")),
     ("{{facts}}", include_str!("../../../assets/page/facts.js")),
     ("{{groups}}", include_str!("../../../assets/page/groups.js")),
+    ("{{shaders}}", include_str!("../../../assets/page/shaders.js")),
+    ("{{planes}}", include_str!("../../../assets/page/planes.js")),
+    ("{{places}}", include_str!("../../../assets/page/places.js")),
     ("{{page}}", include_str!("../../../assets/page/page.js")),
 ];
 const DATA: &str = "{{data}}";
@@ -51,6 +60,8 @@ pub struct Page<'a> {
     pub camera: &'a Camera,
     /// What the run tells about itself, if it is known.
     pub report: Option<&'a RunReport>,
+    /// Measuring planes.
+    pub planes: &'a [MeasuredPlane],
 }
 
 /// Writes a page.
@@ -83,6 +94,8 @@ fn write_data(writer: &mut impl Write, page: &Page<'_>, provenance: &Provenance)
     let (of_groups, groups) = groups.map_or((Vec::new(), Value::Null), |groups| (groups.radiosity, groups.facts));
     let mut facts = facts(page, &geometry, provenance);
     facts["light_groups"] = groups;
+    let (planes, plane_values) = planes::told(page.planes, page.solution.scene());
+    facts["planes"] = planes;
     // Within a script no text of the data may look like its end.
     let facts = facts.to_string().replace('<', "\\u003c");
     writeln!(writer, "<script type=\"application/json\" id=\"facts-data\">{facts}</script>")?;
@@ -100,6 +113,7 @@ fn write_data(writer: &mut impl Write, page: &Page<'_>, provenance: &Provenance)
         ("triangle-runs", of_numbers(&geometry.triangle_runs)),
         ("surfaces", of_numbers(&surfaces)),
         ("group-radiosity", of_floats(&of_groups)),
+        ("plane-values", of_floats(&plane_values)),
     ] {
         write!(writer, "<script type=\"text/plain\" id=\"{id}\">")?;
         write_base64(writer, &bytes)?;
@@ -146,6 +160,7 @@ fn facts(page: &Page<'_>, geometry: &Geometry, provenance: &Provenance) -> Value
         "options": changed,
         "software": provenance.software(),
         "report": page.report,
+        "places": warned::places(scene, page.report.map_or(&[], |report| &report.warned_faces)),
     })
 }
 

@@ -157,6 +157,11 @@ impl Diagnostic {
     pub fn severity(&self) -> Severity {
         self.kind.severity()
     }
+
+    /// The face that it is about, where that was not dropped.
+    fn face_in_scene(&self) -> Option<u32> {
+        self.face.filter(|_| !matches!(self.kind, DiagnosticKind::DegenerateFace | DiagnosticKind::DuplicateFace))
+    }
 }
 
 /// `file:line: object: face N: text`, as far as they are known.
@@ -207,6 +212,11 @@ impl Diagnostics {
 
     /// Lines to show of one severity: kind after kind, the first few of each, then how many more there are.
     pub fn lines(&self, severity: Severity) -> Vec<String> {
+        self.listed(severity).into_iter().map(|(line, _)| line).collect()
+    }
+
+    /// Lines of one severity, with the face in the scene that each is about.
+    fn listed(&self, severity: Severity) -> Vec<(String, Option<u32>)> {
         let mut of_kind: std::collections::BTreeMap<DiagnosticKind, Vec<&Diagnostic>> = Default::default();
         for item in self.items.iter().filter(|item| item.severity() == severity) {
             of_kind.entry(item.kind).or_default().push(item);
@@ -214,9 +224,9 @@ impl Diagnostics {
 
         let mut lines = Vec::new();
         for items in of_kind.values() {
-            lines.extend(items.iter().take(Self::LISTED_PER_KIND).map(ToString::to_string));
+            lines.extend(items.iter().take(Self::LISTED_PER_KIND).map(|item| (item.to_string(), item.face_in_scene())));
             if items.len() > Self::LISTED_PER_KIND {
-                lines.push(format!("... and {} more like this", items.len() - Self::LISTED_PER_KIND));
+                lines.push((format!("... and {} more like this", items.len() - Self::LISTED_PER_KIND), None));
             }
         }
         lines
@@ -227,5 +237,11 @@ impl Diagnostics {
         let mut lines = self.lines(Severity::Repair);
         lines.extend(self.lines(Severity::Suspicion));
         lines
+    }
+
+    /// The face that each of [`Self::warnings`] is about, by its number in the input from 1; `None` where it is about none, or about one that was dropped.
+    pub fn warned_faces(&self) -> Vec<Option<u32>> {
+        let of = |severity| self.listed(severity).into_iter().map(|(_, face)| face);
+        of(Severity::Repair).chain(of(Severity::Suspicion)).collect()
     }
 }
