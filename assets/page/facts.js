@@ -32,7 +32,10 @@ const patchlightFacts = (data, into, goTo) => {
   const report = data.report;
   section("Error", table(data.errors.map(([name, value]) => [name, percent(value)])), element("p", data.about_errors, "claim"));
   const history = report && patchlightHistory(report.history, report.options.error, patchlightScale);
-  if (history) section("Error against time", history, element("p", "Claimed, and in grey measured; dashed what was asked for; a ring is the lit mesh.", "claim"));
+  if (history) {
+    const ring = report.history.some((at) => at.of === "lit_mesh") ? "; a ring is the lit mesh" : "";
+    section("Error against time", history, element("p", `Claimed, and in grey measured; dashed what was asked for${ring}.`, "claim"));
+  }
   data.planes.forEach((plane) => section(`Measuring plane ${plane.name}`, table(patchlightPlaneRows(plane, patchlightScale))));
   if (report) {
     const { emitted, absorbed, escaped, unaccounted, held_back, held_back_unseen } = report.energy;

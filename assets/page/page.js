@@ -353,6 +353,7 @@
   const places = patchlightPlaces(data.places, cornersOf, { scene, camera, controls, size, draw });
   goTo = (face, atOnce = matchMedia("(prefers-reduced-motion: reduce)").matches) => {
     if (!places.show(face, atOnce)) return;
+    byId("stage").scrollIntoView({ block: "nearest" });
     // Planes may hide it.
     [state.face, state.planes] = [face, false];
     byId("note").textContent = `face ${face}, by a warning`;

@@ -234,5 +234,6 @@ fn command(page: &Page<'_>, changed: &[(&'static str, String)]) -> String {
         crate::scene::Sides::Both => " --sides both",
     };
     let set: String = changed.iter().map(|(key, value)| format!(" --set {}", quoted(&format!("{key}={value}")))).collect();
-    format!("patchlight solve {}{sides}{set} --html page.html", quoted(&scene))
+    let planes: String = page.planes.iter().map(|plane| format!(" --plane {}", quoted(&plane.name))).collect();
+    format!("patchlight solve {}{sides}{set} --html page.html{planes}", quoted(&scene))
 }
