@@ -40,7 +40,9 @@ impl ReportRequest {
 pub fn report(request: ReportRequest) -> Result<Exit, Failure> {
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
     let name = request.solution.file_name().unwrap_or_default().to_string_lossy();
-    interrupt::listen(interrupt::OF_RUN);
+    if !request.planes.is_empty() {
+        interrupt::listen(interrupt::OF_RUN);
+    }
     let (planes, ending) = planes::measure(&evaluator, &request.planes, request.voice)?;
     write_page_to(&request.page, (&evaluator, &name), (None, &planes), request.voice)?;
     Ok(ending.unwrap_or(Exit::Done))
