@@ -13,11 +13,13 @@ use std::time::Duration;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use browser::Browser;
+use patchlight::geometry::Polygon;
 use patchlight::output::{MeasuredPlane, Page, Provenance, RunReport, SceneReport, write_page};
 use patchlight::picture::PlaneRequest;
 use patchlight::pipeline;
 use patchlight::progress::Silent;
 use patchlight::scene::import::{ImportOptions, read_scene};
+use patchlight::scene::{Light, LightShape, Material, Scene, Sides, Sky, SkyLight};
 use patchlight::solve::{JudgedPart, RunOptions, SolveOptions, SolveReport};
 use serde_json::Value;
 
@@ -109,6 +111,29 @@ fn a_page_holds_what_the_run_told() {
     let command = facts["command"].as_str().unwrap();
     assert!(command.ends_with("--html page.html --plane 'height=0.75 spacing=0.25'"), "{command}");
     assert!(summary["daylight_factor"].is_null() && facts["planes"][0]["outdoors"].is_null(), "there is no sky");
+}
+
+/// Over open ground arrives what the sky sends, and a wall hides half of it from a sensor at its foot: factors of 1 and a half.
+#[test]
+fn open_ground_has_a_daylight_factor_of_one() {
+    let square = |corners: &[[f64; 3]]| (Polygon::new(corners).unwrap(), 0, 0);
+    let ground = square(&[[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]]);
+    let wall = square(&[[-500.0, 0.0, -0.01], [500.0, 0.0, -0.01], [500.0, 900.0, -0.01], [-500.0, 900.0, -0.01]]);
+    let black = Material { name: "black".into(), reflectance: vec![0.0; 3], exitance: vec![0.0; 3] };
+    let sky = Sky::new([0.0, 1.0, 0.0], SkyLight::Overcast, 0.2).unwrap();
+    let light = Light { name: "sky".into(), strength: vec![10.0; 3], shape: LightShape::Sky(sky) };
+    for (faces, expected) in [(vec![ground.clone()], 1.0), (vec![ground, wall], 0.5)] {
+        let scene = Scene::new(3, vec![black.clone()], faces, Sides::Front).unwrap().with_lights(vec![light.clone()]).unwrap();
+        let options = SolveOptions { error: 0.2, ..SolveOptions::default() };
+        let (evaluator, _) = pipeline::solve(scene, &options, &RunOptions::default(), &Silent).unwrap();
+        let name = "origin=-0.005,0.1,0.005 u=0.01,0,0 v=0,0,-0.01 counts=1x1".to_owned();
+        let (plane, _) = evaluator.measuring_plane(&name.parse::<PlaneRequest>().unwrap()).unwrap();
+        let irradiances = evaluator.irradiances_at(&plane.sensors(), &Silent);
+        let (scene, measured) = (evaluator.solution().scene(), MeasuredPlane { name, plane, irradiances });
+        let (shown, of_one) = (measured.shown(scene), measured.irradiances.standard_error[0] / 10.0);
+        let factor = shown.daylight_factor(shown.summary.unwrap().mean, scene).unwrap();
+        assert!((factor - expected).abs() < 0.01 + 4.0 * f64::from(of_one), "{factor} for {expected}, standard error {of_one}");
+    }
 }
 
 /// How many pixels of the picture of a scene have the colour of what a warning is about, and how far their middle is from that of the picture, by its sides.

@@ -36,20 +36,20 @@ fn rows(character: char) -> [u8; HEIGHT] {
         'c' => [0, 0, 0b01110, 0b10000, 0b10000, 0b10001, 0b01110],
         'd' => [0b00001, 0b00001, 0b01101, 0b10011, 0b10001, 0b10001, 0b01111],
         'f' => [0b00110, 0b01001, 0b01000, 0b11100, 0b01000, 0b01000, 0b01000],
-        'g' => [0, 0, 0b01111, 0b10001, 0b01111, 0b00001, 0b01110],
+        'g' => [0b01111, 0b10001, 0b10001, 0b10001, 0b01111, 0b00001, 0b01110],
         'h' => [0b10000, 0b10000, 0b10110, 0b11001, 0b10001, 0b10001, 0b10001],
         'i' => [0b00100, 0, 0b01100, 0b00100, 0b00100, 0b00100, 0b01110],
         'j' => [0b00010, 0, 0b00110, 0b00010, 0b00010, 0b10010, 0b01100],
         'k' => [0b10000, 0b10000, 0b10010, 0b10100, 0b11000, 0b10100, 0b10010],
         'n' => [0, 0, 0b10110, 0b11001, 0b10001, 0b10001, 0b10001],
         'o' => [0, 0, 0b01110, 0b10001, 0b10001, 0b10001, 0b01110],
-        'p' => [0, 0, 0b11110, 0b10001, 0b11110, 0b10000, 0b10000],
-        'q' => [0, 0, 0b01101, 0b10011, 0b01111, 0b00001, 0b00001],
+        'p' => [0b11110, 0b10001, 0b10001, 0b10001, 0b11110, 0b10000, 0b10000],
+        'q' => [0b01111, 0b10001, 0b10001, 0b10001, 0b01111, 0b00001, 0b00001],
         't' => [0b01000, 0b01000, 0b11100, 0b01000, 0b01000, 0b01001, 0b00110],
         'u' => [0, 0, 0b10001, 0b10001, 0b10001, 0b10011, 0b01101],
         'v' => [0, 0, 0b10001, 0b10001, 0b10001, 0b01010, 0b00100],
         'w' => [0, 0, 0b10001, 0b10001, 0b10101, 0b10101, 0b01010],
-        'y' => [0, 0, 0b10001, 0b10001, 0b01111, 0b00001, 0b01110],
+        'y' => [0b10001, 0b10001, 0b10001, 0b10001, 0b01111, 0b00001, 0b01110],
         'z' => [0, 0, 0b11111, 0b00010, 0b00100, 0b01000, 0b11111],
         'E' => [0b11111, 0b10000, 0b10000, 0b11110, 0b10000, 0b10000, 0b11111],
         'L' => [0b10000, 0b10000, 0b10000, 0b10000, 0b10000, 0b10000, 0b11111],
@@ -63,10 +63,15 @@ fn rows(character: char) -> [u8; HEIGHT] {
     }
 }
 
-/// Calls `mark` with column and row of each pixel of a text on one line, from its top left corner.
+/// Letters that reach below the line, and by how many pixels.
+const BELOW: &str = "gpqy";
+const DROP: usize = 2;
+
+/// Calls `mark` with column and row of each pixel of a text on one line, from its top left corner; some letters reach two rows below its height.
 pub(super) fn for_each_pixel(text: &str, mut mark: impl FnMut(usize, usize)) {
     for (number, character) in text.chars().enumerate() {
-        for (row, bits) in rows(character).into_iter().enumerate() {
+        let drop = if BELOW.contains(character) { DROP } else { 0 };
+        for (row, bits) in (drop..).zip(rows(character)) {
             for column in (0..WIDTH).filter(|column| bits >> (WIDTH - 1 - column) & 1 == 1) {
                 mark(number * ADVANCE + column, row);
             }

@@ -97,7 +97,7 @@ fn of_light(report: &RunReport) -> Bars<'static> {
         ("not accounted for", energy.unaccounted),
         ("brought by lights", energy.of_lights),
         ("held back at most", energy.held_back),
-        ("unseen, at most", energy.held_back_unseen),
+        ("held back unseen", energy.held_back_unseen),
     ];
     let rows = always.into_iter().chain(where_any.into_iter().filter(|(_, watts)| *watts != 0.0));
     let bar = |(name, value): (&str, f64)| {
