@@ -14,10 +14,10 @@ const patchlightHistory = (history, asked, { short, percent }) => {
   const known = history.filter((at) => isKnown(at.claimed));
   if (known.length === 0) return null;
 
-  // An axis around numbers, over a factor of four at least, and its ticks.
+  // An axis around numbers, so wide that it has two ticks or more, and these.
   const axis = (numbers, from, to) => {
     const [least, most] = [Math.min(...numbers), Math.max(...numbers)];
-    const wider = Math.max(1.3, Math.sqrt(Math.max(1, 4 / (most / least))));
+    const wider = Math.max(1.3, Math.sqrt(Math.max(1, 6.5 / (most / least))));
     const [low, high] = [least / wider, most * wider];
     const digits = high / low > 100 ? [1] : [1, 2, 5];
     const ticks = [];

@@ -10,6 +10,9 @@ const SIZE: [f64; 2] = [960.0, 640.0];
 const FRAME: [f64; 4] = [100.0, 110.0, 930.0, 560.0];
 const MEASURED: Colour = [122, 128, 136];
 
+/// An axis is from one number to so many times that at least.
+const LEAST_RANGE: f64 = 6.5;
+
 /// An axis from one number to another by their logarithms, along pixels.
 struct Axis {
     range: [f64; 2],
@@ -17,10 +20,10 @@ struct Axis {
 }
 
 impl Axis {
-    /// Around these numbers, all above 0: over a factor of four at least, so that it has two ticks or more.
+    /// Around these numbers, all above 0: so wide that it has two ticks or more, which are a factor of 2.5 apart at most.
     fn around(numbers: impl Iterator<Item = f64>, pixels: [f64; 2]) -> Self {
         let (low, high) = numbers.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
-        let wider = (4.0 / (high / low)).max(1.0).sqrt().max(1.3);
+        let wider = (LEAST_RANGE / (high / low)).max(1.0).sqrt().max(1.3);
         Self { range: [low / wider, high * wider], pixels }
     }
 
@@ -128,7 +131,9 @@ mod tests {
 
     #[test]
     fn axes_have_ticks_inside_whatever_they_hold() {
-        for numbers in [vec![1.0], vec![0.03, 0.2], vec![3e-4, 900.0], vec![7.0, 7.1, 9.9], vec![1e-12, 1e12]] {
+        let alone = (1..100).map(|k| vec![0.013 * f64::from(k)]);
+        let several = [vec![0.03, 0.2], vec![3e-4, 900.0], vec![7.0, 7.1, 9.9], vec![1e-12, 1e12]];
+        for numbers in alone.chain(several) {
             let axis = Axis::around(numbers.iter().copied(), [0.0, 100.0]);
             let ticks = axis.ticks();
             assert!(ticks.len() >= 2 && ticks.len() < 30, "{numbers:?}: {ticks:?}");
