@@ -242,10 +242,11 @@ fn a_browser_draws_the_page_and_says_nothing() {
     let lux = shown("lux.png", "page.html#show=lux", "1280,800", [800, 600]).unwrap();
     let lines = shown("lines.png", "page.html#show=lux&lines=1", "1280,800", [800, 600]).unwrap();
     let isolines = shown("isolines.png", "page.html#show=lux&isolines=1", "1280,800", [800, 600]).unwrap();
+    let errors = shown("errors.png", "page.html#show=errors", "1280,800", [800, 600]).unwrap();
     let phone = shown("phone.png", "phone.html", "500,900", [280, 350]).unwrap();
 
     // Light has many shades, and the room fills the stage; false colours are others, lines are orange.
-    for (name, picture) in [("light", &light), ("lux", &lux), ("phone", &phone)] {
+    for (name, picture) in [("light", &light), ("lux", &lux), ("errors", &errors), ("phone", &phone)] {
         let shades: HashSet<&[u8; 3]> = picture.iter().collect();
         let empty = picture.iter().filter(|pixel| **pixel == [0x10, 0x12, 0x14]).count();
         assert!(
@@ -257,6 +258,8 @@ fn a_browser_draws_the_page_and_says_nothing() {
     }
     let differ = light.iter().zip(&lux).filter(|(a, b)| a != b).count();
     assert!(differ > light.len() / 2, "{differ} of {}", light.len());
+    let differ = errors.iter().zip(&lux).filter(|(a, b)| a != b).count();
+    assert!(differ > lux.len() / 2, "{differ} of {}", lux.len());
     // Lines of equal light are black or white, which false colours are not, and thin.
     let greys = |picture: &[[u8; 3]]| picture.iter().filter(|[r, g, b]| r == g && g == b && (*r < 10 || *r > 245)).count();
     let drawn = greys(&isolines) - greys(&lux);
@@ -268,7 +271,7 @@ fn a_browser_draws_the_page_and_says_nothing() {
     let (dom, said) = browse(folder.path(), "page.html#pick=400,400", &["--window-size=1280,800", "--dump-dom"]).unwrap();
     assert!(said.is_empty(), "{said:?}");
     for words in
-        ["data-drawn=\"yes\"", "wall, face ", "radiosity ", " W/m²", "illuminance ", " lx", "20.00 %", "surfaces</th><td>7"]
+        ["data-drawn=\"yes\"", "wall, face ", "radiosity ", " W/m²", "illuminance ", " ± ", " lx", "20.00 %", "surfaces</th><td>7"]
     {
         assert!(dom.contains(words), "'{words}' is not in the page");
     }

@@ -27,6 +27,17 @@
   };
   show();
 
+  // Standard errors of what is shown, for the weights of the solution: what is known of all channels together each has by its part of the light.
+  const errors = floats("standard-errors");
+  const shownErrors = new Float32Array(errors.length);
+  for (let node = 0; node < errors.length; node++) {
+    const { exitance } = materialOf(surfaceOfNode[node]);
+    const light = exitance.map((e, c) => Math.max(radiosity[channels * node + c] - e, 0));
+    const whole = Math.hypot(...light);
+    const parts = light.map((b, c) => exitance[c] + errors[node] * (whole > 0 ? b / whole : 1 / Math.sqrt(channels)));
+    shownErrors[node] = shownOf(irradiance(surfaceOfNode[node], parts));
+  }
+
   // The exposure that brings the geometric mean of the luminances to 0.22, as of pictures.
   let [sum, lit] = [0, 0];
   for (let node = 0; node < nodeCount; node++) {
@@ -36,12 +47,13 @@
   const exposure = lit > 0 ? Math.log2(0.22) - sum / lit : 0;
 
   // What can be shown in false colours: a number for each node, with its unit, and up to where the colours go.
-  const sorted = Float32Array.from(shown).sort();
+  const high = (values) => Float32Array.from(values).sort()[Math.floor(0.98 * (values.length - 1))];
   const planeValues = floats("plane-values");
-  const brightest = planeValues.reduce((most, value) => (value > most ? value : most), sorted[Math.floor(0.98 * (nodeCount - 1))]);
+  const brightest = planeValues.reduce((most, value) => (value > most ? value : most), high(shown));
   const quantities = {
     lux: { title: `${data.quantity} in false colours`, unit: data.unit, values: shown, scale: round(brightest) },
   };
+  if (errors.length > 0) quantities.errors = { title: `standard error of the ${data.quantity}`, unit: data.unit, values: shownErrors, scale: round(high(shownErrors)) };
   Object.entries(quantities).forEach(([name, { title }]) => byId("show").add(Object.assign(document.createElement("option"), { value: name, textContent: title }), 1));
 
   // What is chosen, and kept in the address.
@@ -185,11 +197,14 @@
     geometry.getAttribute("shown").array.set(values);
     geometry.getAttribute("shown").needsUpdate = true;
   };
+  const hasOwnWeights = () => !groups || state.factors.every((factor, g) => factor === groups.solved[g]);
   const update = () => {
+    // Planes were measured with the weights of the solution, and errors are known for these.
+    const isAsSolved = hasOwnWeights();
+    if (!isAsSolved && state.show === "errors") state.show = "lux";
+    byId("show").querySelectorAll("[value=errors]").forEach((option) => (option.disabled = !isAsSolved));
     const [isColoured, { values, scale, unit }] = [state.show in quantities, coloured()];
     paint(values);
-    // Planes were measured with the weights of the solution.
-    const isAsSolved = !groups || state.factors.every((factor, g) => factor === groups.solved[g]);
     planes.mesh.visible = state.planes && isAsSolved && coloured() === quantities.lux;
     planes.mesh.material.uniforms.scale.value = quantities.lux.scale;
     material.uniforms.factor.value = 2 ** state.exposure;
@@ -312,12 +327,14 @@
     const values = Array.from({ length: channels }, (_, k) => corners.reduce((sum, node, corner) => sum + weights[corner] * radiosity[channels * node + k], 0));
     const h = irradiance(surface, values);
     const reflects = materialOf(surface).reflectance.some((rho) => rho > 0);
+    const known = errors.length > 0 && hasOwnWeights();
+    const error = known ? ` ± ${short(corners.reduce((sum, node, corner) => sum + weights[corner] * shownErrors[node], 0))}` : "";
     const place = [hit.point.x, hit.point.y, hit.point.z].map((x) => x.toFixed(3)).join(", ");
     byId("note").textContent = [
       `${materialOf(surface).name}, face ${surfaceData[2 * surface] + 1}, at ${place} m`,
       `radiosity ${values.map(short).join(", ")} W/m²`,
       reflects ? `irradiance ${h.map(short).join(", ")} W/m²` : "irradiance not known: nothing is reflected here",
-      reflects ? `${data.quantity} ${short(shownOf(h))} ${data.unit}` : "",
+      reflects ? `${data.quantity} ${short(shownOf(h))}${error} ${data.unit}` : "",
     ].filter(Boolean).join("\n");
     mark(hit);
   };

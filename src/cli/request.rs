@@ -8,7 +8,7 @@ use patchlight::scene::import::ImportOptions;
 use patchlight::solve::{Bounds, Interest, RunOptions, SolveOptions};
 
 use super::argument_groups::{PictureArguments, ViewArguments, Whence};
-use super::arguments::{ExportArguments, RenderArguments, ReportArguments, SampleArguments, SolveArguments};
+use super::arguments::{ExportArguments, RenderArguments, SampleArguments, SolveArguments};
 use super::exit::Failure;
 use super::files::{Outputs, Sink};
 use super::light_groups::Grouping;

@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::super::argument_groups::{PictureArguments, PlaneArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments};
+use super::super::argument_groups::{
+    PictureArguments, PlaneArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments,
+};
 use super::super::arguments::SolveArguments;
 use super::super::exit::Failure;
 use super::super::progress::Voice;

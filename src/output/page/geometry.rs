@@ -10,7 +10,7 @@ pub(super) struct Geometry {
     pub channels: usize,
     pub positions: Vec<f32>,
     pub radiosity: Vec<f32>,
-    /// By node, the standard error of the radiosity, all channels together: the mean over the elements that meet there. Empty where it is not known.
+    /// By node, the standard error of the radiosity that is shown, its channels together: the mean over the elements that meet there. Empty where it is not known.
     pub errors: Vec<f32>,
     pub elements: Vec<u32>,
     pub triangles: Vec<u32>,
@@ -64,7 +64,10 @@ impl Geometry {
             let vertices: Vec<[f64; 3]> = surface.polygon.vertices().collect();
             geometry.add_polygon(&vertices, number as u32, &exitance);
         }
+        // Of a mean of channels the error is no more than this part of that of all together.
+        let part = (geometry.channels as f32 / scene.channels() as f32).sqrt();
         if errors.iter().any(|error: &f32| error.is_finite()) {
+            errors.iter_mut().for_each(|error| *error *= part);
             errors.resize(geometry.nodes() as usize, 0.0);
             geometry.errors = errors;
         }
