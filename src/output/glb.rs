@@ -85,6 +85,9 @@ pub(super) fn with_bounds(file: &mut File, positions: &[[f32; 3]]) -> usize {
     file.accessor(bytes, FLOAT, 3, json!({ "min": least, "max": most }))
 }
 
+/// A patch: the number of its face in the input, from 0, and indices of vertices.
+type PartOfFace<'a> = (u32, &'a [u32]);
+
 /// Writes patches.
 pub(super) fn write(writer: &mut impl Write, patches: &Patches<'_>, provenance: &Provenance) -> io::Result<()> {
     let ev = exposure(patches);
@@ -92,7 +95,7 @@ pub(super) fn write(writer: &mut impl Write, patches: &Patches<'_>, provenance: 
     let scene = patches.scene;
 
     // Patches by object and material.
-    let mut parts: BTreeMap<(Option<usize>, u32), Vec<(u32, &[u32])>> = BTreeMap::new();
+    let mut parts: BTreeMap<(Option<usize>, u32), Vec<PartOfFace<'_>>> = BTreeMap::new();
     for (surface, corners) in patches.iter() {
         let of = &scene.surfaces()[surface as usize];
         parts.entry((scene.objects().of(of.face), of.material)).or_default().push((of.face, corners));
@@ -125,7 +128,7 @@ pub(super) fn write(writer: &mut impl Write, patches: &Patches<'_>, provenance: 
 }
 
 /// A primitive of triangles: fans of the patches, each with the number of its face, with vertices of its own.
-fn primitive(file: &mut File, patches: &Patches<'_>, part: &[(u32, &[u32])], material: usize, scale: f64) -> Value {
+fn primitive(file: &mut File, patches: &Patches<'_>, part: &[PartOfFace<'_>], material: usize, scale: f64) -> Value {
     let mut own: HashMap<u32, u32> = HashMap::new();
     let (mut vertices, mut faces, mut indices) = (Vec::new(), Vec::new(), Vec::new());
     for (face, corners) in part {
