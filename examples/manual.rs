@@ -6,6 +6,9 @@ mod argument_groups;
 #[path = "../src/cli/arguments.rs"]
 #[allow(dead_code, reason = "the program looks at the arguments, this only at their names and help")]
 mod arguments;
+#[path = "../src/cli/batch_arguments.rs"]
+#[allow(dead_code, reason = "the same")]
+mod batch_arguments;
 #[path = "../src/cli/option_help.rs"]
 mod option_help;
 

@@ -65,6 +65,9 @@ fn a_page_does_what_a_user_asks_of_it() {
     let lux = browser.picture();
     assert!(lux != marked && browser.value("document.getElementById('legend').hidden") == false);
     browser.key("ArrowDown", 40);
+    assert_eq!(browser.value("document.getElementById('show').value"), "errors");
+    assert!(browser.picture() != lux && browser.value("document.getElementById('legend').hidden") == false);
+    browser.key("ArrowDown", 40);
     assert_eq!(browser.value("document.getElementById('show').value"), "texels");
     let texels = browser.picture();
     assert!(texels != marked && texels != lux && browser.value("document.getElementById('texel-row').hidden") == false);

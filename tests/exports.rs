@@ -170,11 +170,17 @@ fn a_vtp_of_a_mesh_has_point_data() {
     export_mesh(&mut file, ExportFormat::Vtp, solution, mesh, &Provenance::new(solution.options())).unwrap();
     let arrays = arrays(&file);
     let names: Vec<&str> = arrays.iter().map(|array| array.0.as_str()).collect();
-    let of_cells = ["surface", "face", "material", "object", "group"];
+    let of_cells = ["surface", "face", "material", "object", "group", "standard_error"];
     assert_eq!(names, [&["radiosity", "irradiance"][..], &of_cells, &["Points", "connectivity", "offsets"]].concat());
     let radiosity: Vec<f32> = mesh.parts(solution.scene()).flat_map(|part| part.radiosity).collect();
     assert!(arrays[0].2 == radiosity.iter().flat_map(|b| b.to_le_bytes()).collect::<Vec<u8>>());
     assert_eq!(arrays[2].2.len(), 8 * 4 * mesh.elements());
+
+    // Each element is four cells; what reflects nothing is known.
+    let errors: Vec<f32> = arrays[7].2.chunks(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect();
+    let of_elements = mesh.parts(solution.scene()).flat_map(|part| part.standard_errors);
+    assert!(of_elements.flat_map(|error| [error; 4]).eq(errors[..4 * mesh.elements()].iter().copied()));
+    assert!(errors[4 * mesh.elements()..].iter().all(|error| *error == 0.0));
 }
 
 #[test]

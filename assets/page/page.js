@@ -54,7 +54,7 @@
     lux: { title: `${data.quantity} in false colours`, unit: data.unit, values: shown, scale: round(brightest) },
   };
   if (errors.length > 0) quantities.errors = { title: `standard error of the ${data.quantity}`, unit: data.unit, values: shownErrors, scale: round(high(shownErrors)) };
-  Object.entries(quantities).forEach(([name, { title }]) => byId("show").add(Object.assign(document.createElement("option"), { value: name, textContent: title }), 1));
+  Object.entries(quantities).forEach(([name, { title }], k) => byId("show").add(Object.assign(document.createElement("option"), { value: name, textContent: title }), 1 + k));
 
   // What is chosen, and kept in the address.
   const typed = new URLSearchParams(location.hash.slice(1));

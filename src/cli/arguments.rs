@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use super::argument_groups::{
     PictureArguments, PlaneArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments, Whence, WhoseUv,
 };
-use super::batch::BatchArguments;
+use super::batch_arguments::BatchArguments;
 use super::option_help::{self, EXIT_CODES};
 
 /// Hierarchical radiosity: lights polygonal scenes, and tells how wrong the answer can be.

@@ -7,6 +7,7 @@ mod arguments;
 mod bake;
 mod bake_again;
 mod batch;
+mod batch_arguments;
 mod changes;
 mod exit;
 mod files;

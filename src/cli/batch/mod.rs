@@ -3,7 +3,6 @@
 //! The file becomes a [plan], the plan's jobs become [tasks], lanes do them side by side, a [journal] keeps what is done, and a [table] tells
 //! all. Bytes of results are the same for any number of lanes, threads and shards.
 
-mod arguments;
 mod identity;
 mod job_file;
 mod journal;
@@ -26,14 +25,13 @@ use std::path::{Path, PathBuf};
 
 use patchlight::output::Destination;
 
+use super::batch_arguments::{BatchArguments, BatchCommand, MergeArguments, PlaceArguments, WorkArguments};
 use super::exit::{Exit, Failure};
 use super::files;
 use super::interrupt;
 use super::process;
 use super::progress::Voice;
 use super::settings::run_options;
-pub use arguments::BatchArguments;
-use arguments::{BatchCommand, MergeArguments, PlaceArguments, WorkArguments};
 use job_file::JobFile;
 use journal::{Journal, Record};
 use lanes::{Lanes, Mode, deal};

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::super::argument_groups::{RunArguments, TrustArguments};
-use super::super::option_help::EXIT_CODES;
+use super::argument_groups::{RunArguments, TrustArguments};
+use super::option_help::EXIT_CODES;
 
 /// `patchlight batch`.
 #[derive(Debug, Args)]
