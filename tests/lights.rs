@@ -14,6 +14,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use patchlight::direct::{DirectEffort, Method, direct_irradiance};
+use patchlight::picture::Camera;
 use patchlight::pipeline::{self, Evaluator, PipelineError};
 use patchlight::progress::Silent;
 use patchlight::scene::{
@@ -149,6 +150,26 @@ fn a_plate_takes_its_form_factor_of_the_sky_away() {
         assert!((energy.absorbed / absorbed - 1.0).abs() < 1e-9, "{way:?}: {absorbed} {energy:?}");
         assert!((energy.escaped - 0.5 * (energy.of_lights - 4.0)).abs() < 1e-9, "{way:?}: {energy:?}");
     }
+}
+
+/// Pictures show where shadows of lights end: of a point 1.5 m above a plate of 2 m, 5/3 m to each side on the ground 1 m below.
+#[test]
+fn curves_show_where_shadows_of_lights_end() {
+    let scene = under_a_plate(0.0, 0.0, vec![light("lamp", &[5.0], point([0.0, 0.0, 2.5]))]);
+    let (evaluator, _) = solve(scene, &options(Solver::Cells, 0.1));
+    // From under the plate, 2 m to each side.
+    let field_of_view_degrees = 2.0 * 2.0_f64.atan2(0.9).to_degrees();
+    let [eye, up] = [[0.0, 0.0, 0.9], [0.0, 1.0, 0.0]];
+    let camera = Camera { eye, target: [0.0; 3], up, field_of_view_degrees, width: 200, height: 200 };
+    let marks = evaluator.mark_curves(1e-3, &camera, &Silent).unwrap().unwrap();
+    let pixels: Vec<usize> = marks.pixels().map(|(pixel, _)| pixel).collect();
+    let from_middle = |pixel: usize| [pixel % 200, pixel / 200].map(|at| (at as f64 - 99.5).abs() * 0.02);
+    let is_on_border = |&pixel: &usize| {
+        let [x, y] = from_middle(pixel);
+        (x.max(y) - 5.0 / 3.0).abs() < 0.04
+    };
+    // Four sides of 167 pixels.
+    assert!(pixels.iter().all(is_on_border) && (640..1400).contains(&pixels.len()), "{pixels:?}");
 }
 
 /// A lamp in a closed box: what it sends is absorbed, whatever reflects it in between.

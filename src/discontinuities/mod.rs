@@ -103,9 +103,14 @@ pub(crate) fn of_shape_and_lights(
 
 /// Where shadows of lights that are no surfaces end: what changes irradiance by less than `tolerance`, in W/m^2, is left out.
 pub fn of_lights(scene: &Scene, tolerance: f64) -> Discontinuities {
+    of_lights_until(scene, tolerance, &|| false)
+}
+
+/// As [`of_lights`]; once `stop` says so, what was found by then.
+pub(crate) fn of_lights_until(scene: &Scene, tolerance: f64, stop: Stop<'_>) -> Discontinuities {
     let (faces, tolerance) = (Faces::of(scene), |_: SurfaceId| tolerance);
-    let found = shadows(&faces, &tolerance, &|| false);
-    gather(&faces, found, &[], &tolerance, &|| false)
+    let found = shadows(&faces, &tolerance, stop);
+    gather(&faces, found, &[], &tolerance, stop)
 }
 
 /// Contacts, and the feet of what stands close.

@@ -102,19 +102,26 @@ impl Evaluator {
         self.draw(&lines, camera, observer)
     }
 
-    /// The discontinuities of the light of emitters, where a camera sees them, the sharpest over others, each degree in [its colour](Degree::colour);
-    /// what changes irradiance by less than `tolerance` of the largest exitance is left out. Cancelled by the observer, it returns `None`.
+    /// The discontinuities of the light of emitters, and where shadows of lights that are no surfaces end, as a camera sees them, the sharpest over others,
+    /// each degree in [its colour](Degree::colour); what changes irradiance by less than `tolerance` of the largest exitance, or of the most that lights bring
+    /// to an element, is left out. Cancelled by the observer, it returns `None`.
     ///
     /// # Errors
     /// As [`Evaluator::render`].
     pub fn mark_curves(&self, tolerance: f64, camera: &Camera, observer: &dyn Observer) -> Result<Option<Marks>, PipelineError> {
         camera.validate()?;
         let scene = self.solution.scene();
-        let find = || discontinuities::of_emitters_until(scene, tolerance, &|| observer.cancelled());
+        let brought = tolerance * self.solution.most_by_lights();
+        let find = || {
+            let stop = || observer.cancelled();
+            let of_lights = discontinuities::of_lights_until(scene, brought, &stop);
+            [discontinuities::of_emitters_until(scene, tolerance, &stop), of_lights]
+        };
         let found = self.pool.install(find);
         let mut lines = Vec::new();
         for surface in (0..scene.surfaces().len() as u32).map(SurfaceId) {
-            lines.extend(found.of(surface).iter().map(|segment| (segment.degree, segment.ends, surface)));
+            let segments = found.iter().flat_map(|found| found.of(surface));
+            lines.extend(segments.map(|segment| (segment.degree, segment.ends, surface)));
         }
         lines.sort_by_key(|&(degree, ..)| std::cmp::Reverse(degree));
         let line = |(degree, ends, surface): (Degree, _, _)| Line { ends, surface, colour: degree.colour() };

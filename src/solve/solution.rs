@@ -247,6 +247,11 @@ impl Solution {
             + self.transport.as_ref().map_or(0, |transport| transport.memory_bytes())
     }
 
+    /// The most irradiance that lights bring to a leaf, channels added, in W/m^2; 0 without lights.
+    pub(crate) fn most_by_lights(&self) -> f64 {
+        self.lights.values().chunks(self.scene.channels()).map(|of_node| of_node.iter().sum::<f64>()).fold(0.0, f64::max)
+    }
+
     /// Checks everything that later stages rely on, as if it were stored and read again.
     ///
     /// # Errors
