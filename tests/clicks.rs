@@ -18,7 +18,7 @@ fn page() -> Vec<u8> {
     let evaluator = pipeline::solve(support::small_room(3), &options, &RunOptions::default(), &Silent).unwrap().0;
     let (solution, camera) = (evaluator.solution(), evaluator.default_camera(960, 720));
     let mut written = Vec::new();
-    let page = Page { title: "room", solution, camera: &camera, report: None, planes: &[] };
+    let page = Page { title: "room", solution, camera: &camera, report: None, planes: &[], curves: &[] };
     write_page(&mut written, &page, &Provenance::new(solution.options())).unwrap();
     written
 }

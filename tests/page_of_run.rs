@@ -62,7 +62,8 @@ fn write_to(folder: &Path) -> (String, SolveReport, MeasuredPlane) {
 
     let (camera, mut written) = (evaluator.default_camera(960, 720), Vec::new());
     let (solution, report) = (evaluator.solution(), Some(&report));
-    let page = Page { title: "room", solution, camera: &camera, report, planes: &planes };
+    let curves = evaluator.curves(1e-3, &Silent).unwrap();
+    let page = Page { title: "room", solution, camera: &camera, report, planes: &planes, curves: &curves };
     write_page(&mut written, &page, &Provenance::new(&options)).unwrap();
     fs::write(folder.join("page.html"), &written).unwrap();
     let [plane] = planes;
@@ -90,6 +91,11 @@ fn a_page_holds_what_the_run_told() {
     assert!(values.iter().all(|at| at.of != JudgedPart::LitMesh && at.rays_per_point.is_some_and(|rays| rays > 0)));
     assert_eq!(facts["report"]["history"].as_array().unwrap().len(), history.len());
 
+    // Lines where light is not smooth: six coordinates each, and how many of each degree.
+    let bytes = STANDARD.decode(text_of(&page, "curve-ends")).unwrap();
+    let counts: Vec<u64> = facts["curves"].as_array().unwrap().iter().map(|degree| degree[0].as_u64().unwrap()).collect();
+    assert!(counts.len() == 3 && counts[1] > 0 && bytes.len() as u64 == 4 * 6 * counts.iter().sum::<u64>(), "{counts:?}");
+
     // The face, cut into two triangles, has an outline of its four edges.
     let places = facts["places"].as_object().unwrap();
     assert_eq!((places.len(), places["8"]["outline"].as_array().unwrap().len()), (1, 4 * 6));
@@ -109,7 +115,7 @@ fn a_page_holds_what_the_run_told() {
     let mean = expected.iter().sum::<f32>() / 64.0;
     assert!((summary["mean"].as_f64().unwrap() - f64::from(mean)).abs() < 1e-4 * f64::from(mean));
     let command = facts["command"].as_str().unwrap();
-    assert!(command.ends_with("--html page.html --plane 'height=0.75 spacing=0.25'"), "{command}");
+    assert!(command.ends_with("--html page.html --plane 'height=0.75 spacing=0.25' --curves"), "{command}");
     assert!(summary["daylight_factor"].is_null() && facts["planes"][0]["outdoors"].is_null(), "there is no sky");
 }
 
@@ -182,12 +188,17 @@ fn a_page_shows_what_the_run_told() {
     assert_eq!(places.len(), solved.history.iter().filter(|at| at.claimed.is_finite()).count());
     assert!(places.windows(2).all(|pair| pair[0] <= pair[1]), "{places:?}");
 
-    // The planes are a layer that can be taken away, and has values.
+    // Planes and curves are layers that can be taken away.
+    for id in ["curves", "planes"] {
+        browser.click_on(id);
+        assert!(
+            browser.picture() != first && browser.value("location.hash.slice(1)").as_str().unwrap().contains(&format!("{id}=0"))
+        );
+        browser.click_on(id);
+        assert!(browser.picture() == first, "{id} are another layer the second time");
+    }
     browser.click_on("planes");
     let without = browser.picture();
-    assert!(without != first && browser.value("location.hash.slice(1)").as_str().unwrap().contains("planes=0"));
-    browser.click_on("planes");
-    assert!(browser.picture() == first, "planes are another layer the second time");
 
     // A warning brings its face before the eye, outlined.
     assert_eq!(marked(&mut browser).0, 0);

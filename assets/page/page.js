@@ -64,6 +64,7 @@
     texel: Number(typed.get("texel") ?? 0.05), // what bakes take if nothing is said
     lines: typed.get("lines") === "1",
     isolines: typed.get("isolines") === "1",
+    curves: floats("curve-ends").length > 0 && typed.get("curves") !== "0",
     planes: data.planes.length > 0 && typed.get("planes") !== "0", // who asked for them sees them
     face: null,
     backs: typed.get("backs") === "1",
@@ -116,6 +117,8 @@
     side: THREE.DoubleSide,
   }));
   scene.add(planes.mesh);
+  const curves = patchlightCurves(data.curves, floats("curve-ends"));
+  scene.add(curves);
   const marker = new THREE.Mesh(new THREE.SphereGeometry(1, 12, 8), new THREE.MeshBasicMaterial({ color: 0xff7800 }));
   marker.visible = false;
   scene.add(marker);
@@ -224,6 +227,9 @@
     byId("lines").checked = state.lines;
     byId("isolines").checked = state.isolines;
     byId("backs").checked = state.backs;
+    curves.visible = state.curves;
+    byId("curves").checked = state.curves;
+    byId("curves-row").hidden = floats("curve-ends").length === 0;
     byId("planes").checked = state.planes;
     byId("planes-row").hidden = data.planes.length === 0;
     byId("exposure-row").hidden = isColoured;
@@ -237,6 +243,7 @@
     if (state.show === "texels") kept.set("texel", state.texel);
     ["lines", "isolines", "backs"].filter((name) => state[name]).forEach((name) => kept.set(name, 1));
     if (data.planes.length > 0 && !state.planes) kept.set("planes", 0);
+    if (floats("curve-ends").length > 0 && !state.curves) kept.set("curves", 0);
     if (state.face) kept.set("face", state.face);
     if (state.factors && state.factors.some((factor, g) => factor !== groups.solved[g])) kept.set("weights", state.factors.join(","));
     history.replaceState(null, "", `#${kept}`);
@@ -350,7 +357,7 @@
   byId("exposure").addEventListener("input", (event) => ((state.exposure = Number(event.target.value)), changed()));
   byId("scale").addEventListener("change", ({ target }) => (Number(target.value) > 0 && (coloured().scale = Number(target.value)), changed()));
   byId("texel").addEventListener("change", ({ target }) => (Number(target.value) > 0 && (state.texel = Number(target.value)), changed()));
-  ["lines", "isolines", "backs", "planes"].forEach((name) => byId(name).addEventListener("change", (event) => ((state[name] = event.target.checked), changed())));
+  ["lines", "isolines", "backs", "planes", "curves"].forEach((name) => byId(name).addEventListener("change", (event) => ((state[name] = event.target.checked), changed())));
   byId("reset").addEventListener("click", () => {
     places.clear();
     state.face = null;

@@ -215,7 +215,7 @@ fn buffers_that_cannot_be_are_refused_and_left_alone() {
     unsafe {
         let wholes = patchlight_mesh_get_array(mesh, PATCHLIGHT_MESH_ELEMENT_NODES as u32, &good, null_mut());
         assert_eq!(told(wholes), PATCHLIGHT_INVALID_ARGUMENT);
-        for what in [0, 5, u32::MAX] {
+        for what in [0, 6, u32::MAX] {
             assert_eq!(told(patchlight_mesh_get_array(mesh, what, &good, null_mut())), PATCHLIGHT_INVALID_ARGUMENT);
         }
         for what in [0, 6, u32::MAX] {

@@ -115,13 +115,17 @@ impl TrustArguments {
     }
 }
 
-/// Measuring planes of a page.
+/// What a page shows beside the light.
 #[derive(Debug, Default, Args)]
-pub struct PlaneArguments {
+pub struct PageArguments {
     /// Measure on a plane, and show it in the page: false colours, mean, minimum, uniformity, and the daylight factor where skies send all light; as
     /// 'height=0.75', or in full, as of 'patchlight sample'; may be repeated. It takes its time after the solve, whatever --time says
     #[arg(long, value_name = "PLANE", allow_hyphen_values = true)]
     pub plane: Vec<String>,
+    /// Show lines in the page where light has a step, a kink, or a jump of its curvature: where surfaces touch, and borders of shadows and penumbras. They take
+    /// their time after the solve, whatever --time says
+    #[arg(long)]
+    pub curves: bool,
 }
 
 /// Whose coordinates a lightmap has.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use super::argument_groups::{
-    PictureArguments, PlaneArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments, Whence, WhoseUv,
+    PageArguments, PictureArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments, Whence, WhoseUv,
 };
 use super::batch_arguments::BatchArguments;
 use super::option_help::{self, EXIT_CODES};
@@ -88,7 +88,7 @@ pub struct SolveArguments {
     #[arg(long, value_name = "FILE.html")]
     pub html: Option<PathBuf>,
     #[command(flatten)]
-    pub planes: PlaneArguments,
+    pub page: PageArguments,
     /// Draw what the run tells about itself: error.png (against time), time.png and light.png (where both went), in this folder
     #[arg(long, value_name = "FOLDER")]
     pub plots: Option<PathBuf>,
@@ -312,7 +312,7 @@ pub struct ReportArguments {
     #[arg(short, long, value_name = "FILE.html")]
     pub output: PathBuf,
     #[command(flatten)]
-    pub planes: PlaneArguments,
+    pub page: PageArguments,
     #[command(flatten)]
     pub run: RunArguments,
 }

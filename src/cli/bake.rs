@@ -11,7 +11,7 @@ use patchlight::scene::{FileUv, Scene};
 use patchlight::solve::RunOptions;
 use patchlight::values::Values;
 
-use super::argument_groups::{PictureArguments, PlaneArguments, Whence, WhoseUv};
+use super::argument_groups::{PageArguments, PictureArguments, Whence, WhoseUv};
 use super::arguments::{BakeArguments, SolveArguments};
 use super::bake_again::Again;
 use super::exit::{Exit, Failure};
@@ -152,7 +152,7 @@ impl Input {
             points: None,
             values: None,
             html: None,
-            planes: PlaneArguments::default(),
+            page: PageArguments::default(),
             plots: None,
             report: None,
             light_groups: None,

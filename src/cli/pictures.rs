@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::time::Instant;
 
+use patchlight::discontinuities::TOLERANCE_SHOWN;
 use patchlight::mesh::LitMesh;
 use patchlight::output::{Display, ImageFormat, Look, Provenance, Quantity, write_display, write_hdr};
 use patchlight::picture::{Camera, Image, Marks};
@@ -62,9 +63,6 @@ pub struct Picture {
     pub limit: Option<Exit>,
 }
 
-/// Curves that change irradiance by less than this part of the largest exitance are not shown.
-const CURVES_FROM: f64 = 1e-3;
-
 /// A mesh of the view has this part of the time. The rest is for reading it; or for gathering values, where it could not be judged by then.
 const PART_OF_MESH: f64 = 0.75;
 
@@ -92,7 +90,7 @@ pub fn take_picture(
     let timed = Timed { watcher: Watcher::new(voice), end: limits.end };
     let marks = match (request.show, mesh.or(evaluator.mesh())) {
         (None, _) => None,
-        (Some(Show::Curves), _) => evaluator.mark_curves(CURVES_FROM, &camera, &timed)?,
+        (Some(Show::Curves), _) => evaluator.mark_curves(TOLERANCE_SHOWN, &camera, &timed)?,
         (Some(Show::Mesh), Some(mesh)) => evaluator.mark_mesh(mesh, &camera, &timed)?,
         (Some(Show::Mesh), None) => return Err(no_mesh("--show mesh")),
     };

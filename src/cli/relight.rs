@@ -15,6 +15,7 @@ use super::exit::{Exit, Failure};
 use super::files::{self, Outputs, Sink};
 use super::key_figures::claim_in_words;
 use super::light_groups::{parse_weight, tell_groups};
+use super::page_extras::FoundExtras;
 use super::pictures::Limits;
 use super::progress::{Voice, Watcher};
 use super::report::{page_file, write_page_to};
@@ -189,7 +190,7 @@ pub fn relight(request: &RelightRequest) -> Result<Exit, Failure> {
     }
     if let Some(page) = &request.page {
         let name = request.read.file_name().unwrap_or_default().to_string_lossy();
-        ending.write(|| write_page_to(page, (&evaluator, &name), (None, &[]), voice));
+        ending.write(|| write_page_to(page, (&evaluator, &name), (None, &FoundExtras::default()), voice));
     }
     if let Some(sink) = &request.report {
         ending.write(|| {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use patchlight::output::{Destination, MeasuredPlane, Page, Provenance, RunReport, write_page};
+use patchlight::output::{Destination, Page, Provenance, RunReport, write_page};
 use patchlight::pipeline::Evaluator;
 use patchlight::solve::RunOptions;
 
@@ -10,7 +10,7 @@ use super::arguments::ReportArguments;
 use super::exit::{Exit, Failure};
 use super::files::{self, Outputs};
 use super::interrupt;
-use super::planes::{self, NamedPlane};
+use super::page_extras::{FoundExtras, PageExtras};
 use super::progress::Voice;
 use super::settings::run_options;
 
@@ -22,7 +22,7 @@ const PAGE_VIEW: [u32; 2] = [960, 720];
 pub struct ReportRequest {
     solution: PathBuf,
     page: Destination,
-    planes: Vec<NamedPlane>,
+    extras: PageExtras,
     run: RunOptions,
     voice: Voice,
 }
@@ -32,7 +32,7 @@ impl ReportRequest {
     pub fn new(typed: ReportArguments) -> Result<Self, Failure> {
         let page = page_file(&typed.output, "report", &mut Outputs::beside(&[&typed.solution]))?;
         let (run, voice) = (run_options(&typed.run)?, Voice::new(typed.run.progress));
-        Ok(Self { solution: typed.solution, page, planes: planes::parse(&typed.planes)?, run, voice })
+        Ok(Self { solution: typed.solution, page, extras: PageExtras::new(&typed.page)?, run, voice })
     }
 }
 
@@ -40,11 +40,11 @@ impl ReportRequest {
 pub fn report(request: ReportRequest) -> Result<Exit, Failure> {
     let evaluator = Evaluator::new(files::read_solution(&request.solution)?, &request.run)?;
     let name = request.solution.file_name().unwrap_or_default().to_string_lossy();
-    if !request.planes.is_empty() {
+    if !request.extras.is_empty() {
         interrupt::listen(interrupt::OF_RUN);
     }
-    let (planes, ending) = planes::measure(&evaluator, &request.planes, request.voice)?;
-    write_page_to(&request.page, (&evaluator, &name), (None, &planes), request.voice)?;
+    let (extras, ending) = request.extras.find(&evaluator, request.voice)?;
+    write_page_to(&request.page, (&evaluator, &name), (None, &extras), request.voice)?;
     Ok(ending.unwrap_or(Exit::Done))
 }
 
@@ -56,15 +56,15 @@ pub fn page_file(path: &Path, flag: &str, outputs: &mut Outputs) -> Result<Desti
     outputs.file(path)
 }
 
-/// Writes a page under a title, with the report of the run if there is one, and measuring planes.
+/// Writes a page under a title, with the report of the run if there is one, and what it shows beside the light.
 pub fn write_page_to(
     destination: &Destination,
     (evaluator, title): (&Evaluator, &str),
-    (report, planes): (Option<&RunReport>, &[MeasuredPlane]),
+    (report, extras): (Option<&RunReport>, &FoundExtras),
     voice: Voice,
 ) -> Result<(), Failure> {
     let (solution, camera) = (evaluator.solution(), evaluator.default_camera(PAGE_VIEW[0], PAGE_VIEW[1]));
-    let page = Page { title, solution, camera: &camera, report, planes };
+    let page = Page { title, solution, camera: &camera, report, planes: &extras.planes, curves: &extras.curves };
     destination.write(|mut file| write_page(&mut file, &page, &Provenance::new(solution.options())))?;
     voice.figure("wrote", format_args!("{}", destination.path().display()));
     Ok(())

@@ -12,7 +12,7 @@ use super::arguments::{ExportArguments, RenderArguments, SampleArguments, SolveA
 use super::exit::Failure;
 use super::files::{Outputs, Sink};
 use super::light_groups::Grouping;
-use super::planes::{self, NamedPlane};
+use super::page_extras::PageExtras;
 use super::plots::PlotFiles;
 use super::progress::Voice;
 use super::report::page_file;
@@ -77,8 +77,8 @@ pub struct SolveRequest {
     pub points: Option<(PathBuf, Sink)>,
     pub report: Option<Sink>,
     pub html: Option<Destination>,
-    /// Measuring planes that the page shows.
-    pub planes: Vec<NamedPlane>,
+    /// What the page shows beside the light.
+    pub extras: PageExtras,
     pub plots: Option<PlotFiles>,
     /// All of these, to be held against what the scene turns out to read.
     pub outputs: Outputs,
@@ -118,12 +118,12 @@ impl SolveRequest {
             points: typed.points.zip(values),
             report,
             html,
-            planes: planes::parse(&typed.planes)?,
+            extras: PageExtras::new(&typed.page)?,
             plots,
             outputs,
         };
-        if !request.planes.is_empty() && request.html.is_none() && !request.asks_for_nothing() {
-            return Err(Failure::usage("--plane shows a measuring plane in the page: name one by --html FILE.html"));
+        if !request.extras.is_empty() && request.html.is_none() && !request.asks_for_nothing() {
+            return Err(Failure::usage("--plane and --curves show something in the page: name one by --html FILE.html"));
         }
         Ok(request)
     }

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use patchlight::output::{CpuReport, MeasuredPlane, Points, Provenance, Quantity, RunReport, SceneReport, write_report};
+use patchlight::output::{CpuReport, Points, Provenance, Quantity, RunReport, SceneReport, write_report};
 use patchlight::picture::Image;
 use patchlight::pipeline::{self, Evaluator, Workers};
 use patchlight::scene::import::read_scene;
@@ -13,12 +13,13 @@ use patchlight::values::{Values, ValuesError};
 use super::exit::{Exit, Failure};
 use super::files::Outputs;
 use super::key_figures::{tell_key_figures, tell_time};
+use super::page_extras::FoundExtras;
 use super::pictures::Limits;
 use super::progress::{Voice, Watcher};
 use super::report::write_page_to;
 use super::request::{PictureRequest, SolveRequest};
 use super::stderr::say;
-use super::{files, interrupt, pictures, planes, process, results};
+use super::{files, interrupt, pictures, process, results};
 
 /// Warnings that are printed one by one; `patchlight info` prints all.
 const PRINTED_WARNINGS: usize = 20;
@@ -56,7 +57,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let limits = Limits::of(RunOptions { time_s, ..run }, start);
     let written = write_results(&request, &evaluator, points.as_ref(), (&provenance, &limits), &mut ending);
     run_report.error.points = written.and_then(|values| values.error);
-    let (planes, cut_short) = planes::measure(&evaluator, &request.planes, voice)?;
+    let (extras, cut_short) = request.extras.find(&evaluator, voice)?;
     ending.limit(cut_short);
     let sample_s = sampling.elapsed().as_secs_f64() - ending.output_s;
 
@@ -72,7 +73,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     run_report.cpu_s = CpuReport { total: cpu_now, solve: between(cpu_before, cpu_solved), sample: between(cpu_solved, cpu_now) };
     run_report.memory.peak_resident_bytes = process::peak_resident_bytes();
     tell_time(voice, &run_report);
-    write_reports(&request, (&evaluator, &planes), (&run_report, &provenance), &mut ending);
+    write_reports(&request, (&evaluator, &extras), (&run_report, &provenance), &mut ending);
     // The program ends: the system takes all memory back at once, where freeing a large scene piece by piece takes a while.
     std::mem::forget(evaluator);
     ending.finish()
@@ -81,7 +82,7 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
 /// Writes what tells about the run: report, plots and page.
 fn write_reports(
     request: &SolveRequest,
-    (evaluator, planes): (&Evaluator, &[MeasuredPlane]),
+    (evaluator, extras): (&Evaluator, &FoundExtras),
     (report, provenance): (&RunReport, &Provenance),
     ending: &mut Ending,
 ) {
@@ -94,7 +95,7 @@ fn write_reports(
     }
     if let Some(page) = &request.html {
         let name = request.scene.file_name().unwrap_or_default().to_string_lossy();
-        ending.note(write_page_to(page, (evaluator, &name), (Some(report), planes), voice));
+        ending.note(write_page_to(page, (evaluator, &name), (Some(report), extras), voice));
     }
 }
 
@@ -175,7 +176,7 @@ fn read(request: &SolveRequest, outputs: &Outputs) -> Result<(Scene, Warnings, F
         Some(grouping) => grouping.apply_to(&imported.scene)?,
         None => imported.scene,
     };
-    planes::check(&request.planes, &scene)?;
+    request.extras.check(&scene)?;
     Ok((scene, Warnings { texts: warnings, faces: imported.diagnostics.warned_faces() }, imported.uv))
 }
 

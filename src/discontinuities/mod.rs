@@ -39,7 +39,7 @@ mod weld;
 use rayon::prelude::*;
 
 pub use counters::Counters;
-pub use segments::{Degree, Discontinuities, Segment, Source};
+pub use segments::{CurveSegment, Degree, Discontinuities, Segment, Source};
 pub use svg::svg;
 
 use crate::progress::Stop;
@@ -51,6 +51,10 @@ use events::Tracer;
 use faces::Faces;
 use lights::LightTracer;
 use occluders::{Occluder, Occluders};
+
+/// What pictures and pages tolerate: curves that change irradiance by less than this part of the largest exitance, or of the most that lights bring to an
+/// element, are not shown there.
+pub const TOLERANCE_SHOWN: f64 = 1e-3;
 
 /// Of all sources together about so many pairs of a side of a source and an edge or corner are followed, of each source by its share of all light: a
 /// minute or two of one core in scenes of some hundred thousand surfaces.

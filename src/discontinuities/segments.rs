@@ -48,6 +48,17 @@ impl Segment {
     }
 }
 
+/// A straight piece of a curve, and the surface that it lies on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveSegment {
+    /// The number of the surface.
+    pub surface: u32,
+    /// How sharp the curve is.
+    pub degree: Degree,
+    /// Both ends, in metres.
+    pub ends: [[f64; 3]; 2],
+}
+
 /// A surface that sends light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {

@@ -126,7 +126,7 @@ mod tests {
         let at = |k: u32, side: f64| DVec2::new(side + f64::from(k) / f64::from(count), side);
         let nodes: Vec<DVec2> = (0..count).flat_map(|k| [at(k, 0.0), at(k + 1, 0.0), at(k, 1.0)]).collect();
         let triangles: Vec<[u32; 6]> = (0..count).map(|k| [0, 1, 2, 0, 1, 2].map(|corner| 3 * k + corner)).collect();
-        let mesh = serde_json::json!({ "nodes": nodes, "triangles": triangles, "reflected": vec![0.0; nodes.len()] });
+        let mesh = serde_json::json!({ "nodes": nodes, "triangles": triangles, "reflected": vec![0.0; nodes.len()], "errors": [] });
         let mesh: SurfaceMesh = serde_json::from_value(mesh).unwrap();
         let locator = Locator::new(&mesh);
         assert!(locator.triangles.len() <= MOST_ENTRIES * count as usize, "{}", locator.triangles.len());

@@ -5,7 +5,7 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::{Evaluator, PipelineError};
-use crate::discontinuities::{self, Degree};
+use crate::discontinuities::{self, CurveSegment};
 use crate::mesh::LitMesh;
 use crate::picture::{self, Camera, Image, Line, Marks, Shown};
 use crate::progress::Observer;
@@ -102,30 +102,37 @@ impl Evaluator {
         self.draw(&lines, camera, observer)
     }
 
-    /// The discontinuities of the light of emitters, and where shadows of lights that are no surfaces end, as a camera sees them, the sharpest over others,
-    /// each degree in [its colour](Degree::colour); what changes irradiance by less than `tolerance` of the largest exitance, or of the most that lights bring
-    /// to an element, is left out. Cancelled by the observer, it returns `None`.
+    /// The discontinuities of the light of emitters, and where shadows of lights that are no surfaces end, the sharpest last; what changes irradiance by less
+    /// than `tolerance` of the largest exitance, or of the most that lights bring to an element, is left out. Cancelled by the observer, it returns `None`.
+    pub fn curves(&self, tolerance: f64, observer: &dyn Observer) -> Option<Vec<CurveSegment>> {
+        let (scene, brought, stop) = (self.solution.scene(), tolerance * self.solution.most_by_lights(), || observer.cancelled());
+        let [of_emitters, of_lights] = self.pool.install(|| {
+            let of_emitters = discontinuities::of_emitters_until(scene, tolerance, &stop);
+            [of_emitters, discontinuities::of_lights_until(scene, brought, &stop)]
+        });
+        let mut curves = Vec::new();
+        for surface in 0..scene.surfaces().len() as u32 {
+            let segments = [&of_emitters, &of_lights].into_iter().flat_map(|found| found.of(SurfaceId(surface)));
+            curves.extend(segments.map(|segment| CurveSegment { surface, degree: segment.degree, ends: segment.ends() }));
+        }
+        curves.sort_by_key(|curve| std::cmp::Reverse(curve.degree));
+        (!stop()).then_some(curves)
+    }
+
+    /// The [`Evaluator::curves`] that a camera sees, the sharpest over others, each degree in [its colour](crate::discontinuities::Degree::colour). Cancelled by the observer, it
+    /// returns `None`.
     ///
     /// # Errors
     /// As [`Evaluator::render`].
     pub fn mark_curves(&self, tolerance: f64, camera: &Camera, observer: &dyn Observer) -> Result<Option<Marks>, PipelineError> {
         camera.validate()?;
-        let scene = self.solution.scene();
-        let brought = tolerance * self.solution.most_by_lights();
-        let find = || {
-            let stop = || observer.cancelled();
-            let of_lights = discontinuities::of_lights_until(scene, brought, &stop);
-            [discontinuities::of_emitters_until(scene, tolerance, &stop), of_lights]
+        let Some(curves) = self.curves(tolerance, observer) else { return Ok(None) };
+        let line = |curve: CurveSegment| Line {
+            ends: curve.ends.map(DVec3::from),
+            surface: SurfaceId(curve.surface),
+            colour: curve.degree.colour(),
         };
-        let found = self.pool.install(find);
-        let mut lines = Vec::new();
-        for surface in (0..scene.surfaces().len() as u32).map(SurfaceId) {
-            let segments = found.iter().flat_map(|found| found.of(surface));
-            lines.extend(segments.map(|segment| (segment.degree, segment.ends, surface)));
-        }
-        lines.sort_by_key(|&(degree, ..)| std::cmp::Reverse(degree));
-        let line = |(degree, ends, surface): (Degree, _, _)| Line { ends, surface, colour: degree.colour() };
-        self.draw(&lines.into_iter().map(line).collect::<Vec<Line>>(), camera, observer)
+        self.draw(&curves.into_iter().map(line).collect::<Vec<Line>>(), camera, observer)
     }
 
     fn draw(&self, lines: &[Line], camera: &Camera, observer: &dyn Observer) -> Result<Option<Marks>, PipelineError> {

@@ -69,13 +69,15 @@ fn plots_are_pictures_of_the_run() {
     place.run("solve room.obj --plots a --image a/error.png").failed(2, &["two outputs cannot both be"]);
 }
 
-/// Whoever interrupts a solve gets the page, and does not wait for planes.
+/// Whoever interrupts a solve gets the page, and does not wait for planes and curves.
 #[cfg(unix)]
 #[test]
-fn an_interrupted_solve_leaves_its_page_without_planes() {
+fn an_interrupted_solve_leaves_its_page_without_extras() {
     let place = Place::new();
-    let (code, said) = place.run_until_signal("solve room.obj --error 0.000001 --html a.html --plane height=1", "INT");
+    let (code, said) = place.run_until_signal("solve room.obj --error 0.000001 --html a.html --plane height=1 --curves", "INT");
     assert_eq!((code, place.new_files()), (Some(130), vec!["a.html".to_owned()]), "{said}");
-    assert!(said.contains("measuring planes are left out"), "{said}");
-    assert_eq!(facts(&place.read("a.html"))["planes"], Value::Array(Vec::new()));
+    assert!(said.contains("measuring planes and curves are left out"), "{said}");
+    let facts = facts(&place.read("a.html"));
+    assert_eq!(facts["planes"], Value::Array(Vec::new()));
+    assert!(facts["curves"].as_array().unwrap().iter().all(|degree| degree[0] == 0), "{facts}");
 }

@@ -43,10 +43,13 @@ impl Browser {
         browser.session = Some(attached["sessionId"].as_str().unwrap().to_owned());
         let size = json!({ "width": 1280, "height": 800, "deviceScaleFactor": 1, "mobile": false });
         browser.ask("Emulation.setDeviceMetricsOverride", size);
-        while browser.value("document.body && document.body.dataset.drawn") != "yes" {
+        for _ in 0..600 {
+            if browser.value("document.body && document.body.dataset.drawn") == "yes" {
+                return Some(browser);
+            }
             std::thread::sleep(Duration::from_millis(100));
         }
-        Some(browser)
+        panic!("{file} was not drawn within a minute: is there an error in its program?");
     }
 
     /// The answer to a command.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::super::argument_groups::{
-    PictureArguments, PlaneArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments,
+    PageArguments, PictureArguments, RunArguments, SettingArguments, TrustArguments, ViewArguments,
 };
 use super::super::arguments::SolveArguments;
 use super::super::exit::Failure;
@@ -111,7 +111,7 @@ impl Common<'_> {
             report: None,
             // It tells the times of the run, and results are the same bytes.
             html: None,
-            planes: PlaneArguments::default(),
+            page: PageArguments::default(),
             plots: None,
             run: RunArguments { backend: self.backend.clone(), ..RunArguments::default() },
         })

@@ -15,8 +15,10 @@
 //! | `surfaces` | base64 of `u32`: face and material of each surface |
 //! | `group-radiosity` | as `radiosity`, of each light group alone; without groups empty |
 //! | `plane-values` | base64 of `f32`: what the sensors of measuring planes show, row after row and plane after plane, in the unit of the plane |
+//! | `curve-ends` | base64 of `f32`: the ends of lines where light is not smooth, six coordinates each, in metres; those of each degree in a row |
 
 mod base64;
+mod curves;
 mod geometry;
 mod groups;
 mod planes;
@@ -30,11 +32,12 @@ use self::base64::write_base64;
 use self::geometry::Geometry;
 use self::groups::Groups;
 use super::{LUMENS_PER_WATT, MeasuredPlane, Provenance, Quantity, RunReport};
+use crate::discontinuities::CurveSegment;
 use crate::picture::Camera;
 use crate::solve::{Norm, Solution, SolveOptions};
 
 const HTML: &str = include_str!("../../../assets/page/page.html");
-const PARTS: [(&str, &str); 11] = [
+const PARTS: [(&str, &str); 12] = [
     ("{{style}}", include_str!("../../../assets/page/page.css")),
     ("{{three}}", include_str!("../../../assets/page/three.min.js")),
     ("{{input}}", include_str!("../../../assets/page/input.js")),
@@ -44,6 +47,7 @@ const PARTS: [(&str, &str); 11] = [
     ("{{groups}}", include_str!("../../../assets/page/groups.js")),
     ("{{shaders}}", include_str!("../../../assets/page/shaders.js")),
     ("{{planes}}", include_str!("../../../assets/page/planes.js")),
+    ("{{curves}}", include_str!("../../../assets/page/curves.js")),
     ("{{places}}", include_str!("../../../assets/page/places.js")),
     ("{{page}}", include_str!("../../../assets/page/page.js")),
 ];
@@ -62,6 +66,8 @@ pub struct Page<'a> {
     pub report: Option<&'a RunReport>,
     /// Measuring planes.
     pub planes: &'a [MeasuredPlane],
+    /// Where light is not smooth.
+    pub curves: &'a [CurveSegment],
 }
 
 /// Writes a page.
@@ -96,6 +102,8 @@ fn write_data(writer: &mut impl Write, page: &Page<'_>, provenance: &Provenance)
     facts["light_groups"] = groups;
     let (planes, plane_values) = planes::told(page.planes, page.solution.scene());
     facts["planes"] = planes;
+    let (degrees, curve_ends) = curves::told(page.curves);
+    facts["curves"] = json!(degrees);
     // Within a script no text of the data may look like its end.
     let facts = facts.to_string().replace('<', "\\u003c");
     writeln!(writer, "<script type=\"application/json\" id=\"facts-data\">{facts}</script>")?;
@@ -114,6 +122,7 @@ fn write_data(writer: &mut impl Write, page: &Page<'_>, provenance: &Provenance)
         ("surfaces", of_numbers(&surfaces)),
         ("group-radiosity", of_floats(&of_groups)),
         ("plane-values", of_floats(&plane_values)),
+        ("curve-ends", of_floats(&curve_ends)),
     ] {
         write!(writer, "<script type=\"text/plain\" id=\"{id}\">")?;
         write_base64(writer, &bytes)?;
@@ -235,5 +244,6 @@ fn command(page: &Page<'_>, changed: &[(&'static str, String)]) -> String {
     };
     let set: String = changed.iter().map(|(key, value)| format!(" --set {}", quoted(&format!("{key}={value}")))).collect();
     let planes: String = page.planes.iter().map(|plane| format!(" --plane {}", quoted(&plane.name))).collect();
-    format!("patchlight solve {}{sides}{set} --html page.html{planes}", quoted(&scene))
+    let curves = if page.curves.is_empty() { "" } else { " --curves" };
+    format!("patchlight solve {}{sides}{set} --html page.html{planes}{curves}", quoted(&scene))
 }

@@ -1,0 +1,14 @@
+"use strict";
+// Lines where light is not smooth: of each degree in turn how many there are and their colour, and all ends.
+const patchlightCurves = (degrees, ends) => {
+  const colours = new Float32Array(ends.length);
+  let first = 0;
+  degrees.forEach(([count, [r, g, b]]) => {
+    const colour = new THREE.Color((r << 16) | (g << 8) | b);
+    for (let end = 0; end < 2 * count; end++, first++) colours.set([colour.r, colour.g, colour.b], 3 * first);
+  });
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(ends, 3));
+  geometry.setAttribute("color", new THREE.BufferAttribute(colours, 3));
+  return new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ vertexColors: true }));
+};
