@@ -321,7 +321,8 @@ fn elements_cover_all_that_reflects_and_are_written_as_triangles_or_as_they_are(
             header.lines().find_map(|line| line.strip_prefix(&format!("element {what} "))).unwrap().parse().unwrap()
         };
         assert_eq!((count("face"), count("vertex")), (faces, nodes));
-        assert_eq!(body.len(), nodes * VERTEX + faces * (1 + corners * 4 + 4));
+        let size = 1 + 4 * corners + NUMBERS;
+        assert_eq!(body.len(), nodes * VERTEX + faces * size);
 
         // Around each face, counter-clockwise; all faces together have the area of the surfaces.
         let vertex = |number: u32| -> [f64; 3] {
@@ -333,7 +334,7 @@ fn elements_cover_all_that_reflects_and_are_written_as_triangles_or_as_they_are(
             let number = |k: usize| u32::from_le_bytes(face[1 + 4 * k..][..4].try_into().unwrap());
             let around: Vec<[f64; 3]> = (0..corners).map(|k| vertex(number(k))).collect();
             covered += (1..corners - 1).map(|k| fan_area(&around, k)).sum::<f64>();
-            face = &face[1 + 4 * corners + 4..];
+            face = &face[size..];
         }
         assert!((covered / area - 1.0).abs() < 1e-6, "{covered} of {area}");
     }
@@ -343,6 +344,9 @@ type Writer = fn(&mut Vec<u8>, &Scene, &LitMesh, &Provenance) -> io::Result<()>;
 
 /// Bytes of a vertex: a place, and three channels.
 const VERTEX: usize = 3 * 8 + 3 * 4;
+
+/// Bytes of the numbers of a face: of its surface, and of the face, the material, the object and the group of the input.
+const NUMBERS: usize = 5 * 4;
 
 fn header_and_body(file: &[u8]) -> (String, &[u8]) {
     let end = file.windows(11).position(|text| text == b"end_header\n").unwrap() + 11;
