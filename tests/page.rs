@@ -3,6 +3,8 @@
 //! Pictures are taken by Chromium (Debian's `chromium`); where there is none, that test says that it is skipped.
 #![allow(clippy::print_stdout, reason = "a test tells what it skips")]
 
+#[path = "support/page_text.rs"]
+mod page_text;
 #[path = "support/rooms.rs"]
 mod rooms;
 mod support;
@@ -14,6 +16,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use page_text::{array_of, text_of};
 use patchlight::output::{Page, Provenance, write_page};
 use patchlight::pipeline::{self, Evaluator};
 use patchlight::progress::Silent;
@@ -35,43 +38,20 @@ fn page_of(evaluator: &Evaluator, title: &str) -> String {
     String::from_utf8(written).unwrap()
 }
 
-/// The text of the element with this id.
-fn text_of<'a>(page: &'a str, id: &str) -> &'a str {
-    let start = page.find(&format!("id=\"{id}\">")).unwrap() + id.len() + 6;
-    &page[start..start + page[start..].find("</script>").unwrap()]
+fn floats(page: &str, id: &str) -> Vec<f32> {
+    array_of(page, id).into_iter().map(f32::from_le_bytes).collect()
 }
 
-/// Base64, decoded bit by bit.
-fn decoded(text: &str) -> Vec<u8> {
-    let value = |letter: u8| match letter {
-        b'A'..=b'Z' => letter - b'A',
-        b'a'..=b'z' => letter - b'a' + 26,
-        b'0'..=b'9' => letter - b'0' + 52,
-        b'+' => 62,
-        _ => 63,
-    };
-    let bits: Vec<u8> = text
-        .bytes()
-        .filter(|&letter| letter != b'=')
-        .flat_map(|letter| (0..6).rev().map(move |k| value(letter) >> k & 1))
-        .collect();
-    bits.chunks_exact(8).map(|byte| byte.iter().fold(0, |sum, bit| sum << 1 | bit)).collect()
-}
-
-fn floats(text: &str) -> Vec<f32> {
-    decoded(text).chunks_exact(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect()
-}
-
-fn numbers(text: &str) -> Vec<u32> {
-    decoded(text).chunks_exact(4).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap())).collect()
+fn numbers(page: &str, id: &str) -> Vec<u32> {
+    array_of(page, id).into_iter().map(u32::from_le_bytes).collect()
 }
 
 #[test]
 fn a_page_holds_the_mesh_to_the_bit() {
     let evaluator = solved(3, true);
     let (page, solution) = (page_of(&evaluator, "room"), evaluator.solution());
-    let (positions, radiosity) = (floats(text_of(&page, "positions")), floats(text_of(&page, "radiosity")));
-    let (elements, runs) = (numbers(text_of(&page, "elements")), numbers(text_of(&page, "element-runs")));
+    let (positions, radiosity) = (floats(&page, "positions"), floats(&page, "radiosity"));
+    let (elements, runs) = (numbers(&page, "elements"), numbers(&page, "element-runs"));
     let of_runs: Vec<u32> = runs.chunks(2).flat_map(|run| vec![run[0]; run[1] as usize]).collect();
     let mut element = 0;
     solution.mesh().unwrap().for_each_element(solution.scene(), |surface, nodes, of_nodes| {
@@ -91,8 +71,8 @@ fn a_page_holds_the_mesh_to_the_bit() {
 fn a_page_without_a_mesh_holds_the_elements() {
     let evaluator = solved(2, false);
     let page = page_of(&evaluator, "room");
-    let (triangles, runs) = (numbers(text_of(&page, "triangles")), numbers(text_of(&page, "triangle-runs")));
-    let radiosity = floats(text_of(&page, "radiosity"));
+    let (triangles, runs) = (numbers(&page, "triangles"), numbers(&page, "triangle-runs"));
+    let radiosity = floats(&page, "radiosity");
     let (mut count, mut means) = (0, Vec::new());
     evaluator.solution().for_each_leaf(|vertices, _, radiosity| {
         count += vertices.len() - 2;
@@ -139,7 +119,7 @@ fn groups_of_a_page_add_up() {
     for (weights, factors) in [([1.0, 1.0], [1.0, 1.0]), ([0.5, 3.0], [1.0, 1.0]), ([2.0, 0.0], [1.0, 0.0])] {
         let page = page_of(&evaluator(relit(&solution, weights[0], weights[1])), "room");
         let facts: serde_json::Value = serde_json::from_str(text_of(&page, "facts-data")).unwrap();
-        let (radiosity, apart) = (floats(text_of(&page, "radiosity")), floats(text_of(&page, "group-radiosity")));
+        let (radiosity, apart) = (floats(&page, "radiosity"), floats(&page, "group-radiosity"));
         assert_eq!(apart.len(), 2 * radiosity.len());
         for (group, factor) in factors.into_iter().enumerate() {
             assert_eq!(facts["light_groups"]["groups"][group]["factor"], factor as u64);
@@ -152,7 +132,7 @@ fn groups_of_a_page_add_up() {
         let off: f32 = apart[radiosity.len()..].iter().sum();
         assert!(off > 0.0);
     }
-    assert!(text_of(&page_of(&solved(3, true), "room"), "group-radiosity").is_empty());
+    assert!(array_of(&page_of(&solved(3, true), "room"), "group-radiosity").is_empty());
 }
 
 /// The numbers of a line of text.

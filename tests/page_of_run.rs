@@ -5,6 +5,8 @@
 #[path = "support/browser.rs"]
 #[allow(dead_code, reason = "other tests drag and press keys")]
 mod browser;
+#[path = "support/page_text.rs"]
+mod page_text;
 
 use std::fs;
 use std::path::Path;
@@ -13,6 +15,7 @@ use std::time::Duration;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use browser::Browser;
+use page_text::{array_of, text_of};
 use patchlight::geometry::Polygon;
 use patchlight::output::{MeasuredPlane, Page, Provenance, RunReport, SceneReport, write_page};
 use patchlight::picture::PlaneRequest;
@@ -70,12 +73,6 @@ fn write_to(folder: &Path) -> (String, SolveReport, MeasuredPlane) {
     (String::from_utf8(written).unwrap(), solved, plane)
 }
 
-/// The text of the element with this id.
-fn text_of<'a>(page: &'a str, id: &str) -> &'a str {
-    let start = page.find(&format!("id=\"{id}\">")).unwrap() + id.len() + 6;
-    &page[start..start + page[start..].find("</script>").unwrap()]
-}
-
 #[test]
 fn a_page_holds_what_the_run_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -92,21 +89,16 @@ fn a_page_holds_what_the_run_told() {
     assert_eq!(facts["report"]["history"].as_array().unwrap().len(), history.len());
 
     // Lines where light is not smooth: six coordinates each, and how many of each degree.
-    let bytes = STANDARD.decode(text_of(&page, "curve-ends")).unwrap();
+    let numbers = array_of(&page, "curve-ends").len() as u64;
     let counts: Vec<u64> = facts["curves"].as_array().unwrap().iter().map(|degree| degree[0].as_u64().unwrap()).collect();
-    assert!(counts.len() == 3 && counts[1] > 0 && bytes.len() as u64 == 4 * 6 * counts.iter().sum::<u64>(), "{counts:?}");
+    assert!(counts.len() == 3 && counts[1] > 0 && numbers == 6 * counts.iter().sum::<u64>(), "{counts:?}");
 
     // The face, cut into two triangles, has an outline of its four edges.
     let places = facts["places"].as_object().unwrap();
     assert_eq!((places.len(), places["8"]["outline"].as_array().unwrap().len()), (1, 4 * 6));
 
     // The plane, to the bit, and its summary.
-    let shown: Vec<f32> = STANDARD
-        .decode(text_of(&page, "plane-values"))
-        .unwrap()
-        .chunks_exact(4)
-        .map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap()))
-        .collect();
+    let shown: Vec<f32> = array_of(&page, "plane-values").into_iter().map(f32::from_le_bytes).collect();
     let lux = |h: &[f32]| 179.0 * (0.2126 * h[0] + 0.7152 * h[1] + 0.0722 * h[2]);
     let expected: Vec<f32> = plane.irradiances.irradiance.chunks(3).map(lux).collect();
     assert_eq!((shown.len(), facts["planes"][0]["counts"].to_string()), (64, "[8,8]".to_owned()));

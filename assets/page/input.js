@@ -1,11 +1,15 @@
 "use strict";
 // What the elements of the page hold, see `output/page/mod.rs`: facts, nodes, triangles, and the surfaces that these are on.
-const patchlightData = () => {
-  const byId = (id) => document.getElementById(id);
-  const facts = JSON.parse(byId("facts-data").textContent);
-  const bytes = (id) => Uint8Array.from(atob(byId(id).textContent.trim()), (c) => c.charCodeAt(0));
-  const floats = (id) => new Float32Array(bytes(id).buffer);
-  const numbers = (id) => new Uint32Array(bytes(id).buffer);
+const patchlightData = async () => {
+  const facts = JSON.parse(document.getElementById("facts-data").textContent);
+  const inflated = async (text) => {
+    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+  };
+  const arrays = new Map();
+  for (const { id, textContent } of document.querySelectorAll("script[type='text/plain']")) arrays.set(id, await inflated(textContent));
+  const floats = (id) => new Float32Array(arrays.get(id));
+  const numbers = (id) => new Uint32Array(arrays.get(id));
 
   // Nodes, elements of six nodes, polygons as triangles, and the surfaces that they are on, as runs of (surface, count).
   const positions = floats("positions");

@@ -1,9 +1,14 @@
 "use strict";
 // The page of a solution: the lit scene in 3D, and what is known of it. Data stand in the elements above, see `output/page/mod.rs`.
-(() => {
+(async () => {
   const byId = (id) => document.getElementById(id);
   const { short, percent, round, helix } = patchlightScale;
-  const { facts: data, floats, positions, radiosity, elements, triangles, index, surfaceData, surfaceOfNode, surfaceOfTriangle } = patchlightData();
+  if (!window.DecompressionStream) {
+    byId("note").textContent = "This browser is too old to show what the page holds: take one from 2023 or later.";
+    document.body.dataset.drawn = "no";
+    return;
+  }
+  const { facts: data, floats, positions, radiosity, elements, triangles, index, surfaceData, surfaceOfNode, surfaceOfTriangle } = await patchlightData();
   const channels = data.shown_channels;
   const nodeCount = positions.length / 3;
 

@@ -1,23 +1,23 @@
 //! A solution as one page for browsers: the lit scene in 3D, and what is known of it. It loads nothing from anywhere.
 //!
 //! # The format
-//! HTML with its style, its program (`assets/page`, and three.js beside them) and these elements, whose texts are data:
+//! HTML with its style, its program (`assets/page`, and three.js beside them) and these elements, whose texts are data; arrays are deflated (zlib, RFC 1950)
+//! and written in base64, all numbers little-endian:
 //!
 //! | id | what its text is |
 //! |---|---|
 //! | `facts-data` | JSON: title, materials, camera, options, counts, errors, and the run's report where there is one |
-//! | `positions` | base64 of little-endian `f32`, three for each node, in metres |
-//! | `radiosity` | base64 of `f32`, one or three for each node, in W/m^2 |
-//! | `standard-errors` | base64 of `f32`, for each node the standard error of its radiosity, channels together; empty where it is not known |
-//! | `elements` | base64 of `u32`: six nodes of each element of the lit mesh |
-//! | `triangles` | base64 of `u32`: three nodes of each triangle of surfaces without elements, or of the solver's elements |
-//! | `element-runs`, `triangle-runs` | base64 of `u32`: the surface that so many of these in a row are on, and how many |
-//! | `surfaces` | base64 of `u32`: face and material of each surface |
+//! | `positions` | `f32`, three for each node, in metres |
+//! | `radiosity` | `f32`, one or three for each node, in W/m^2 |
+//! | `standard-errors` | `f32`, for each node the standard error of its radiosity, channels together; empty where it is not known |
+//! | `elements` | `u32`: six nodes of each element of the lit mesh |
+//! | `triangles` | `u32`: three nodes of each triangle of surfaces without elements, or of the solver's elements |
+//! | `element-runs`, `triangle-runs` | `u32`: the surface that so many of these in a row are on, and how many |
+//! | `surfaces` | `u32`: face and material of each surface |
 //! | `group-radiosity` | as `radiosity`, of each light group alone; without groups empty |
-//! | `plane-values` | base64 of `f32`: what the sensors of measuring planes show, row after row and plane after plane, in the unit of the plane |
-//! | `curve-ends` | base64 of `f32`: the ends of lines where light is not smooth, six coordinates each, in metres; those of each degree in a row |
+//! | `plane-values` | `f32`: what the sensors of measuring planes show, row after row and plane after plane, in the unit of the plane |
+//! | `curve-ends` | `f32`: the ends of lines where light is not smooth, six coordinates each, in metres; those of each degree in a row |
 
-mod base64;
 mod curves;
 mod geometry;
 mod groups;
@@ -26,9 +26,12 @@ mod warned;
 
 use std::io::{self, Write};
 
+use base64::engine::general_purpose::STANDARD;
+use base64::write::EncoderWriter;
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
 use serde_json::{Value, json};
 
-use self::base64::write_base64;
 use self::geometry::Geometry;
 use self::groups::Groups;
 use super::{LUMENS_PER_WATT, MeasuredPlane, Provenance, Quantity, RunReport};
@@ -125,7 +128,9 @@ fn write_data(writer: &mut impl Write, page: &Page<'_>, provenance: &Provenance)
         ("curve-ends", of_floats(&curve_ends)),
     ] {
         write!(writer, "<script type=\"text/plain\" id=\"{id}\">")?;
-        write_base64(writer, &bytes)?;
+        let mut array = ZlibEncoder::new(EncoderWriter::new(&mut *writer, &STANDARD), Compression::default());
+        array.write_all(&bytes)?;
+        array.finish()?.finish()?;
         writeln!(writer, "</script>")?;
     }
     Ok(())
