@@ -8,7 +8,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::equations::{BATCH, Equations, ReflectorTerms};
-use super::view_points::{Arrival, VIEW_POINTS, view_point_count, view_points};
+use super::view_points::{Arrival, bytes_of_view_points, view_point_count, view_points};
 use crate::geometry::{sampling, streams};
 use crate::paths::{BatchSums, Directions, Ends, LightPaths, NO_CELL, PathScratch, Place};
 use crate::progress::Stop;
@@ -43,7 +43,7 @@ pub(super) fn bytes_to_assemble(cells: usize, paths: usize, channels: usize) -> 
 
     // The place, where paths arrive, these once more in order with their beginnings, and view points; or the iterates.
     let arriving = paths * (size_of::<Arrival>() + size_of::<([f32; 2], f32)>()) + 2 * size_of::<u32>();
-    let making = size_of::<Option<Place>>() + arriving + size_of::<Option<[[f32; 2]; VIEW_POINTS]>>();
+    let making = size_of::<Option<Place>>() + arriving + bytes_of_view_points(paths);
     let solving = 4 * channels * number;
     (cells * (equation + terms + making.max(solving))) as u64
 }
@@ -95,13 +95,7 @@ impl Equations {
     }
 
     /// Casts as many next-event rays from the view points of each cell as paths left it, and adds the light to the rows.
-    fn add_next_event(
-        &mut self,
-        paths: &LightPaths<'_>,
-        cells: &[Option<Place>],
-        points: &[Option<[[f32; 2]; VIEW_POINTS]>],
-        stop: Stop<'_>,
-    ) {
+    fn add_next_event(&mut self, paths: &LightPaths<'_>, cells: &[Option<Place>], points: &[Box<[[f32; 2]]>], stop: Stop<'_>) {
         let (channels, count) = (self.channels, self.paths);
         let of_cell = view_point_count(count);
         let Self { constant, end, weight, of_reflectors, .. } = self;
@@ -240,14 +234,11 @@ fn directions(paths: &LightPaths<'_>, position: &Place, count: u64, seed: u64) -
 pub(super) fn starts(
     paths: &LightPaths<'_>,
     (indices, places): (&[usize], &[Place]),
-    points: &[Option<[[f32; 2]; VIEW_POINTS]>],
+    points: &[Box<[[f32; 2]]>],
     of_cell: usize,
 ) -> Vec<Place> {
-    let of_place = |(&index, place): (&usize, &Place)| {
-        let (points, place) = (points[index], *place);
-        (0..of_cell).map(move |number| at_view_point(paths, &place, number, points.map(|points| points[number])))
-    };
-    indices.iter().zip(places).flat_map(of_place).collect()
+    let all = indices.iter().zip(places).flat_map(|place| (0..of_cell).map(move |number| (place, number)));
+    all.map(|((&index, place), number)| at_view_point(paths, place, number, points[index].get(number).copied())).collect()
 }
 
 /// View point `number` of the cell around `position`, at the coordinates `at` of the cell; the position itself if there are none,

@@ -1,18 +1,27 @@
 //! View points: where in a cell next-event estimation starts.
 //!
 //! The radiosity of a cell should be that of the part that others see: the rest may lie beneath a box or behind a lampshade. Points
-//! where paths arrive lie in that part. So next-event rays start from some of these points, chosen evenly among them.
+//! where paths arrive lie in that part. So next-event rays start from some of these points, chosen evenly among them: the more, the more
+//! finely cells are found, since direct light may vary over a cell by any factor.
 
 use rayon::prelude::*;
 
 use crate::geometry::sampling;
 
-/// View points of a cell at most; with fewer paths from its position it has as many as these. Empirical.
-pub(super) const VIEW_POINTS: usize = 4;
+/// Next-event rays of each view point: each takes the form factors of emitters at the point, which one ray alone would not be worth. Empirical.
+const RAYS_OF_VIEW_POINT: usize = 4;
+
+/// A cell has so many view points, where it has as many paths. Empirical.
+const LEAST_VIEW_POINTS: usize = 4;
 
 /// How many view points go with so many paths.
 pub(super) fn view_point_count(paths: usize) -> usize {
-    paths.clamp(1, VIEW_POINTS)
+    (paths / RAYS_OF_VIEW_POINT).max(paths.clamp(1, LEAST_VIEW_POINTS))
+}
+
+/// Bytes of the view points of a cell with so many paths.
+pub(super) fn bytes_of_view_points(paths: usize) -> usize {
+    size_of::<Box<[[f32; 2]]>>() + view_point_count(paths) * size_of::<[f32; 2]>()
 }
 
 /// A point of a cell where a path arrived.
@@ -25,14 +34,9 @@ pub(super) struct Arrival {
     pub weight: f32,
 }
 
-/// The view points of each of so many cells, of which the first `count` count, by coordinates within the cell: drawn from its arrivals by
-/// weight, by systematic sampling along the Morton curve through the cell. `None` where nothing arrives.
-pub(super) fn view_points(
-    cells: usize,
-    count: usize,
-    arrivals: Vec<Vec<Arrival>>,
-    seed: u64,
-) -> Vec<Option<[[f32; 2]; VIEW_POINTS]>> {
+/// The `count` view points of each of so many cells, by coordinates within the cell: drawn from its arrivals by weight, by systematic sampling along
+/// the Morton curve through the cell. None where nothing arrives.
+pub(super) fn view_points(cells: usize, count: usize, arrivals: Vec<Vec<Arrival>>, seed: u64) -> Vec<Box<[[f32; 2]]>> {
     // The arrivals of each cell, one cell after the other.
     let all = || arrivals.iter().flatten();
     let mut starts = vec![0_u32; cells + 1];
@@ -59,15 +63,17 @@ pub(super) fn view_points(
         arrivals.sort_by_key(|(at, _)| along_curve(*at));
         let total: f32 = arrivals.iter().map(|(_, weight)| weight).sum();
         let start = sampling::unit(sampling::hash(seed, cell as u64)) as f32;
-        let (mut number, mut above) = (0, arrivals.first()?.1);
-        Some(std::array::from_fn(|point: usize| {
-            let wanted = (point.min(count - 1) as f32 + start) / count as f32 * total;
+        let Some(&(_, mut above)) = arrivals.first() else { return Box::default() };
+        let mut number = 0;
+        let draw = |point: usize| {
+            let wanted = (point as f32 + start) / count as f32 * total;
             while above < wanted && number + 1 < arrivals.len() {
                 number += 1;
                 above += arrivals[number].1;
             }
             arrivals[number].0
-        }))
+        };
+        (0..count).map(draw).collect()
     };
     (0..cells).into_par_iter().with_min_len(256).map(of_cell).collect()
 }
@@ -90,10 +96,10 @@ mod tests {
         let mut low = 0;
         let seeds = 200;
         for seed in 0..seeds {
-            let view_points = view_points(3, VIEW_POINTS, arrivals.clone(), seed);
-            assert!(view_points[0].is_none() && view_points[2].is_none());
-            let view_points = view_points[1].unwrap();
-            assert!(view_points.iter().all(|at| at[0] < 0.5));
+            let view_points = view_points(3, 4, arrivals.clone(), seed);
+            assert!(view_points[0].is_empty() && view_points[2].is_empty());
+            let view_points = &view_points[1];
+            assert!(view_points.len() == 4 && view_points.iter().all(|at| at[0] < 0.5));
             let in_low = view_points.iter().filter(|at| at[1] < 0.5).count();
             // A quarter of the weight is of the low ones: one of four view points, give or take what rounding does.
             assert!(in_low <= 2, "{view_points:?}");
