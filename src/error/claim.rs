@@ -38,12 +38,17 @@ pub(crate) fn claim(error_sq: f64, scatter: Scatter) -> f64 {
     upper_limit(error_sq, scatter) + LEFT_BY_SWEEPS
 }
 
+/// An error by an unbiased estimate of its square: 0 where that came out negative, infinite where it is not a number.
+pub(super) fn error_of(error_sq: f64) -> f64 {
+    if error_sq.is_nan() { f64::INFINITY } else { error_sq.max(0.0).sqrt() }
+}
+
 /// The same where nothing is left by sweeps: of what is off values.
 pub(crate) fn upper_limit(error_sq: f64, scatter: Scatter) -> f64 {
-    let measured = error_sq.max(0.0);
-    if scatter.deviation == 0.0 {
-        return measured.sqrt();
+    if scatter.deviation == 0.0 || !error_sq.is_finite() {
+        return error_of(error_sq);
     }
+    let measured = error_sq.max(0.0);
     (scatter.deviation * limit_in_deviations(measured / scatter.deviation, scatter.skewness)).sqrt()
 }
 
@@ -190,5 +195,12 @@ mod tests {
         let percent = |missed: u64| 100.0 * missed as f64 / TRIALS as f64;
         let (normal, claimed) = (percent(normal), percent(claimed));
         assert!(claimed < 1.6 && normal > 2.0, "{claimed}% for {normal}%");
+    }
+
+    #[test]
+    fn nothing_is_claimed_of_what_is_not_a_number() {
+        let scatter = |deviation| Scatter { deviation, skewness: 0.0 };
+        assert_eq!([error_of(f64::NAN), claim(f64::NAN, scatter(0.0)), claim(f64::NAN, scatter(f64::NAN))], [f64::INFINITY; 3]);
+        assert_eq!(error_of(-1.0), 0.0);
     }
 }

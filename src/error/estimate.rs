@@ -30,7 +30,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::claim::{Doubts, FEW_REPLICATES, claim};
+use super::claim::{Doubts, FEW_REPLICATES, claim, error_of};
 use super::compared::{Judging, by_other_rays, compared, lit, values_at};
 use super::moments::Moments;
 use super::norm::{ErrorNorm, Lit, NormWeights, lit_points};
@@ -319,7 +319,7 @@ impl ErrorSamples {
         let scatter = both.scatter_of_sum().at_least(of_replicates).beside(common);
         let ray_share = if of_replicates > 0.0 { (ray_variance / of_replicates.powi(2)).clamp(0.0, 1.0) } else { 0.0 };
         ErrorEstimate {
-            measured: both.sum.max(0.0).sqrt(),
+            measured: error_of(both.sum),
             claimed: claim(both.sum, scatter),
             doubts: Doubts { replicates: of_replicates, common, noise: noise.deviation_of_sum(), skewness: scatter.skewness },
             ray_share,
