@@ -1,7 +1,8 @@
 //! What of each texel faces cover, and where its value is taken.
 //!
 //! A face covers a texel by the area of its part within the texel's square, exactly. The value of a texel is taken at its site: the middle of the
-//! square if all of it is covered, else the centroid of the largest part. A function that is linear there has its mean over that part at the site.
+//! square where a face covers that, for textures are interpolated between middles; else the centroid of the largest part, where a function that is
+//! linear there has its mean over that part.
 
 use glam::{DVec2, DVec3};
 
@@ -14,8 +15,9 @@ const LEAST_COVERED: f64 = 1e-6;
 /// All of a texel is covered if no more than this is not.
 const ROUNDING: f64 = 1e-4;
 
-/// A middle so near to an edge, in texels, is on both of its sides.
-const ON_EDGE: f64 = 1e-9;
+/// A middle so near to an edge, in texels, is on both of its sides. If nothing covers the other side, no value is taken there: whether a wall that
+/// stands on the edge is before or behind it, is a matter of rounding.
+const ON_EDGE: f64 = 1e-6;
 
 /// Where the value of a texel is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +70,7 @@ impl Site {
 pub(super) fn sites(scene: &Scene, chart: &Chart) -> Vec<Site> {
     let [columns, rows] = chart.size();
     let mut sites = vec![Site::NONE; columns * rows];
-    let mut has_middle = vec![false; columns * rows];
+    let mut middles = vec![Middle::Beside; columns * rows];
     for (surface, corners) in chart.polygons(scene) {
         let bound = |pick: fn(DVec2, DVec2) -> DVec2| corners.iter().copied().fold(corners[0], pick);
         let (from, to) = (bound(DVec2::min).floor().max(DVec2::ZERO), bound(DVec2::max).ceil());
@@ -76,19 +78,28 @@ pub(super) fn sites(scene: &Scene, chart: &Chart) -> Vec<Site> {
             for column in from.x as usize..(to.x as usize).min(columns) {
                 let middle = DVec2::new(column as f64, row as f64) + 0.5;
                 let Some(part) = part_of(&corners, middle) else { continue };
-                let (site, has_middle) = (&mut sites[row * columns + column], &mut has_middle[row * columns + column]);
-                add(site, has_middle, surface, part);
+                let (site, middle) = (&mut sites[row * columns + column], &mut middles[row * columns + column]);
+                add(site, middle, surface, part);
             }
         }
     }
-    for (site, has_middle) in sites.iter_mut().zip(has_middle) {
+    for (site, middle) in sites.iter_mut().zip(middles) {
+        let is_whole = f64::from(site.covered) >= 1.0 - ROUNDING;
         if f64::from(site.covered) < LEAST_COVERED {
             *site = Site::NONE;
-        } else if has_middle && f64::from(site.covered) >= 1.0 - ROUNDING {
+        } else if middle == Middle::Within || (middle == Middle::OnEdge && is_whole) {
             site.at = [0.0; 2];
         }
     }
     sites
+}
+
+/// Where the middle of a texel lies as seen from a face.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+enum Middle {
+    Beside,
+    OnEdge,
+    Within,
 }
 
 /// The part of a texel that a face covers.
@@ -96,15 +107,15 @@ struct Part {
     area: f64,
     /// From the middle of the texel, in texels.
     centroid: DVec2,
-    has_middle: bool,
+    middle: Middle,
 }
 
 /// Adds a part: the face that covers the middle comes before others, then the largest part.
-fn add(site: &mut Site, has_middle: &mut bool, surface: SurfaceId, part: Part) {
+fn add(site: &mut Site, middle: &mut Middle, surface: SurfaceId, part: Part) {
     site.covered += part.area as f32;
-    let comes_first = (part.has_middle, part.area as f32) > (*has_middle, site.part);
+    let comes_first = (part.middle, part.area as f32) > (*middle, site.part);
     if comes_first && part.area > 0.0 {
-        *has_middle = part.has_middle;
+        *middle = part.middle;
         (site.surface, site.part, site.at) = (surface.0, part.area as f32, part.centroid.as_vec2().to_array());
     }
 }
@@ -112,7 +123,7 @@ fn add(site: &mut Site, has_middle: &mut bool, surface: SurfaceId, part: Part) {
 /// The part of the texel around `middle` within a convex polygon, counter-clockwise; `None` if there is none.
 fn part_of(corners: &[DVec2], middle: DVec2) -> Option<Part> {
     // Edges that the square is wholly inside or outside of tell for most texels.
-    let (mut is_inside, mut has_middle) = (true, true);
+    let (mut is_inside, mut nearest) = (true, f64::INFINITY);
     for (k, &from) in corners.iter().enumerate() {
         let edge = corners[(k + 1) % corners.len()] - from;
         let (distance, reach) = (edge.perp_dot(middle - from), 0.5 * (edge.x.abs() + edge.y.abs()));
@@ -120,11 +131,18 @@ fn part_of(corners: &[DVec2], middle: DVec2) -> Option<Part> {
             return None;
         }
         is_inside &= distance >= reach;
-        has_middle &= distance >= -ON_EDGE * edge.length();
+        nearest = nearest.min(distance / edge.length());
     }
     if is_inside {
-        return Some(Part { area: 1.0, centroid: DVec2::ZERO, has_middle: true });
+        return Some(Part { area: 1.0, centroid: DVec2::ZERO, middle: Middle::Within });
     }
+    let lies = if nearest > ON_EDGE {
+        Middle::Within
+    } else if nearest >= -ON_EDGE {
+        Middle::OnEdge
+    } else {
+        Middle::Beside
+    };
 
     // Area and centroid of what is left within the four sides.
     let mut part: Vec<DVec2> = corners.iter().map(|&corner| corner - middle).collect();
@@ -138,7 +156,7 @@ fn part_of(corners: &[DVec2], middle: DVec2) -> Option<Part> {
         area += triangle;
         moment += triangle * (first + pair[0] + pair[1]) / 3.0;
     }
-    (area > 0.0).then(|| Part { area, centroid: moment / area, has_middle })
+    (area > 0.0).then(|| Part { area, centroid: moment / area, middle: lies })
 }
 
 /// The part of a convex polygon where `height` is not negative (Sutherland, Hodgman 1974).
@@ -175,19 +193,41 @@ mod tests {
     }
 
     #[test]
-    fn what_texels_cover_adds_up_to_the_area_and_its_moments() {
+    fn what_texels_cover_adds_up_to_the_area_and_sites_are_middles_where_these_are_covered() {
         let triangle = [[0.0, 0.0, 1.0], [2.03, 0.1, 1.0], [0.4, 1.7, 1.0]];
         let (scene, chart) = chart_of(&[&triangle], 0.1);
         let facet = scene.surface(SurfaceId(0)).polygon.facet();
-        let (mut area, mut moment) = (0.0, DVec3::ZERO);
+        let (mut area, mut beside) = (0.0, 0);
         for (number, site) in sites(&scene, &chart).iter().enumerate().filter(|(_, site)| site.is_covered()) {
-            let point = site.point(&scene, &chart, [number % chart.size()[0], number / chart.size()[0]]);
+            let [column, row] = [number % chart.size()[0], number / chart.size()[0]];
+            let point = site.point(&scene, &chart, [column, row]);
             assert!(facet.distance_to(point) < 1e-7, "a site is off the face");
+            let middle = chart.to_space(DVec2::new(column as f64, row as f64) + 0.5);
+            let is_middle = point.distance(middle) < 1e-9;
+            assert_eq!(is_middle, facet.contains(middle), "texel {column}, {row}");
+            beside += usize::from(!is_middle);
             area += f64::from(site.covered) * 0.01;
-            moment += f64::from(site.covered) * 0.01 * point;
         }
         assert!((area / facet.area - 1.0).abs() < 1e-5, "{area}, want {}", facet.area);
-        assert!((moment / area).distance(facet.centroid) < 1e-6);
+        assert!(beside > 20, "{beside} sites beside middles");
+    }
+
+    #[test]
+    fn parts_have_the_area_and_the_moment_of_their_face() {
+        let corners = [DVec2::new(0.3, 0.2), DVec2::new(7.1, 1.4), DVec2::new(5.6, 4.9), DVec2::new(1.2, 3.7)];
+        let (mut area, mut moment) = (0.0, DVec2::ZERO);
+        for (column, row) in (0..8).flat_map(|column| (0..5).map(move |row| (column, row))) {
+            let middle = DVec2::new(f64::from(column), f64::from(row)) + 0.5;
+            if let Some(part) = part_of(&corners, middle) {
+                area += part.area;
+                moment += part.area * (middle + part.centroid);
+            }
+        }
+        // By the two triangles on both sides of a diagonal.
+        let [a, b, c, d] = corners;
+        let [first, second] = [(b - a).perp_dot(c - a), (c - a).perp_dot(d - a)].map(|doubled| 0.5 * doubled);
+        assert!((area - first - second).abs() < 1e-12, "{area}");
+        assert!(moment.distance((first * (a + b + c) + second * (a + c + d)) / 3.0) < 1e-12, "{moment}");
     }
 
     #[test]

@@ -1,8 +1,7 @@
 //! Lightmaps: the light of a solution as textures.
 //!
 //! Where a file has coordinates for lightmaps, these say where its triangles lie (`file_charts`, `compose`). Else coplanar faces of one material that hang together are a chart, laid into its page as it is, without distortion (`charts`, `atlas`). Each texel has a
-//! *site*: the centre of its square, or the centroid of the part that a face covers, so that its value is the mean over what is covered, to second
-//! order (`coverage`). Sites on which something stands have no light and get none (`hidden`); what no site covers is filled from the same
+//! *site*: the middle of its square, or the centroid of the part that a face covers if no face covers the middle (`coverage`). Sites on which something stands have no light and get none (`hidden`); what no site covers is filled from the same
 //! chart, so that nothing leaks in from elsewhere (`fill`).
 //!
 //! Values are read off a lit mesh, or gathered where they are needed: on a lattice first, then wherever the values in between differ from what the
