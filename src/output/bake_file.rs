@@ -13,7 +13,7 @@ use super::{Provenance, Quantity};
 use crate::bake::BakeRecord;
 
 /// The version that this software writes and reads.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 const FRAME: Frame = Frame { magic: *b"\x89PLBAK\r\n", version: VERSION };
 
