@@ -38,11 +38,6 @@ pub(crate) fn claim(error_sq: f64, scatter: Scatter) -> f64 {
     upper_limit(error_sq, scatter) + LEFT_BY_SWEEPS
 }
 
-/// An error by an unbiased estimate of its square: 0 where that came out negative, infinite where it is not a number.
-pub(super) fn error_of(error_sq: f64) -> f64 {
-    if error_sq.is_nan() { f64::INFINITY } else { error_sq.max(0.0).sqrt() }
-}
-
 /// The same where nothing is left by sweeps: of what is off values.
 pub(crate) fn upper_limit(error_sq: f64, scatter: Scatter) -> f64 {
     if scatter.deviation == 0.0 || !error_sq.is_finite() {
@@ -50,6 +45,11 @@ pub(crate) fn upper_limit(error_sq: f64, scatter: Scatter) -> f64 {
     }
     let measured = error_sq.max(0.0);
     (scatter.deviation * limit_in_deviations(measured / scatter.deviation, scatter.skewness)).sqrt()
+}
+
+/// An error by an unbiased estimate of its square: 0 where that came out negative, infinite where it is not a number.
+pub(super) fn error_of(error_sq: f64) -> f64 {
+    if error_sq.is_nan() { f64::INFINITY } else { error_sq.max(0.0).sqrt() }
 }
 
 /// The upper limit of a sum, from the sum and its skewness, both numbers in units of its deviation: the largest true value that is not too far above
