@@ -10,8 +10,11 @@ use rayon::prelude::*;
 use super::equations::{BATCH, Equations, ReflectorTerms};
 use super::view_points::{Arrival, bytes_of_view_points, view_point_count, view_points};
 use crate::geometry::{sampling, streams};
-use crate::paths::{BatchSums, Directions, Ends, LightPaths, NO_CELL, PathScratch, Place};
+use crate::paths::{BatchSums, Course, Directions, Ends, LightPaths, NO_CELL, PathScratch, Place};
 use crate::progress::Stop;
+
+/// A path of an equation goes on at random from this weight on. Terms of Russian roulette may be negative, but by less than this: sweeps converge.
+const LITTLE: f64 = 0.25;
 
 /// The rows of a batch of cells, while they are filled in.
 struct Rows<'a> {
@@ -147,7 +150,8 @@ impl<'a> Positions<'a> {
         let Self { paths, count, .. } = *self;
         let of_place = |place: &Place| directions(paths, place, count as u64, seed);
         let directions: Vec<Directions> = self.places.iter().map(of_place).collect();
-        paths.follow_towards(&self.places, &directions, count as u32, 0, scratch);
+        let course = Course { count: count as u32, bounces: 0, little: LITTLE };
+        paths.follow_towards(&self.places, &directions, &course, scratch);
     }
 
     /// The indices of a position's paths.

@@ -18,9 +18,6 @@ use super::grid::NO_CELL;
 use super::trail::Trail;
 use crate::scene::SurfaceId;
 
-/// A path whose weight falls below this goes on with this weight, or ends. At most 1; the less, the longer paths get, and the less noisy.
-const LITTLE: f64 = 0.25;
-
 /// That of a path whose first ray finds nothing, what sends nothing, or what next-event rays bring.
 pub(crate) const NO_SURFACE: u32 = u32::MAX;
 
@@ -74,10 +71,11 @@ pub(super) enum Arrival {
 }
 
 impl Ends {
-    /// Whether a continuation that arrives in `cell`, if that has a value there, goes on, by a random number in [0, 1).
-    pub(super) fn goes_on(&mut self, continuation: usize, draw: f64, channels: usize, cell: Option<u32>) -> bool {
+    /// Whether a continuation that arrives in `cell`, if that has a value there, goes on, by a random number in [0, 1): with a weight below `little` it
+    /// ends, or goes on with that weight.
+    pub(super) fn goes_on(&mut self, continuation: usize, cell: Option<u32>, channels: usize, little: f64, draw: f64) -> bool {
         let weights = &mut self.weight[continuation * channels..][..channels];
-        let chance = (weights.iter().copied().fold(0.0, f64::max) / LITTLE).min(1.0);
+        let chance = (weights.iter().copied().fold(0.0, f64::max) / little).min(1.0);
         if draw >= chance {
             self.continued[continuation].cell = cell.unwrap_or(NO_CELL);
             return false;

@@ -35,5 +35,5 @@ pub(crate) use reflectors::Brightness;
 #[cfg(test)]
 pub(crate) use reflectors::Reflector;
 pub(crate) use terms::{RowTerm, Terms};
-pub(crate) use trace::{LightPaths, PathScratch};
+pub(crate) use trace::{Course, LightPaths, PathScratch};
 pub(crate) use trail::{ProductNumbers, Products, Trail, UNREFLECTED};
