@@ -20,6 +20,8 @@ pub struct Values {
     lower: Option<Py<PyAny>>,
     /// No more, proved: as `lower`.
     upper: Option<Py<PyAny>>,
+    /// The face in the scene, from 0, that each point lies on: int64 array (...); -1 for points that lie on no surface.
+    faces: Py<PyAny>,
     /// How many points lie on no surface.
     missed: usize,
     /// An estimate of the error over these points, relative to the reflected light at each; None where it is not known.
@@ -47,12 +49,15 @@ impl Values {
 impl Values {
     pub fn new(py: Python<'_>, values: values::Values, bounds: Option<PointBounds>, shape: &[usize]) -> PyResult<Self> {
         let numbers = |numbers: Vec<f32>| Ok::<_, PyErr>(array(py, numbers, shape)?.into_any().unbind());
+        let faces: Vec<i64> = values.faces.iter().map(|face| face.map_or(-1, i64::from)).collect();
+        let point_shape = &shape[..shape.len() - 1];
         let (lower, upper) = bounds.map(|bounds| (bounds.lower, bounds.upper)).unzip();
         Ok(Self {
             radiosity: numbers(values.radiosity)?,
             standard_error: numbers(values.standard_error)?,
             lower: lower.map(numbers).transpose()?,
             upper: upper.map(numbers).transpose()?,
+            faces: array(py, faces, point_shape)?.into_any().unbind(),
             missed: values.missed,
             error: values.error.map(|error| error.local),
         })

@@ -44,6 +44,8 @@ def test_points_on_no_surface_have_no_value(cornell):
     values = cornell.values([[1e3, 0, 0], [0.1, 0, 0.1]], UP)
     assert values.missed == 1
     assert np.isnan(values.radiosity[0]).all() and not np.isnan(values.radiosity[1]).any()
+    assert values.faces.shape == (2,) and values.faces[0] == -1 and values.faces[1] >= 0
+    assert cornell.values([0.1, 0, 0.1], UP).faces.shape == ()
 
 
 @pytest.mark.parametrize(

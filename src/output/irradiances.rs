@@ -46,7 +46,7 @@ pub fn write_irradiances(writer: &mut impl Write, sensors: &Points, irradiances:
         columns.push(Columns { names: vec!["lux".to_owned()], numbers: lux });
         columns.push(Columns { names: vec!["se_lux".to_owned()], numbers: standard_error });
     }
-    write_columns(writer, sensors, &columns)
+    write_columns(writer, sensors, &columns, None)
 }
 
 #[cfg(test)]

@@ -24,6 +24,8 @@ pub struct Values {
     /// The standard error of each, in W/m^2: noise, and what is known of bias. NaN where it is not known, as in solutions whose error was
     /// not estimated.
     pub standard_error: Vec<f32>,
+    /// The number of the face in the input, from 0, that each point lies on; `None` for a point that lies on no surface.
+    pub faces: Vec<Option<u32>>,
     /// How many points lie on no surface.
     pub missed: usize,
     /// The error over these points; `None` where standard errors are not known, or no light is reflected there.
@@ -43,12 +45,10 @@ pub struct ValuesError {
 impl Values {
     /// Of radiosities with their standard errors, by point and channel, on these surfaces; `None` for a point that lies on none.
     pub(crate) fn of_numbers(scene: &Scene, surfaces: impl Iterator<Item = Option<SurfaceId>>, numbers: Vec<[f32; 2]>) -> Self {
-        let (channels, mut missed, mut squares) = (scene.channels(), 0, Vec::new());
+        let (channels, mut faces, mut squares) = (scene.channels(), Vec::new(), Vec::new());
         for (surface, numbers) in surfaces.zip(numbers.chunks(channels)) {
-            let Some(surface) = surface else {
-                missed += 1;
-                continue;
-            };
+            faces.push(surface.map(|surface| scene.surface(surface).face));
+            let Some(surface) = surface else { continue };
             let of_channels = numbers.iter().zip(&scene.material_of(surface).exitance).map(|(numbers, e)| {
                 let [radiosity, error] = numbers.map(f64::from);
                 [(radiosity - e).powi(2), error.powi(2)]
@@ -57,13 +57,14 @@ impl Values {
         }
         let error = ValuesError::of(&squares);
         let (radiosity, standard_error) = numbers.into_iter().map(|[radiosity, error]| (radiosity, error)).unzip();
-        Self { channels, radiosity, standard_error, missed, error }
+        let missed = faces.iter().filter(|face| face.is_none()).count();
+        Self { channels, radiosity, standard_error, faces, missed, error }
     }
 
     /// Bytes that so many take, with all that is needed to take them: places, cached irradiance, radiosities and squares of errors.
     pub fn bytes_of(points: usize, channels: usize) -> u64 {
         let of_channel = size_of::<[f32; 2]>() + 2 * size_of::<f32>() + size_of::<Fitted>();
-        (points * (size_of::<Option<Place>>() + CROWDED + size_of::<[f64; 4]>() + channels * of_channel)) as u64
+        (points * (size_of::<Option<Place>>() + size_of::<Option<u32>>() + CROWDED + size_of::<[f64; 4]>() + channels * of_channel)) as u64
     }
 }
 

@@ -11,7 +11,7 @@ fn sample_writes_values_beside_the_points() {
     let ran = place.run("sample room.solution P.csv");
     ran.succeeded();
     let lines: Vec<&str> = ran.stdout.lines().collect();
-    assert_eq!((lines.len(), lines[0]), (3, "x,y,z,nx,ny,nz,B_r,B_g,B_b,se_r,se_g,se_b"));
+    assert_eq!((lines.len(), lines[0]), (3, "x,y,z,nx,ny,nz,B_r,B_g,B_b,se_r,se_g,se_b,face"));
     assert!(lines[1].starts_with("1,0,1,0,1,0,") && lines[2].starts_with("0,1,0.5,1,0,0,"), "{lines:?}");
 
     place.run("sample room.solution P.csv -o V.csv --progress none").succeeded();
@@ -19,7 +19,7 @@ fn sample_writes_values_beside_the_points() {
     let piped = place.run_with(&["sample", "room.solution", "-"], &place.read("P.csv"));
     assert_eq!(piped.succeeded().stdout, ran.stdout);
     let none = place.run_with(&["sample", "room.solution", "-"], "x,y,z,nx,ny,nz\n");
-    assert_eq!(none.succeeded().stdout, "x,y,z,nx,ny,nz,B_r,B_g,B_b,se_r,se_g,se_b\n");
+    assert_eq!(none.succeeded().stdout, "x,y,z,nx,ny,nz,B_r,B_g,B_b,se_r,se_g,se_b,face\n");
 }
 
 #[test]

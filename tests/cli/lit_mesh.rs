@@ -85,8 +85,8 @@ fn values_are_gathered_unless_they_are_to_be_of_the_mesh() {
         text.lines().skip(1).map(|line| line.split(',').filter_map(|field| field.parse().ok()).collect()).collect()
     };
     for (gathered, of_mesh) in rows(&place.read("V.csv")).iter().zip(&rows(&of_mesh)) {
-        // A point, three channels and their standard errors.
-        assert_eq!((gathered.len(), of_mesh.len()), (12, 12), "{of_mesh:?}");
+        // A point, three channels, their standard errors, and the face.
+        assert_eq!((gathered.len(), of_mesh.len()), (13, 13), "{of_mesh:?}");
         for channel in 6..9 {
             let spread = of_mesh[channel + 3].hypot(gathered[channel + 3]);
             assert!(

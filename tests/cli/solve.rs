@@ -76,7 +76,7 @@ fn guaranteed_bounds_stand_beside_the_values_in_the_report_and_in_a_picture() {
     ran.succeeded();
     let text = place.read("V.csv");
     let mut lines = text.lines();
-    let header = "x,y,z,nx,ny,nz,B_r,B_g,B_b,se_r,se_g,se_b,lower_r,lower_g,lower_b,upper_r,upper_g,upper_b";
+    let header = "x,y,z,nx,ny,nz,B_r,B_g,B_b,se_r,se_g,se_b,lower_r,lower_g,lower_b,upper_r,upper_g,upper_b,face";
     assert_eq!(lines.next(), Some(header));
     for line in lines {
         let row: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
@@ -101,7 +101,9 @@ fn guaranteed_bounds_stand_beside_the_values_in_the_report_and_in_a_picture() {
 fn values_and_reports_may_go_to_stdout() {
     let place = Place::new();
     let values = place.run("solve room.obj --error 0.1 --points P.csv --values -");
-    assert!(values.succeeded().stdout.starts_with("x,y,z,nx,ny,nz,B_r,B_g,B_b,se_r,se_g,se_b\n"));
+    assert!(values.succeeded().stdout.starts_with("x,y,z,nx,ny,nz,B_r,B_g,B_b,se_r,se_g,se_b,face\n"));
+    let faces: Vec<&str> = values.stdout.lines().skip(1).filter_map(|line| line.rsplit(',').next()).collect();
+    assert_eq!(faces, ["1", "5"]);
     let report = place.run("solve room.obj --error 0.1 --report -");
     assert!(serde_json::from_str::<serde_json::Value>(&report.succeeded().stdout).is_ok());
 }
