@@ -18,7 +18,8 @@ fn page() -> Vec<u8> {
     let evaluator = pipeline::solve(support::small_room(3), &options, &RunOptions::default(), &Silent).unwrap().0;
     let (solution, camera) = (evaluator.solution(), evaluator.default_camera(960, 720));
     let mut written = Vec::new();
-    let page = Page { title: "room", solution, camera: &camera, report: None, planes: &[], curves: &[] };
+    let page =
+        Page { title: "room", solution, camera: &camera, report: None, planes: &[], curves: &[], met: &evaluator.surface_rays(64) };
     write_page(&mut written, &page, &Provenance::new(solution.options())).unwrap();
     written
 }

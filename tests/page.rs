@@ -32,7 +32,7 @@ fn solved(channels: usize, lit_mesh: bool) -> Evaluator {
 fn page_of(evaluator: &Evaluator, title: &str) -> String {
     let camera = evaluator.default_camera(960, 720);
     let solution = evaluator.solution();
-    let page = Page { title, solution, camera: &camera, report: None, planes: &[], curves: &[] };
+    let page = Page { title, solution, camera: &camera, report: None, planes: &[], curves: &[], met: &evaluator.surface_rays(64) };
     let mut written = Vec::new();
     write_page(&mut written, &page, &Provenance::new(solution.options())).unwrap();
     String::from_utf8(written).unwrap()

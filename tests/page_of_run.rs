@@ -17,6 +17,7 @@ use base64::engine::general_purpose::STANDARD;
 use browser::Browser;
 use page_text::{array_of, text_of};
 use patchlight::geometry::Polygon;
+use patchlight::inspect::DEFAULT_POINTS;
 use patchlight::output::{MeasuredPlane, Page, Provenance, RunReport, SceneReport, write_page};
 use patchlight::picture::PlaneRequest;
 use patchlight::pipeline;
@@ -33,6 +34,8 @@ v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2
 v 0.7 1.99 0.7\nv 1.3 1.99 0.7\nv 1.3 1.99 1.3\nv 0.7 1.99 1.3
 v 0.4 0.4 0.4\nv 0.4 0.4 0.9\nv 0.9 0.6 0.9\nv 0.9 0.4 0.4
 usemtl wall
+o shell
+g walls
 f 1 5 6 2\nf 4 3 7 8\nf 1 2 3 4\nf 5 8 7 6\nf 1 4 8 5\nf 2 6 7 3
 usemtl lamp
 f 9 10 11 12
@@ -66,7 +69,8 @@ fn write_to(folder: &Path) -> (String, SolveReport, MeasuredPlane) {
     let (camera, mut written) = (evaluator.default_camera(960, 720), Vec::new());
     let (solution, report) = (evaluator.solution(), Some(&report));
     let curves = evaluator.curves(1e-3, &Silent).unwrap();
-    let page = Page { title: "room", solution, camera: &camera, report, planes: &planes, curves: &curves };
+    let met = evaluator.surface_rays(DEFAULT_POINTS);
+    let page = Page { title: "room", solution, camera: &camera, report, planes: &planes, curves: &curves, met: &met };
     write_page(&mut written, &page, &Provenance::new(&options)).unwrap();
     fs::write(folder.join("page.html"), &written).unwrap();
     let [plane] = planes;
@@ -92,6 +96,14 @@ fn a_page_holds_what_the_run_told() {
     let numbers = array_of(&page, "curve-ends").len() as u64;
     let counts: Vec<u64> = facts["curves"].as_array().unwrap().iter().map(|degree| degree[0].as_u64().unwrap()).collect();
     assert!(counts.len() == 3 && counts[1] > 0 && numbers == 6 * counts.iter().sum::<u64>(), "{counts:?}");
+
+    // Rays that meet backs: of the slanted face, which hangs free, or of the lamp, 1 cm under the ceiling. Nothing is open.
+    let ends: Vec<f32> = array_of(&page, "lost-ray-ends").into_iter().map(f32::from_le_bytes).collect();
+    assert_eq!((&facts["lost"]["leave"], &facts["lost"]["kinds"][0][0]), (&0.0.into(), &0.into()));
+    assert!(facts["lost"]["meet_backs"].as_f64().unwrap() > 0.005 && ends.len() > 6 * 50);
+    let is_back = |end: &[f32]| end.iter().all(|x| (0.4 - 1e-5..0.9 + 1e-5).contains(x)) || (end[1] - 1.99).abs() < 1e-5;
+    let wrong: Vec<&[f32]> = ends.chunks(6).filter(|ray| is_back(&ray[..3]) || !is_back(&ray[3..])).collect();
+    assert!(wrong.is_empty(), "{wrong:?}");
 
     // The face, cut into two triangles, has an outline of its four edges.
     let places = facts["places"].as_object().unwrap();
@@ -191,6 +203,10 @@ fn a_page_shows_what_the_run_told() {
     }
     browser.click_on("planes");
     let without = browser.picture();
+    browser.click_on("lost");
+    assert!(browser.picture() != without && browser.value("location.hash.slice(1)").as_str().unwrap().contains("lost=1"));
+    browser.click_on("lost");
+    assert!(browser.picture() == without, "lost rays leave something");
 
     // A warning brings its face before the eye, outlined.
     assert_eq!(marked(&mut browser).0, 0);
@@ -201,4 +217,9 @@ fn a_page_shows_what_the_run_told() {
     assert!(count > 200 && middle.iter().all(|off| off.abs() < 0.1), "{count} pixels, {middle:?} off the middle");
     browser.click_on("reset");
     assert!(browser.picture() == without, "something of the face is left");
+
+    // A click tells whose light it is, by the names of the input.
+    browser.click([400.0, 400.0]);
+    let note = browser.value("document.getElementById('note').textContent").as_str().unwrap().to_owned();
+    assert!(note.starts_with("wall, face ") && note.contains(", object shell, group walls, at "), "{note}");
 }

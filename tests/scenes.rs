@@ -79,14 +79,14 @@ fn the_committed_scenes_are_those_of_the_generator() {
 #[test]
 fn the_furnace_is_closed_and_shines_pi_watts_a_square_metre() {
     let (_, summary, inspection) = read("furnace.obj");
-    assert_eq!((summary.surfaces, summary.area, inspection.escaped, inspection.met_back), (6, 6.0, 0, 0));
+    assert_eq!((summary.surfaces, summary.area, inspection.met.escaped(), inspection.met.met_back()), (6, 6.0, 0, 0));
     assert!(summary.emitted_power.iter().all(|power| (power / (6.0 * std::f64::consts::PI) - 1.0).abs() < 1e-15));
 }
 
 #[test]
 fn the_cornell_box_has_its_published_measures() {
     let (imported, summary, inspection) = read("cornell.obj");
-    assert_eq!((summary.faces, summary.emitters, inspection.met_back), (20, 1, 0));
+    assert_eq!((summary.faces, summary.emitters, inspection.met.met_back()), (20, 1, 0));
     assert_eq!(summary.bounds, [[0.0, 0.0, 0.0], [0.556, 0.5488, 0.5592]]);
     let light = imported.scene.surfaces().iter().find(|s| imported.scene.materials()[s.material as usize].emits()).unwrap();
     assert!((light.polygon.area() - 0.130 * 0.105).abs() < 1e-15);
@@ -106,7 +106,7 @@ fn directions(count: u32) -> impl Iterator<Item = [f64; 3]> {
 #[test]
 fn the_room_is_closed_and_nothing_in_it_is_inside_out() {
     let (imported, summary, inspection) = read("room.obj");
-    assert_eq!(inspection.escaped, 0, "{inspection:?}");
+    assert_eq!(inspection.met.escaped(), 0, "{inspection:?}");
     assert!((400..=900).contains(&summary.faces), "{}", summary.faces);
     assert!(summary.emitters >= 2);
     assert!((summary.bounds[1][0] - summary.bounds[0][0] - 5.16).abs() < 1e-12);
@@ -132,7 +132,7 @@ fn the_five_rooms_have_the_papers_numbers_of_polygons_and_are_closed() {
     let rooms = [("full_office", 170), ("dining_room", 402), ("east_room", 1006), ("west_room", 1647), ("hevea", 2355)];
     for (name, polygons) in rooms {
         let (_, summary, inspection) = read(&format!("{name}.obj"));
-        assert_eq!((summary.faces, summary.surfaces, inspection.escaped), (polygons, polygons, 0), "{name}");
+        assert_eq!((summary.faces, summary.surfaces, inspection.met.escaped()), (polygons, polygons, 0), "{name}");
         assert!(summary.emitters >= 2, "{name}");
     }
 }
@@ -156,7 +156,7 @@ fn the_scenes_of_the_thesis_have_its_numbers_of_polygons_and_lights() {
         let emits = |id: SurfaceId| scene.material_of(id).emits();
         let (dark, shining) = (corners(&|id| !emits(id)), corners(&emits));
         assert_eq!([dark.len() + shining.len(), shining.len(), shining.iter().sum(), dark.iter().sum()], numbers, "{name}");
-        assert_eq!(inspection.escaped > 0, is_open, "{name}");
+        assert_eq!(inspection.met.escaped() > 0, is_open, "{name}");
     }
 }
 
@@ -164,7 +164,7 @@ fn the_scenes_of_the_thesis_have_its_numbers_of_polygons_and_lights() {
 #[test]
 fn of_the_two_rooms_one_sees_no_lamp() {
     let (imported, summary, inspection) = read("two_rooms.obj");
-    assert_eq!((summary.faces, summary.emitters, inspection.escaped, inspection.met_back), (40, 1, 0, 0));
+    assert_eq!((summary.faces, summary.emitters, inspection.met.escaped(), inspection.met.met_back()), (40, 1, 0, 0));
     let scene = &imported.scene;
     let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(scene)).unwrap();
     let lamp = (0..scene.surfaces().len() as u32).map(SurfaceId).find(|&id| scene.material_of(id).emits()).unwrap();
@@ -193,7 +193,7 @@ fn the_scenes_for_bottom_up_refinement_have_the_papers_numbers_of_polygons() {
     assert!(areas.iter().zip([1.0, 1.0, 1.0, 0.25]).all(|(area, expected)| (area - expected).abs() < 1e-12), "{areas:?}");
     assert_eq!(areas.len(), 4);
     let (_, summary, inspection) = read("living_room.obj");
-    assert_eq!((summary.faces, summary.surfaces, inspection.escaped), (246, 246, 0));
+    assert_eq!((summary.faces, summary.surfaces, inspection.met.escaped()), (246, 246, 0));
 }
 
 /// The floor alone reflects, so that its light is direct light.
@@ -220,7 +220,7 @@ fn halls_have_as_many_polygons_as_asked_for_and_depend_on_nothing_else() {
         std::fs::write(folder.path().join("hall.obj"), obj).unwrap();
         std::fs::write(folder.path().join("hall.mtl"), mtl).unwrap();
         let (_, summary, inspection) = read(folder.path().join("hall.obj").to_str().unwrap());
-        assert_eq!((summary.surfaces, inspection.escaped), (polygons, 0));
+        assert_eq!((summary.surfaces, inspection.met.escaped()), (polygons, 0));
     }
 }
 
@@ -228,7 +228,7 @@ fn halls_have_as_many_polygons_as_asked_for_and_depend_on_nothing_else() {
 fn the_shrub_has_its_leaves_under_a_sky_without_a_gap() {
     // Limbs grow out of one another, so some points lie inside of others and see their backs.
     let (imported, summary, inspection) = read("shrub.obj");
-    assert!(inspection.escaped == 0 && 100 * inspection.met_back < inspection.rays, "{inspection:?}");
+    assert!(inspection.met.escaped() == 0 && 100 * inspection.met.met_back() < inspection.met.rays, "{inspection:?}");
     assert_eq!((summary.sheets, summary.emitters), (2000, 10));
 
     // The leaves that were asked for, of the area that was asked for, one side.

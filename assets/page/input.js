@@ -16,7 +16,11 @@ const patchlightData = async () => {
   const radiosity = floats("radiosity");
   const elements = numbers("elements");
   const triangles = numbers("triangles");
-  const surfaceData = numbers("surfaces"); // by surface: face, material
+  const surfaceData = numbers("surfaces"); // by surface: face, material, object, group
+  const ofSurface = (surface) => {
+    const [face, material, object, group] = surfaceData.subarray(4 * surface, 4 * surface + 4);
+    return { face, material, object, group };
+  };
 
   const ofRuns = (runs, length) => {
     const of = new Uint32Array(length);
@@ -41,5 +45,5 @@ const patchlightData = async () => {
   index.set(triangles, 2 * elements.length);
   triangles.forEach((node, k) => (surfaceOfNode[node] = triangleSurface[Math.floor(k / 3)]));
   const surfaceOfTriangle = (t) => (12 * (elements.length / 6) > 3 * t ? elementSurface[Math.floor(t / 4)] : triangleSurface[t - (elements.length / 6) * 4]);
-  return { facts, floats, positions, radiosity, elements, triangles, index, surfaceData, surfaceOfNode, surfaceOfTriangle };
+  return { facts, floats, positions, radiosity, elements, triangles, index, ofSurface, surfaceOfNode, surfaceOfTriangle };
 };

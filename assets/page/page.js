@@ -8,13 +8,14 @@
     document.body.dataset.drawn = "no";
     return;
   }
-  const { facts: data, floats, positions, radiosity, elements, triangles, index, surfaceData, surfaceOfNode, surfaceOfTriangle } = await patchlightData();
+  const page = await patchlightData();
+  const { facts: data, floats, positions, radiosity, index, ofSurface, surfaceOfNode, surfaceOfTriangle } = page;
   const channels = data.shown_channels;
   const nodeCount = positions.length / 3;
 
   // Irradiance H = (B - E) / rho where something is reflected, else 0; seen by an eye in lx.
   const WEIGHTS = channels === 3 ? [0.2126, 0.7152, 0.0722] : [1];
-  const materialOf = (surface) => data.materials[surfaceData[2 * surface + 1]];
+  const materialOf = (surface) => data.materials[ofSurface(surface).material];
   const irradiance = (surface, b) => {
     const material = materialOf(surface);
     return b.map((value, c) => (material.reflectance[c] > 0 ? Math.max(value - material.exitance[c], 0) / material.reflectance[c] : 0));
@@ -73,6 +74,7 @@
     planes: data.planes.length > 0 && typed.get("planes") !== "0", // who asked for them sees them
     face: null,
     backs: typed.get("backs") === "1",
+    lost: typed.get("lost") === "1",
     factors: null,
   };
   if (!Number.isFinite(state.exposure)) state.exposure = 0;
@@ -86,6 +88,7 @@
   byId("title").textContent = data.title;
   document.title = `${data.title} - Patchlight`;
   byId("claim").textContent = data.claim;
+  byId("lost-shares").textContent = `${percent(data.lost.leave)} leave the scene (red), ${percent(data.lost.meet_backs)} meet backs (magenta)`;
 
   // The scene.
   let renderer;
@@ -122,8 +125,9 @@
     side: THREE.DoubleSide,
   }));
   scene.add(planes.mesh);
-  const curves = patchlightCurves(data.curves, floats("curve-ends"));
-  scene.add(curves);
+  const curves = patchlightSegments(data.curves, floats("curve-ends"));
+  const lost = patchlightSegments(data.lost.kinds, floats("lost-ray-ends"));
+  scene.add(curves, lost);
   const marker = new THREE.Mesh(new THREE.SphereGeometry(1, 12, 8), new THREE.MeshBasicMaterial({ color: 0xff7800 }));
   marker.visible = false;
   scene.add(marker);
@@ -146,40 +150,9 @@
   scene.add(backs);
 
   // Lines are made once they are asked for.
+  const edges = patchlightEdges(page, geometry);
+  scene.add(edges.fillers(material.uniforms));
   let lines = null;
-  const makeLines = () => {
-    const ends = [];
-    for (let e = 0; e < elements.length; e += 6) ends.push(elements[e], elements[e + 1], elements[e + 1], elements[e + 2], elements[e + 2], elements[e]);
-    for (let t = 0; t < triangles.length; t += 3) ends.push(triangles[t], triangles[t + 1], triangles[t + 1], triangles[t + 2], triangles[t + 2], triangles[t]);
-    const edges = new THREE.BufferGeometry();
-    edges.setAttribute("position", geometry.getAttribute("position"));
-    edges.setIndex(ends);
-    lines = new THREE.LineSegments(edges, new THREE.LineBasicMaterial({ color: 0xff7800, transparent: true, opacity: 0.45 }));
-    scene.add(lines);
-  };
-
-  // Where elements of different sizes meet, pixels between them may stay empty: the halves of all edges, in the colours of their nodes and a little behind
-  // the elements, fill these. As elements are, they are seen from the front alone.
-  const normals = new Float32Array(3 * nodeCount);
-  for (let k = 0; k < index.length; k += 3) {
-    const [a, b, c] = [0, 1, 2].map((corner) => new THREE.Vector3(...positions.subarray(3 * index[k + corner], 3 * index[k + corner] + 3)));
-    const normal = b.sub(a).cross(c.sub(a)).normalize();
-    for (let corner = 0; corner < 3; corner++) normal.toArray(normals, 3 * index[k + corner]);
-  }
-  const halves = [];
-  for (let e = 0; e < elements.length; e += 6) {
-    [0, 3, 3, 1, 1, 4, 4, 2, 2, 5, 5, 0].forEach((corner) => halves.push(elements[e + corner]));
-  }
-  const fillers = new THREE.BufferGeometry();
-  ["position", "radiance", "shown"].forEach((name) => fillers.setAttribute(name, geometry.getAttribute(name)));
-  fillers.setAttribute("facing", new THREE.BufferAttribute(normals, 3));
-  fillers.setIndex(halves);
-  const behind = new THREE.ShaderMaterial({
-    uniforms: material.uniforms,
-    vertexShader: patchlightShaders.edgeVertex,
-    fragmentShader: patchlightShaders.edgeFragment,
-  });
-  scene.add(new THREE.LineSegments(fillers, behind));
 
   const draw = () => renderer.render(scene, camera);
   const legend = () => {
@@ -218,7 +191,7 @@
     material.uniforms.factor.value = 2 ** state.exposure;
     material.uniforms.scale.value = isColoured ? scale : 0;
     material.uniforms.texel.value = state.show === "texels" ? state.texel : 0;
-    if (state.lines && !lines) makeLines();
+    if (state.lines && !lines) scene.add((lines = edges.lines(0xff7800, 0.45)));
     if (lines) lines.visible = state.lines;
     material.uniforms.isolines.value = state.isolines ? 1 : 0;
     backs.visible = state.backs;
@@ -234,6 +207,9 @@
     byId("backs").checked = state.backs;
     curves.visible = state.curves;
     byId("curves").checked = state.curves;
+    lost.visible = state.lost;
+    byId("lost").checked = state.lost;
+    byId("lost-row").hidden = floats("lost-ray-ends").length === 0;
     byId("curves-row").hidden = floats("curve-ends").length === 0;
     byId("planes").checked = state.planes;
     byId("planes-row").hidden = data.planes.length === 0;
@@ -246,7 +222,7 @@
   const changed = () => {
     const kept = new URLSearchParams({ show: state.show, exposure: state.exposure, scale: coloured().scale });
     if (state.show === "texels") kept.set("texel", state.texel);
-    ["lines", "isolines", "backs"].filter((name) => state[name]).forEach((name) => kept.set(name, 1));
+    ["lines", "isolines", "backs", "lost"].filter((name) => state[name]).forEach((name) => kept.set(name, 1));
     if (data.planes.length > 0 && !state.planes) kept.set("planes", 0);
     if (floats("curve-ends").length > 0 && !state.curves) kept.set("curves", 0);
     if (state.face) kept.set("face", state.face);
@@ -341,9 +317,11 @@
     const reflects = materialOf(surface).reflectance.some((rho) => rho > 0);
     const known = errors.length > 0 && hasOwnWeights();
     const error = known ? ` ± ${short(corners.reduce((sum, node, corner) => sum + weights[corner] * shownErrors[node], 0))}` : "";
+    const { face, object, group } = ofSurface(surface);
+    const named = (kind, name) => (name ? `${kind} ${name}` : "");
     const place = [hit.point.x, hit.point.y, hit.point.z].map((x) => x.toFixed(3)).join(", ");
     byId("note").textContent = [
-      `${materialOf(surface).name}, face ${surfaceData[2 * surface] + 1}, at ${place} m`,
+      `${[materialOf(surface).name, `face ${face + 1}`, named("object", data.objects[object]), named("group", data.groups[group])].filter(Boolean).join(", ")}, at ${place} m`,
       `radiosity ${values.map(short).join(", ")} W/m²`,
       reflects ? `irradiance ${h.map(short).join(", ")} W/m²` : "irradiance not known: nothing is reflected here",
       reflects ? `${data.quantity} ${short(shownOf(h))}${error} ${data.unit}` : "",
@@ -362,7 +340,7 @@
   byId("exposure").addEventListener("input", (event) => ((state.exposure = Number(event.target.value)), changed()));
   byId("scale").addEventListener("change", ({ target }) => (Number(target.value) > 0 && (coloured().scale = Number(target.value)), changed()));
   byId("texel").addEventListener("change", ({ target }) => (Number(target.value) > 0 && (state.texel = Number(target.value)), changed()));
-  ["lines", "isolines", "backs", "planes", "curves"].forEach((name) => byId(name).addEventListener("change", (event) => ((state[name] = event.target.checked), changed())));
+  ["lines", "isolines", "backs", "lost", "planes", "curves"].forEach((name) => byId(name).addEventListener("change", (event) => ((state[name] = event.target.checked), changed())));
   byId("reset").addEventListener("click", () => {
     places.clear();
     state.face = null;
@@ -374,7 +352,7 @@
   const cornersOf = (face) => {
     const found = [];
     for (let t = 0; t < index.length / 3; t++) {
-      if (surfaceData[2 * surfaceOfTriangle(t)] + 1 !== face) continue;
+      if (ofSurface(surfaceOfTriangle(t)).face + 1 !== face) continue;
       for (let corner = 3 * t; corner < 3 * t + 3; corner++) found.push(...positions.subarray(3 * index[corner], 3 * index[corner] + 3));
     }
     return found;

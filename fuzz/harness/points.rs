@@ -24,7 +24,14 @@ pub fn read_csv(bytes: &[u8]) {
 fn with_values(points: &Points) -> Vec<u8> {
     let radiosity: Vec<f32> =
         (0..3 * points.len()).map(|index| if index % 7 == 0 { f32::NAN } else { index as f32 / 3.0 }).collect();
-    let values = Values { channels: 3, standard_error: radiosity.clone(), radiosity, missed: 0, error: None };
+    let values = Values {
+        channels: 3,
+        standard_error: radiosity.clone(),
+        radiosity,
+        faces: vec![Some(0); points.len()],
+        missed: 0,
+        error: None,
+    };
     let mut written = Vec::new();
     write_values(&mut written, points, &values).expect("memory suffices");
     written

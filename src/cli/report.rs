@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use patchlight::inspect::DEFAULT_POINTS;
 use patchlight::output::{Destination, Page, Provenance, RunReport, write_page};
 use patchlight::pipeline::Evaluator;
 use patchlight::solve::RunOptions;
@@ -64,7 +65,8 @@ pub fn write_page_to(
     voice: Voice,
 ) -> Result<(), Failure> {
     let (solution, camera) = (evaluator.solution(), evaluator.default_camera(PAGE_VIEW[0], PAGE_VIEW[1]));
-    let page = Page { title, solution, camera: &camera, report, planes: &extras.planes, curves: &extras.curves };
+    let met = evaluator.surface_rays(DEFAULT_POINTS);
+    let page = Page { title, solution, camera: &camera, report, planes: &extras.planes, curves: &extras.curves, met: &met };
     destination.write(|mut file| write_page(&mut file, &page, &Provenance::new(solution.options())))?;
     voice.figure("wrote", format_args!("{}", destination.path().display()));
     Ok(())

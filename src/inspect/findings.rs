@@ -97,7 +97,7 @@ impl Findings {
                 None => places.push((degenerate, dropped.place)),
             }
         }
-        let inside = inspection.inside_share().map_or(&[][..], |_| &inspection.inside_at);
+        let inside = inspection.inside_share().map_or(&[][..], |_| &inspection.met.inside_at);
         places.extend(inside.iter().map(|&place| (within, place)));
         let shown: HashSet<DiagnosticKind> = FindingClass::ALL.iter().flat_map(|class| class.kinds).copied().collect();
         let is_elsewhere = |kind: DiagnosticKind| !shown.contains(&kind) && kind.severity() != Severity::Note;
@@ -127,7 +127,7 @@ fn faces_of(kinds: &[DiagnosticKind], imported: &Imported, inspection: &Inspecti
     for kind in kinds {
         let noted = || imported.diagnostics.items.iter().filter(move |item| item.kind == *kind);
         match kind {
-            DiagnosticKind::BackFaceSeen if inspection.share(inspection.met_back) >= SHARE_WORTH_TELLING => {
+            DiagnosticKind::BackFaceSeen if inspection.met.share(inspection.met.met_back()) >= SHARE_WORTH_TELLING => {
                 faces.extend(backs_that_count(inspection));
             }
             DiagnosticKind::BackFaceSeen => {}
@@ -156,7 +156,7 @@ fn faces_of(kinds: &[DiagnosticKind], imported: &Imported, inspection: &Inspecti
 /// The faces whose backs most rays met that met any: others are met along edges, by rounding.
 fn backs_that_count(inspection: &Inspection) -> impl Iterator<Item = u32> + '_ {
     const PART_OF_RAYS: f64 = 0.95;
-    let (enough, mut met) = (PART_OF_RAYS * f64::from(inspection.met_back), 0.0);
+    let (enough, mut met) = (PART_OF_RAYS * f64::from(inspection.met.met_back()), 0.0);
     let until_enough = inspection.back_faces.iter().take_while(move |&&(_, count)| {
         let counts = met < enough;
         met += f64::from(count);

@@ -136,7 +136,14 @@ mod tests {
         assert_eq!(points.surface_points()[1], SurfacePoint { position: [1.0, 2.0, 3.0], normal: [0.6, 0.8, 0.0] });
         let nan = f32::NAN;
         let standard_error = vec![0.01, 0.0, 0.5, nan, nan, nan];
-        let values = Values { channels: 3, radiosity: vec![0.1, 1e-9, 2.5, nan, nan, nan], standard_error, faces: vec![Some(6), None], missed: 1, error: None };
+        let values = Values {
+            channels: 3,
+            radiosity: vec![0.1, 1e-9, 2.5, nan, nan, nan],
+            standard_error,
+            faces: vec![Some(6), None],
+            missed: 1,
+            error: None,
+        };
         let mut text = Vec::new();
         write_values(&mut text, &points, &values).unwrap();
         let expected = "x,y,z,nx,ny,nz,B_r,B_g,B_b,se_r,se_g,se_b,face\n\
@@ -160,8 +167,14 @@ mod tests {
     fn other_channel_counts_are_numbered() {
         let points = read("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n").unwrap();
         let mut text = Vec::new();
-        let values =
-            |radiosity: Vec<f32>| Values { channels: 2, standard_error: radiosity.clone(), radiosity, faces: vec![Some(0)], missed: 0, error: None };
+        let values = |radiosity: Vec<f32>| Values {
+            channels: 2,
+            standard_error: radiosity.clone(),
+            radiosity,
+            faces: vec![Some(0)],
+            missed: 0,
+            error: None,
+        };
         write_values(&mut text, &points, &values(vec![1.0, 2.0])).unwrap();
         assert!(String::from_utf8(text).unwrap().starts_with("x,y,z,nx,ny,nz,B_0,B_1,se_0,se_1,face\n"));
         assert!(write_values(&mut Vec::new(), &points, &values(vec![1.0])).is_err());
@@ -170,8 +183,14 @@ mod tests {
     #[test]
     fn bounds_stand_beside_the_values() {
         let points = read("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n").unwrap();
-        let values =
-            Values { channels: 3, radiosity: vec![1.0, 2.0, 3.0], standard_error: vec![f32::NAN; 3], faces: vec![Some(2)], missed: 0, error: None };
+        let values = Values {
+            channels: 3,
+            radiosity: vec![1.0, 2.0, 3.0],
+            standard_error: vec![f32::NAN; 3],
+            faces: vec![Some(2)],
+            missed: 0,
+            error: None,
+        };
         let bounds = PointBounds { channels: 3, lower: vec![0.5, 1.5, 2.5], upper: vec![1.5, 2.5, f32::NAN] };
         let mut text = Vec::new();
         write_bounded_values(&mut text, &points, &values, &bounds).unwrap();
@@ -187,7 +206,14 @@ mod tests {
             numbers.iter().map(|&x| SurfacePoint { position: [x, -x, 0.0], normal: [0.0, 1.0, 0.0] }).collect();
         let points = Points::from(rows.as_slice());
         let radiosity = vec![f32::MIN_POSITIVE, f32::MAX, 0.1, 1.0 / 3.0, 16_777_217.0];
-        let values = Values { channels: 1, standard_error: radiosity.clone(), radiosity, faces: vec![None; numbers.len()], missed: 0, error: None };
+        let values = Values {
+            channels: 1,
+            standard_error: radiosity.clone(),
+            radiosity,
+            faces: vec![None; numbers.len()],
+            missed: 0,
+            error: None,
+        };
         let mut text = Vec::new();
         write_values(&mut text, &points, &values).unwrap();
         let mut reader = csv::Reader::from_reader(text.as_slice());

@@ -1,6 +1,6 @@
 //! A view that shows the scene when none is asked for.
 //!
-//! Eyes are tried inside the scene and around it. A view gets a score by the front faces that some rays meet: which part of the
+//! Eyes are tried inside the scene and around it, and so are they where most of its surfaces are. A view gets a score by the front faces that some rays meet: which part of the
 //! picture they fill, which part of the scene's area they are, and how many surfaces there are to see. The score falls with back
 //! faces (the wall of a closed room from outside, the inside of furniture), with things right before the lens, and with a picture
 //! full of a light. So a closed room is seen from inside, a box with an open front through its opening, a scene without walls from
@@ -32,6 +32,10 @@ const SCORE_RAYS: (u32, u32) = (16, 12);
 
 /// The part of the surfaces that is left out on either side of where most of them are.
 const LEFT_OUT: f64 = 0.04;
+
+/// Eyes are tried inside the box of most surfaces, too, where it is smaller than the bounds of the scene by this: a room that a small sun far away lights. At
+/// half of their size it still has an eighth of the eyes in the bounds.
+const APART: f64 = 0.5;
 
 /// Vertical field of view in degrees from inside a room: about that of a 20 mm lens.
 const INSIDE_FIELD_OF_VIEW: f64 = 62.0;
@@ -65,7 +69,9 @@ impl Camera {
             }
         };
         let size = |camera: Self| Self { width, height, ..camera };
-        for eye in survey.free_eyes() {
+        let is_apart = detail.diagonal() < APART * bounds.diagonal();
+        let among = if is_apart { vec![bounds, detail] } else { vec![bounds] };
+        for eye in among.into_iter().flat_map(|bounds| survey.free_eyes(bounds)) {
             for pitch in pitches_inside {
                 (0..YAWS).for_each(|yaw| judge(size(survey.view_from_inside(eye, f64::from(yaw) / f64::from(YAWS), pitch))));
             }
@@ -172,10 +178,9 @@ impl Survey<'_> {
         Met::Front { surface: id, distance, cos: cos.abs(), emits: self.scene.material_of(id).emits() }
     }
 
-    /// Eyes inside the bounds with hardly any back faces to see and some space around; those with many front faces and much space
+    /// Eyes inside a box with hardly any back faces to see and some space around; those with many front faces and much space
     /// first.
-    fn free_eyes(&self) -> Vec<DVec3> {
-        let bounds = self.bounds;
+    fn free_eyes(&self, bounds: Aabb) -> Vec<DVec3> {
         let (extent, diagonal) = (bounds.extent(), bounds.diagonal());
         let sphere: Vec<DVec3> = (0..SPHERE_RAYS).map(|k| fibonacci_direction(k, SPHERE_RAYS)).collect();
         let mut eyes: Vec<(f64, DVec3)> = (0..INSIDE_EYES)

@@ -1,7 +1,7 @@
-//! A picture of what was found wrong with a scene.
+//! What is wrong with a scene: a picture of what was found, and rays from its surfaces.
 
-use super::PipelineError;
-use crate::inspect::{FindingClass, Findings};
+use super::{Evaluator, PipelineError};
+use crate::inspect::{FindingClass, Findings, SurfaceRays};
 use crate::output::KeyLine;
 use crate::picture::{BACK_COLOUR, Camera, PlainMark, PlainPicture, PlainView};
 use crate::scene::Scene;
@@ -41,6 +41,13 @@ pub fn picture_of_findings(
     let picture = view.take(camera)?;
     let key = key(findings, &picture);
     Ok((picture, key))
+}
+
+impl Evaluator {
+    /// Rays from `points` points on the surfaces, and which of them light would be lost on.
+    pub fn surface_rays(&self, points: u32) -> SurfaceRays {
+        self.pool.install(|| SurfaceRays::cast(self.solution.scene(), &*self.visibility, points))
+    }
 }
 
 /// What the colours mean, with numbers.

@@ -64,7 +64,8 @@ impl Values {
     /// Bytes that so many take, with all that is needed to take them: places, cached irradiance, radiosities and squares of errors.
     pub fn bytes_of(points: usize, channels: usize) -> u64 {
         let of_channel = size_of::<[f32; 2]>() + 2 * size_of::<f32>() + size_of::<Fitted>();
-        (points * (size_of::<Option<Place>>() + size_of::<Option<u32>>() + CROWDED + size_of::<[f64; 4]>() + channels * of_channel)) as u64
+        (points * (size_of::<Option<Place>>() + size_of::<Option<u32>>() + CROWDED + size_of::<[f64; 4]>() + channels * of_channel))
+            as u64
     }
 }
 

@@ -13,14 +13,16 @@
 //! | `elements` | `u32`: six nodes of each element of the lit mesh |
 //! | `triangles` | `u32`: three nodes of each triangle of surfaces without elements, or of the solver's elements |
 //! | `element-runs`, `triangle-runs` | `u32`: the surface that so many of these in a row are on, and how many |
-//! | `surfaces` | `u32`: face and material of each surface |
+//! | `surfaces` | `u32`: of each surface the number of its face, and of its material, object and group among the names of these, 2^32 - 1 where it has none |
 //! | `group-radiosity` | as `radiosity`, of each light group alone; without groups empty |
 //! | `plane-values` | `f32`: what the sensors of measuring planes show, row after row and plane after plane, in the unit of the plane |
 //! | `curve-ends` | `f32`: the ends of lines where light is not smooth, six coordinates each, in metres; those of each degree in a row |
+//! | `lost-ray-ends` | `f32`: the ends of rays from surfaces that leave the scene, and of some that meet backs, as those |
 
 mod curves;
 mod geometry;
 mod groups;
+mod lost;
 mod planes;
 mod warned;
 
@@ -34,13 +36,14 @@ use serde_json::{Value, json};
 
 use self::geometry::Geometry;
 use self::groups::Groups;
-use super::{LUMENS_PER_WATT, MeasuredPlane, Provenance, Quantity, RunReport};
+use super::{LUMENS_PER_WATT, MeasuredPlane, Provenance, Quantity, RunReport, origin};
 use crate::discontinuities::CurveSegment;
+use crate::inspect::SurfaceRays;
 use crate::picture::Camera;
 use crate::solve::{Norm, Solution, SolveOptions};
 
 const HTML: &str = include_str!("../../../assets/page/page.html");
-const PARTS: [(&str, &str); 12] = [
+const PARTS: [(&str, &str); 13] = [
     ("{{style}}", include_str!("../../../assets/page/page.css")),
     ("{{three}}", include_str!("../../../assets/page/three.min.js")),
     ("{{input}}", include_str!("../../../assets/page/input.js")),
@@ -50,7 +53,8 @@ const PARTS: [(&str, &str); 12] = [
     ("{{groups}}", include_str!("../../../assets/page/groups.js")),
     ("{{shaders}}", include_str!("../../../assets/page/shaders.js")),
     ("{{planes}}", include_str!("../../../assets/page/planes.js")),
-    ("{{curves}}", include_str!("../../../assets/page/curves.js")),
+    ("{{segments}}", include_str!("../../../assets/page/segments.js")),
+    ("{{edges}}", include_str!("../../../assets/page/edges.js")),
     ("{{places}}", include_str!("../../../assets/page/places.js")),
     ("{{page}}", include_str!("../../../assets/page/page.js")),
 ];
@@ -71,6 +75,8 @@ pub struct Page<'a> {
     pub planes: &'a [MeasuredPlane],
     /// Where light is not smooth.
     pub curves: &'a [CurveSegment],
+    /// What rays from the surfaces met: those that light would be lost on are shown.
+    pub met: &'a SurfaceRays,
 }
 
 /// Writes a page.
@@ -107,11 +113,17 @@ fn write_data(writer: &mut impl Write, page: &Page<'_>, provenance: &Provenance)
     facts["planes"] = planes;
     let (degrees, curve_ends) = curves::told(page.curves);
     facts["curves"] = json!(degrees);
+    let (lost, lost_ray_ends) = lost::told(page.met);
+    facts["lost"] = lost;
     // Within a script no text of the data may look like its end.
     let facts = facts.to_string().replace('<', "\\u003c");
     writeln!(writer, "<script type=\"application/json\" id=\"facts-data\">{facts}</script>")?;
 
-    let surfaces = page.solution.scene().surfaces().iter().flat_map(|surface| [surface.face, surface.material]).collect();
+    let scene = page.solution.scene();
+    let surfaces = (0..scene.surfaces().len() as u32)
+        .flat_map(|surface| origin::of_surface(scene, surface))
+        .map(|number| number as u32)
+        .collect();
     let of_floats = |numbers: &[f32]| numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>();
     let of_numbers = |numbers: &Vec<u32>| numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>();
     for (id, bytes) in [
@@ -126,6 +138,7 @@ fn write_data(writer: &mut impl Write, page: &Page<'_>, provenance: &Provenance)
         ("group-radiosity", of_floats(&of_groups)),
         ("plane-values", of_floats(&plane_values)),
         ("curve-ends", of_floats(&curve_ends)),
+        ("lost-ray-ends", of_floats(&lost_ray_ends)),
     ] {
         write!(writer, "<script type=\"text/plain\" id=\"{id}\">")?;
         let mut array = ZlibEncoder::new(EncoderWriter::new(&mut *writer, &STANDARD), Compression::default());
@@ -162,6 +175,8 @@ fn facts(page: &Page<'_>, geometry: &Geometry, provenance: &Provenance) -> Value
             ("nodes shown", geometry.positions.len() / 3),
         ],
         "materials": materials.collect::<Vec<Value>>(),
+        "objects": scene.objects().names(),
+        "groups": scene.groups().names(),
         "shown_channels": geometry.channels,
         "quantity": quantity.name(),
         "unit": quantity.unit(),

@@ -46,13 +46,13 @@ impl Faces {
 }
 
 /// A room of 5 x 4 x 2.6 m, z up, with a table, a cupboard and a light below the ceiling.
-fn room() -> Scene {
+fn room() -> Faces {
     let mut faces = Faces::default();
     faces.cuboid([0.0; 3], [5.0, 4.0, 2.6], true, &[]);
     faces.cuboid([2.0, 1.5, 0.0], [3.2, 2.5, 0.75], false, &[4]);
     faces.cuboid([0.0, 3.0, 0.0], [0.6, 4.0, 2.2], false, &[0, 3, 4]);
     faces.quad([[2.0, 1.5, 2.59], [2.0, 2.5, 2.59], [3.0, 2.5, 2.59], [3.0, 1.5, 2.59]], LIGHT);
-    faces.scene()
+    faces
 }
 
 /// Unit Cornell box, y up, open towards +z, with two blocks and a light.
@@ -103,14 +103,18 @@ fn default_view(scene: &Scene, width: u32, height: u32) -> Camera {
 
 #[test]
 fn a_closed_room_is_seen_from_inside() {
-    let scene = room();
-    let camera = default_view(&scene, 96, 72);
-    let inside = camera.eye.iter().zip([5.0, 4.0, 2.6]).all(|(&x, max)| x > 0.0 && x < max);
-    assert!(inside, "{camera}");
-    assert_eq!(camera.up, [0.0, 0.0, 1.0]);
-    let shown = shown(&scene, &camera);
-    assert!(shown.front > 0.99 && shown.back < 0.001, "{} front, {} back: {camera}", shown.front, shown.back);
-    assert!(shown.light < 0.3 && shown.surfaces >= 7, "{} light, {} surfaces: {camera}", shown.light, shown.surfaces);
+    // With a sun far away, too, which makes the bounds of the scene a thousand times as large as the room.
+    let mut with_sun = room();
+    with_sun.quad([[50.0, 30.0, 20.0], [50.0, 30.0, 21.0], [50.0, 31.0, 21.0], [50.0, 31.0, 20.0]], LIGHT);
+    for scene in [room().scene(), with_sun.scene()] {
+        let camera = default_view(&scene, 96, 72);
+        let inside = camera.eye.iter().zip([5.0, 4.0, 2.6]).all(|(&x, max)| x > 0.0 && x < max);
+        assert!(inside, "{camera}");
+        assert_eq!(camera.up, [0.0, 0.0, 1.0]);
+        let shown = shown(&scene, &camera);
+        assert!(shown.front > 0.99 && shown.back < 0.001, "{} front, {} back: {camera}", shown.front, shown.back);
+        assert!(shown.light < 0.3 && shown.surfaces >= 7, "{} light, {} surfaces: {camera}", shown.light, shown.surfaces);
+    }
 }
 
 #[test]
@@ -156,6 +160,6 @@ fn one_triangle_far_from_the_origin_is_still_a_picture() {
 
 #[test]
 fn the_view_is_the_same_every_time() {
-    let scene = room();
+    let scene = room().scene();
     assert_eq!(default_view(&scene, 64, 48), default_view(&scene, 64, 48));
 }

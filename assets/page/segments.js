@@ -1,9 +1,9 @@
 "use strict";
-// Lines where light is not smooth: of each degree in turn how many there are and their colour, and all ends.
-const patchlightCurves = (degrees, ends) => {
+// Lines of several kinds in their colours: of each kind in turn how many there are and its colour, and all ends.
+const patchlightSegments = (kinds, ends) => {
   const colours = new Float32Array(ends.length);
   let first = 0;
-  degrees.forEach(([count, [r, g, b]]) => {
+  kinds.forEach(([count, [r, g, b]]) => {
     const colour = new THREE.Color((r << 16) | (g << 8) | b);
     for (let end = 0; end < 2 * count; end++, first++) colours.set([colour.r, colour.g, colour.b], 3 * first);
   });
