@@ -16,7 +16,11 @@ fn lit_room() -> Evaluator {
     let mut objects = FaceNames::default();
     objects.push_run("walls", 6);
     objects.push_run("lamp", 1);
-    let scene = support::small_room(3).with_names(objects, FaceNames::default());
+    // The first three walls are a group, all else is in none.
+    let mut groups = FaceNames::default();
+    groups.push_run("three", 3);
+    groups.push_run("", 4);
+    let scene = support::small_room(3).with_names(objects, groups);
     let options = SolveOptions { error: 0.2, lit_mesh: true, bounds: Bounds::Guaranteed, ..SolveOptions::default() };
     pipeline::solve(scene, &options, &RunOptions::default(), &Silent).unwrap().0
 }
@@ -58,7 +62,10 @@ fn a_glb_shows_the_lit_mesh_and_keeps_its_numbers() {
     let names = |list: &str| -> Vec<String> {
         json[list].as_array().unwrap().iter().map(|item| item["name"].as_str().unwrap().to_owned()).collect()
     };
-    assert_eq!((names("nodes"), names("materials")), (vec!["walls".into(), "lamp".into()], vec!["wall".into(), "lamp".into()]));
+    assert_eq!(
+        (names("nodes"), names("materials")),
+        (vec!["walls".into(), "walls".into(), "lamp".into()], vec!["wall".into(), "lamp".into()])
+    );
     let extras = &json["asset"]["extras"];
     assert_eq!((extras["quantity"].as_str(), extras["unit"].as_str()), (Some("radiosity"), Some("W/m^2")));
     let scale = 2.0_f64.powf(extras["exposure"].as_f64().unwrap()) / std::f64::consts::PI;
@@ -207,7 +214,10 @@ fn files_tell_faces_and_names_of_the_input() {
         for (k, &surface) in of("surface").iter().enumerate() {
             let surface = &scene.surfaces()[surface as usize];
             let object = i64::from(surface.face == 6);
-            assert_eq!((of("face")[k], of("object")[k], of("group")[k]), (surface.face.into(), object, -1));
+            assert_eq!(
+                (of("face")[k], of("object")[k], of("group")[k]),
+                (surface.face.into(), object, if surface.face < 3 { 0 } else { -1 })
+            );
         }
         let names = b"Name=\"objects\" NumberOfTuples=\"1\" format=\"ascii\">119 97 108 108 115 10 108 97 109 112 0<";
         assert!(file.windows(names.len()).any(|part| part == names));
@@ -237,6 +247,9 @@ fn files_tell_faces_and_names_of_the_input() {
             let is_lamp = node["extras"]["object"] == "lamp";
             assert_eq!(node["extras"]["material"], if is_lamp { "lamp" } else { "wall" });
             assert!(faces.iter().all(|&face| (face == 6.0) == is_lamp && face < 7.0 && face.fract() == 0.0));
+            let is_of_three = node["extras"]["group"] == "three";
+            assert!(is_of_three || node["extras"]["group"].is_null());
+            assert!(faces.iter().all(|&face| (face < 3.0) == is_of_three));
         }
     }
 }

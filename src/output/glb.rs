@@ -1,8 +1,8 @@
 //! The lit scene as binary glTF 2.0 (`.glb`), which shows it as it is in every viewer.
 //!
-//! A node with a mesh for each object and material, by their names. Vertices have `COLOR_0`, linear radiances times `2^EV`, at most 1, which materials show
+//! A node with a mesh for each object, group and material, by the name of the object, or of the first of these that has one. Vertices have `COLOR_0`, linear radiances times `2^EV`, at most 1, which materials show
 //! unlit (KHR_materials_unlit); and `_RADIOSITY`, in W/m^2 as it is, up to four channels a vector (numbered `_RADIOSITY_0`, ... where there are more); and
-//! `_FACE`, the number of their face in the input from 0, a float, as the format asks for: exact up to 2^24. `extras` of nodes name object and material.
+//! `_FACE`, the number of their face in the input from 0, a float, as the format asks for: exact up to 2^24. `extras` of nodes name all three.
 //! `asset.extras` states software, quantity, unit, options and the exposure EV: positions are floats, in metres.
 
 use std::collections::{BTreeMap, HashMap};
@@ -94,11 +94,11 @@ pub(super) fn write(writer: &mut impl Write, patches: &Patches<'_>, provenance: 
     let scale = libm::exp2(ev) / std::f64::consts::PI;
     let scene = patches.scene;
 
-    // Patches by object and material.
-    let mut parts: BTreeMap<(Option<usize>, u32), Vec<PartOfFace<'_>>> = BTreeMap::new();
+    // Patches by object, group and material.
+    let mut parts: BTreeMap<(Option<usize>, Option<usize>, u32), Vec<PartOfFace<'_>>> = BTreeMap::new();
     for (surface, corners) in patches.iter() {
         let of = &scene.surfaces()[surface as usize];
-        parts.entry((scene.objects().of(of.face), of.material)).or_default().push((of.face, corners));
+        parts.entry((scene.objects().of(of.face), scene.groups().of(of.face), of.material)).or_default().push((of.face, corners));
     }
 
     // A mesh and a node for each, and the materials that they have.
@@ -106,7 +106,7 @@ pub(super) fn write(writer: &mut impl Write, patches: &Patches<'_>, provenance: 
     let mut materials = Vec::new();
     let mut numbers: HashMap<u32, usize> = HashMap::new();
     let (mut meshes, mut nodes) = (Vec::new(), Vec::new());
-    for ((object, material), part) in parts {
+    for ((object, group, material), part) in parts {
         let of_scene = &scene.materials()[material as usize];
         let number = *numbers.entry(material).or_insert_with(|| {
             materials.push(json!({
@@ -116,10 +116,11 @@ pub(super) fn write(writer: &mut impl Write, patches: &Patches<'_>, provenance: 
             }));
             materials.len() - 1
         });
-        let name = object.map_or(&of_scene.name, |object| &scene.objects().names()[object]);
+        let (object, group) =
+            (object.map(|object| &scene.objects().names()[object]), group.map(|group| &scene.groups().names()[group]));
+        let name = object.or(group).unwrap_or(&of_scene.name);
         meshes.push(json!({ "name": name, "primitives": [primitive(&mut file, patches, &part, number, scale)] }));
-        let object = object.map(|object| &scene.objects().names()[object]);
-        let extras = json!({ "object": object, "material": of_scene.name });
+        let extras = json!({ "object": object, "group": group, "material": of_scene.name });
         nodes.push(json!({ "name": name, "mesh": meshes.len() - 1, "extras": extras }));
     }
 

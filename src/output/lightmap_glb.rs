@@ -1,6 +1,6 @@
 //! The scene with its lightmap as binary glTF 2.0: every viewer shows it as it is lit.
 //!
-//! A node with a mesh for each object and page. Vertices have coordinates on the page as `TEXCOORD_1`, where engines look for lightmaps, and the same as
+//! A node with a mesh for each object, group and page, whose `extras` name the first two. Vertices have coordinates on the page as `TEXCOORD_1`, where engines look for lightmaps, and the same as
 //! `TEXCOORD_0`, which the format asks for, and as `_FACE` the number of their face in the input from 0; materials show the page unlit (KHR_materials_unlit), exposed and in sRGB. `asset.extras` states what a
 //! lightmap's file states, and the exposure EV.
 
@@ -30,20 +30,22 @@ pub fn write_lightmap_glb(
     ev: f64,
     provenance: &Provenance,
 ) -> io::Result<()> {
-    // Faces by page and object.
-    let mut parts: BTreeMap<(usize, Option<usize>), Vec<FaceOnAtlas>> = BTreeMap::new();
+    // Faces by page, object and group.
+    let mut parts: BTreeMap<(usize, Option<usize>, Option<usize>), Vec<FaceOnAtlas>> = BTreeMap::new();
     for face in lightmap.atlas.faces(scene) {
-        let object = scene.objects().of(scene.surfaces()[face.surface as usize].face);
-        parts.entry((face.page, object)).or_default().push(face);
+        let number = scene.surfaces()[face.surface as usize].face;
+        parts.entry((face.page, scene.objects().of(number), scene.groups().of(number))).or_default().push(face);
     }
 
     // A mesh and a node for each.
     let mut file = File::default();
     let (mut meshes, mut nodes) = (Vec::new(), Vec::new());
-    for ((page, object), faces) in parts {
-        let name = object.map_or("scene", |object| &scene.objects().names()[object]);
+    for ((page, object, group), faces) in parts {
+        let (object, group) =
+            (object.map(|object| &scene.objects().names()[object]), group.map(|group| &scene.groups().names()[group]));
+        let name = object.or(group).map_or("scene", String::as_str);
         meshes.push(json!({ "name": name, "primitives": [primitive(&mut file, scene, &faces, page)] }));
-        nodes.push(json!({ "name": name, "mesh": meshes.len() - 1 }));
+        nodes.push(json!({ "name": name, "mesh": meshes.len() - 1, "extras": { "object": object, "group": group } }));
     }
 
     // A texture and a material for each page.
