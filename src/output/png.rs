@@ -129,6 +129,7 @@ pub(super) fn write_pixels(
     texts: Vec<(String, String)>,
 ) -> io::Result<()> {
     let mut encoder = ::png::Encoder::new(writer, width, height);
+    encoder.set_compression(::png::Compression::Fast);
     encoder.set_color(colour);
     encoder.set_depth(::png::BitDepth::Eight);
     encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);

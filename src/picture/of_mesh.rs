@@ -1,6 +1,6 @@
 //! A picture of a lit mesh: first hits from the backend, and the function at each of them.
 
-use super::antialiased::{Antialiased, Met, Sight};
+use super::antialiased::{Antialiased, Met};
 use super::camera::CameraRays;
 use super::image::Image;
 use super::shown::Shown;
@@ -21,15 +21,15 @@ pub(crate) fn render_mesh(
 ) -> Option<Image> {
     let ([width, height], channels) = (size, scene.channels());
     let begin = || (MeshCursor::new(mesh), vec![0.0; channels]);
-    let shade = |Sight { share, met, .. }: Sight, (cursor, radiosity): &mut (MeshCursor<'_>, Vec<f64>), pixel: &mut [f32]| {
+    let shade = |met: Met, (cursor, radiosity): &mut (MeshCursor<'_>, Vec<f64>), shade: &mut [f32]| {
         let (surface, point) = match met {
             Met::Surface(surface, point) => (surface, point),
-            Met::Sky(direction) => return shown.add_sky(scene, direction, share, pixel),
+            Met::Sky(direction) => return shown.add_sky(scene, direction, 1.0, shade),
         };
         cursor.radiosity_at(point, surface, radiosity);
         let material = scene.material_of(surface);
-        for (channel, (sum, &radiosity)) in pixel.iter_mut().zip(&*radiosity).enumerate() {
-            *sum += (shown.of(material, channel, radiosity) * share) as f32;
+        for (channel, (value, &radiosity)) in shade.iter_mut().zip(&*radiosity).enumerate() {
+            *value = shown.of(material, channel, radiosity) as f32;
         }
     };
     let radiance = Antialiased { scene, visibility, camera, size }.shaded(channels, observer, begin, shade)?;
