@@ -339,9 +339,10 @@ impl<'a> LightPaths<'a> {
     }
 
     /// Casts the next ray of each continuation, which ends in a small cell; else it goes on, by Russian roulette if it has less than
-    /// `little` weight left. With `beyond` no small cell ends a path.
+    /// `little` weight left. With `beyond` no path may end yet.
     fn go_on(&self, scratch: &mut PathScratch, little: f64, beyond: bool) {
         let PathScratch { ends, rays, hits, heads, continuation_of, .. } = scratch;
+        let little = if beyond { f64::MIN_POSITIVE } else { little };
         rays.clear();
         heads.iter().for_each(|head| rays.extend(cosine_rays(&head.receiver(self.scene), 0..1)));
         self.rays.first_hits(rays, hits);
