@@ -16,6 +16,9 @@ use crate::values::{Gather, Gathered, Over, RayBudget, Scratch};
 /// What a value says of the light at a point may differ from what replicates say by so many of their standard deviations.
 const LIGHT_SIGMAS: f64 = 2.0;
 
+/// Of two values one of which is so many times the other, the smaller tells the light: a rare path has made the other bright.
+const TOO_FAR_APART: f64 = 2.0;
+
 /// What is known at a point in one channel, in W/m^2: the reflected radiosities of two values, which are equal where only one was taken, and
 /// by how much the replicates find them too bright.
 pub(super) struct Compared {
@@ -100,19 +103,23 @@ pub(super) fn values_at(places: &[Place], gather: &Gather<'_>, budget: RayBudget
 
 /// A point that stands for so much area, as norms see it: the light there is what values tell, as far as replicates do not contradict.
 pub(super) fn lit(area: f64, channels: impl Iterator<Item = Compared>, judging: Judging<'_>) -> Lit {
-    let (mut by_values, mut by_replicates, mut variance, mut noise_sq) = (0.0, 0.0, 0.0, 0.0);
+    let channels: Vec<Compared> = channels.collect();
+    let (mut by_replicates, mut variance, mut noise_sq) = (0.0, 0.0, 0.0);
     let mut truth = PairProducts::default();
-    for compared in channels {
+    for compared in &channels {
         let (mean, of_mean) = mean_and_variance(compared.truths());
-        by_values += compared.value().powi(2);
         by_replicates += mean * mean;
         variance += of_mean;
         truth.add(1.0, compared.truths());
         noise_sq += 0.5 * compared.variance();
     }
+    let norm = |of: fn(&Compared) -> f64| channels.iter().map(|compared| of(compared).powi(2)).sum::<f64>().sqrt();
     let (by_replicates, slack) = (by_replicates.sqrt(), LIGHT_SIGMAS * variance.sqrt());
-    let light = by_values.sqrt().max(by_replicates - slack).min(by_replicates + slack);
+    let light = norm(Compared::value).max(by_replicates - slack).min(by_replicates + slack);
+    let [first, second] = [norm(|of| of.values[0]), norm(|of| of.values[1])];
+    let is_too_far = first.max(second) > TOO_FAR_APART * first.min(second);
+    let by_smaller = if is_too_far { first.min(second).min(light) } else { light };
     // Over cells truths are told by values, and have the noise of these.
     let light_sq = truth.all - if judging.is_taken_twice { noise_sq } else { 0.0 };
-    Lit { area, light, light_sq, is_reached: false, missed: 0.0 }
+    Lit { by_smaller, light_sq, ..Lit::of(area, light) }
 }

@@ -192,7 +192,7 @@ mod tests {
         let is_searched: Vec<bool> = (0..100).map(|index| index < searched).collect();
         let point = |index: usize| {
             let light = if index < searched { 0.0 } else { 1.0 };
-            Lit { area: 1.0, light, light_sq: light, is_reached: index == 0, missed: if index == 0 { missed } else { 0.0 } }
+            Lit { is_reached: index == 0, missed: if index == 0 { missed } else { 0.0 }, ..Lit::of(1.0, light) }
         };
         let lit: Vec<Lit> = (0..100).map(point).collect();
         paths_to_tell(&lit, &counted(&lit, |index| is_searched[index]), &is_searched)

@@ -190,7 +190,7 @@ impl ErrorSamples {
         let points = around.sampled_points(self.norm, more, seed, knows_cells.then_some(&reflected as &dyn Fn(&Place) -> f64));
         let lit = |point: &ErrorPoint| {
             let light = if knows_cells { reflected(&point.place) } else { 1.0 };
-            Lit { area: point.stands_for, light, light_sq: light * light, is_reached: false, missed: 0.0 }
+            Lit::of(point.stands_for, light)
         };
         let weights = NormWeights::new(self.norm, &points.iter().map(lit).collect::<Vec<_>>());
         let untaken = |(number, ErrorPoint { place, stands_for, .. })| ErrorSample {
@@ -230,7 +230,7 @@ impl ErrorSamples {
                 || values.radiosity.iter().zip(&again.radiosity).zip(exitance).map(|((value, again), e)| (value - e, again - e));
             let light_sq: f64 = channels().map(|(value, again)| value * again).sum();
             let (area, light) = (sample.stands_for / samples.len() as f64, light_sq.max(0.0).sqrt());
-            lit.push(Lit { area, light, light_sq, is_reached: false, missed: 0.0 });
+            lit.push(Lit { light_sq, ..Lit::of(area, light) });
             variances.push(channels().map(|(value, again)| 0.5 * (value - again).powi(2)).sum::<f64>());
         }
         let weights = NormWeights::new(self.norm, &lit)?.by_point;

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! channels pooled in both. By energy a small bright place outweighs all others. The local norm is relative to the light at each place, and
-//! to typical light where it is darker. What counts as the light at a point is the value there, as far as replicates do not contradict it. A point is
+//! to typical light where it is darker. What counts as the light at a point is the value there, as far as replicates do not contradict it; differences of two
+//! values that are far apart are relative to the smaller: where a rare path makes one of them bright, it would else be told relative to itself. A point is
 //! lit if that is more than what roundings let through, or if light comes there by paths too rare for values and replicates (`dark`).
 
 /// In which norm.
@@ -27,12 +28,21 @@ pub(super) struct Lit {
     pub area: f64,
     /// |B - E|, in W/m^2.
     pub light: f64,
+    /// The same, but by the smaller of two values that are far apart: what differences are relative to.
+    pub by_smaller: f64,
     /// An estimate of its square without bias, which may be negative.
     pub light_sq: f64,
     /// Whether light comes there, however little.
     pub is_reached: bool,
     /// Light that values and replicates do not find, in W/m^2.
     pub missed: f64,
+}
+
+impl Lit {
+    /// A point with so much light, in W/m^2, that is known for sure.
+    pub fn of(area: f64, light: f64) -> Self {
+        Self { area, light, by_smaller: light, light_sq: light * light, is_reached: false, missed: 0.0 }
+    }
 }
 
 /// What squares of differences at points count: a factor for each, in m^4/W^2 per m^2 of its area, by which the sum is relative.
@@ -52,7 +62,7 @@ impl NormWeights {
             ErrorNorm::Local => {
                 let typical = median_light(points)?;
                 let lit: f64 = lit_points(points).map(|point| point.area).sum();
-                points.iter().map(|point| point.area / (lit * point.light.max(typical).powi(2))).collect()
+                points.iter().map(|point| point.area / (lit * point.by_smaller.max(typical).powi(2))).collect()
             }
         };
         by_point.iter().all(|weight| weight.is_finite()).then_some(Self { by_point })
@@ -88,14 +98,10 @@ pub(super) fn median_light(points: &[Lit]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    fn lit(area: f64, light: f64) -> Lit {
-        Lit { area, light, light_sq: light * light, is_reached: false, missed: 0.0 }
-    }
-
     #[test]
     fn by_energy_what_is_bright_counts_and_locally_what_is_large() {
         // Nine tenths of the area at 1, a tenth at 10, as much in the dark; everything 10% too bright.
-        let points = [lit(0.45, 1.0), lit(0.45, 1.0), lit(0.1, 10.0), lit(1.0, 0.0)];
+        let points = [Lit::of(0.45, 1.0), Lit::of(0.45, 1.0), Lit::of(0.1, 10.0), Lit::of(1.0, 0.0)];
         let squares = |norm| -> Vec<f64> {
             let weights = NormWeights::new(norm, &points).unwrap().by_point;
             points.iter().zip(weights).map(|(point, weight)| weight * (0.1 * point.light).powi(2)).collect()
@@ -109,10 +115,10 @@ mod tests {
 
     #[test]
     fn the_median_is_by_lit_area_and_there_is_none_in_the_dark() {
-        assert_eq!(median_light(&[lit(1.0, 5.0), lit(10.0, 0.0), lit(3.0, 2.0), lit(1.0, 1.0)]), Some(2.0));
-        assert_eq!(median_light(&[lit(1.0, 0.0)]), None);
+        assert_eq!(median_light(&[Lit::of(1.0, 5.0), Lit::of(10.0, 0.0), Lit::of(3.0, 2.0), Lit::of(1.0, 1.0)]), Some(2.0));
+        assert_eq!(median_light(&[Lit::of(1.0, 0.0)]), None);
         // What leaks past edges is no light, however large it is.
-        let [room, outside] = [lit(1.0, 2.0), lit(1e4, 1e-14)];
+        let [room, outside] = [Lit::of(1.0, 2.0), Lit::of(1e4, 1e-14)];
         assert_eq!(median_light(&[room, outside]), Some(2.0));
         let weights = |points: &[Lit]| NormWeights::new(ErrorNorm::Local, points).unwrap().by_point;
         // Unless light is known to come there: then so little of it is known that there is no median.
@@ -121,7 +127,7 @@ mod tests {
         assert_eq!(median_light(&[room, Lit { area: 0.5, is_reached: true, ..outside }]), Some(2.0));
         assert_eq!(weights(&[room, outside])[0], weights(&[room])[0]);
         for norm in [ErrorNorm::Energy, ErrorNorm::Local] {
-            assert!(NormWeights::new(norm, &[lit(1.0, 0.0)]).is_none());
+            assert!(NormWeights::new(norm, &[Lit::of(1.0, 0.0)]).is_none());
         }
     }
 }
