@@ -123,3 +123,25 @@ pub(super) fn lit(area: f64, channels: impl Iterator<Item = Compared>, judging: 
     let light_sq = truth.all - if judging.is_taken_twice { noise_sq } else { 0.0 };
     Lit { by_smaller, light_sq, ..Lit::of(area, light) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Polygon;
+    use crate::scene::{Material, Sides};
+
+    #[test]
+    fn what_a_rare_path_makes_bright_is_not_relative_to_itself() {
+        let square = Polygon::new(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
+        let material = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![0.0] };
+        let scene = Scene::new(1, vec![material], vec![(square, 0, 0)], Sides::Front).unwrap();
+        let judging = Judging { scene: &scene, is_taken_twice: true };
+        let of_values = |values: [f64; 2]| {
+            let Lit { light, by_smaller, .. } = lit(1.0, [Compared { values, residuals: [0.0; REPLICATES] }].into_iter(), judging);
+            [light, by_smaller]
+        };
+        assert_eq!(of_values([1.0, 1.5]), [1.25, 1.25]);
+        assert_eq!(of_values([1.0, 9.0]), [5.0, 1.0]);
+        assert_eq!(of_values([9.0, 0.0]), [4.5, 0.0]);
+    }
+}

@@ -35,7 +35,7 @@ use crate::values::FinalGather;
 /// The paths of each round of a search, one by each replicate, and the rays that tell what a point sees.
 const PATHS: u32 = 64;
 
-/// Bounces before such a path may end in a cell: cells that no light has found tell nothing.
+/// Bounces before such a path may end, in a cell or by chance: cells that no light has found tell nothing.
 const BOUNCES: u32 = 8;
 
 /// It is searched where dark area would make the claim so many times as large if it counted as lit.

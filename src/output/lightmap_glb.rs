@@ -1,6 +1,7 @@
 //! The scene with its lightmap as binary glTF 2.0: every viewer shows it as it is lit.
 //!
-//! A node with a mesh for each object, group and page, whose `extras` name the first two. Vertices have coordinates on the page as `TEXCOORD_1`, where engines look for lightmaps, and the same as
+//! A node with a mesh for each object, group and page, whose `extras` name the first two. Vertices have coordinates on the page as `TEXCOORD_1`, where
+//! engines look for lightmaps, and the same as
 //! `TEXCOORD_0`, which the format asks for, and as `_FACE` the number of their face in the input from 0; materials show the page unlit (KHR_materials_unlit), exposed and in sRGB. `asset.extras` states what a
 //! lightmap's file states, and the exposure EV.
 

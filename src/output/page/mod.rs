@@ -17,7 +17,7 @@
 //! | `group-radiosity` | as `radiosity`, of each light group alone; without groups empty |
 //! | `plane-values` | `f32`: what the sensors of measuring planes show, row after row and plane after plane, in the unit of the plane |
 //! | `curve-ends` | `f32`: the ends of lines where light is not smooth, six coordinates each, in metres; those of each degree in a row |
-//! | `lost-ray-ends` | `f32`: the ends of rays from surfaces that leave the scene, and of some that meet backs, as those |
+//! | `lost-ray-ends` | `f32`: the ends of some rays from surfaces that leave the scene, then of some that meet backs, as those |
 
 mod curves;
 mod geometry;
