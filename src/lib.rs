@@ -30,6 +30,7 @@ pub mod progress;
 pub mod scene;
 pub mod solve;
 pub mod sweep;
+pub mod team;
 pub mod transmittance;
 pub mod values;
 pub mod visibility;

@@ -30,6 +30,7 @@ use crate::solve::{
     SolveReport, Strategy,
 };
 use crate::sweep::Importance;
+use crate::team::Alone;
 use crate::transmittance::Rays;
 use crate::values::{self, Gather, ShadingMethod, Values};
 use crate::visibility::{self, Backend, OccluderMesh, Visibility, VisibilityError};
@@ -69,6 +70,7 @@ pub fn solve_on(
     observer: &dyn Observer,
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
     check(&scene, options, run)?;
+    check_team(&pool, &scene, options, run)?;
     let start = Instant::now();
     // Visibility is built on one thread: meanwhile others build the hierarchy.
     let see = || -> Result<_, VisibilityError> {
@@ -115,6 +117,7 @@ pub fn solve_asking_on(
     observer: &dyn Observer,
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
     check(&scene, options, run)?;
+    check_team(&pool, &scene, options, run)?;
     let start = Instant::now();
     let hierarchy = pool.install(|| clusters(&scene, run, observer));
     let build = start.elapsed().as_secs_f64();
@@ -155,7 +158,8 @@ fn solve_in(
 ) -> Result<(Evaluator, SolveReport), PipelineError> {
     let start = Instant::now();
     let importance = InitialImportance::of(&options.importance, &scene, &*visibility)?;
-    let rays = Rays::new(&*visibility, &scene);
+    let team = pool.clone();
+    let rays = Rays::new(&*visibility, &scene).shared(team.share());
     let rays = if options.links.skips.rays { rays } else { rays.asking_in_clear_scenes() };
     let rays = if options.links.skips.clear { rays } else { rays.asking_between_clear_planes() };
     let beginning = Beginning { hierarchy, importance };
@@ -189,6 +193,24 @@ fn check(scene: &Scene, options: &SolveOptions, run: &RunOptions) -> Result<(), 
     if needed > given { Err(PipelineError::Memory { needed, given }) } else { Ok(()) }
 }
 
+/// Whether all processes of a team solve the same, and no clock can part them.
+fn check_team(pool: &Workers, scene: &Scene, options: &SolveOptions, run: &RunOptions) -> Result<(), PipelineError> {
+    let share = pool.share();
+    if share.is_whole() {
+        return Ok(());
+    }
+    if run.time_s.is_some() {
+        return Err(PipelineError::TeamTime);
+    }
+    let is_same = share.is_same(fingerprint(&(scene, options, run.memory_bytes)));
+    if is_same { Ok(()) } else { Err(PipelineError::TeamDiffers) }
+}
+
+/// Whatever differs has another one, but for once in four billion times.
+fn fingerprint(of: &impl serde::Serialize) -> u64 {
+    crc32fast::hash(&postcard::to_stdvec(of).unwrap_or_default()).into()
+}
+
 impl Evaluator {
     /// Makes a stored solution ready to be evaluated.
     ///
@@ -198,11 +220,14 @@ impl Evaluator {
         Self::new_on(Workers::new(run.threads)?, solution, run.backend)
     }
 
-    /// Like [`Evaluator::new`], on threads that others may use as well.
+    /// Like [`Evaluator::new`], on threads that others may use as well. In a team all processes bring the same solution.
     ///
     /// # Errors
     /// See [`PipelineError`].
     pub fn new_on(pool: Workers, solution: Solution, backend: Backend) -> Result<Self, PipelineError> {
+        if !pool.share().is_whole() && !pool.share().is_same(fingerprint(&solution)) {
+            return Err(PipelineError::TeamDiffers);
+        }
         let mesh = OccluderMesh::of_scene(&solution.scene);
         let visibility = pool.install(|| visibility::build(backend, &mesh))?;
         Ok(Self::asking_on(pool, visibility, solution))
@@ -228,6 +253,16 @@ impl Evaluator {
     /// pairs, so theirs prove nothing.
     pub fn bound(&self, rule: FormFactorRule) -> (RadiosityBounds, BoundsReport) {
         self.pool.install(|| bounds::bound_over_links(&self.bounds_input(rule, &|| false)))
+    }
+
+    /// Ends work in a team: from here on this process does all that is asked of it by itself.
+    pub fn leave_team(&mut self) {
+        self.pool = self.pool.clone().in_team(Arc::new(Alone));
+    }
+
+    /// Rays through the scene, of which this process casts its share.
+    fn rays(&self) -> Rays<'_> {
+        Rays::new(&*self.visibility, self.solution.scene()).shared(self.pool.share())
     }
 
     fn bounds_input<'a>(&'a self, rule: FormFactorRule, stop: &'a (dyn Fn() -> bool + Sync)) -> BoundsInput<'a> {
@@ -300,7 +335,7 @@ impl Evaluator {
         observer: &dyn Observer,
         prepare: impl FnOnce(&mut Gather<'_>) + Send,
     ) -> Option<(Values, Option<PointBounds>)> {
-        let rays = Rays::new(&*self.visibility, self.solution.scene());
+        let rays = self.rays();
         let values = self.pool.install(|| {
             let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
             let mut gather = self.solution.gather_at_points(&rays, paths.as_ref());
@@ -316,7 +351,7 @@ impl Evaluator {
 
     /// Radiosities at points by methods A to D of Lischinski 1994 over the links, by point and channel, in W/m^2; NaN where a point lies on no surface.
     pub fn shade(&self, points: &[SurfacePoint], method: ShadingMethod) -> Vec<f32> {
-        let rays = Rays::new(&*self.visibility, self.solution.scene());
+        let rays = self.rays();
         self.pool.install(|| self.solution.shade(&rays, points, method))
     }
 
@@ -337,7 +372,7 @@ impl Evaluator {
         camera.validate()?;
         let Some(bounds) = &self.solution.bounds else { return Ok(None) };
         let Solution { scene, hierarchy, .. } = &self.solution;
-        let rays = Rays::new(&*self.visibility, scene);
+        let rays = self.rays();
         Ok(self.pool.install(|| picture::render_width(bounds, scene, hierarchy, &rays, camera, observer))?)
     }
 }

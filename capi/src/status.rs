@@ -94,9 +94,12 @@ impl From<PipelineError> for Ending {
             PipelineError::Options(error) => return error.into(),
             PipelineError::Visibility(error) => return error.into(),
             PipelineError::Camera(_) => PATCHLIGHT_INVALID_ARGUMENT,
-            PipelineError::Interest(_) | PipelineError::LightGroups(_) | PipelineError::Lights | PipelineError::Memory { .. } => {
-                PATCHLIGHT_OUT_OF_RANGE
-            }
+            PipelineError::Interest(_)
+            | PipelineError::LightGroups(_)
+            | PipelineError::Lights
+            | PipelineError::Memory { .. }
+            | PipelineError::TeamTime
+            | PipelineError::TeamDiffers => PATCHLIGHT_OUT_OF_RANGE,
             PipelineError::Threads { .. } => PATCHLIGHT_OUT_OF_RESOURCES,
         };
         Self::new(status, error)

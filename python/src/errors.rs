@@ -88,6 +88,8 @@ impl From<PipelineError> for Failure {
             | PipelineError::Interest(_)
             | PipelineError::LightGroups(_)
             | PipelineError::Lights
+            | PipelineError::TeamTime
+            | PipelineError::TeamDiffers
             | PipelineError::Memory { .. } => "OptionError",
             PipelineError::Visibility(VisibilityError::OutOfMemory { .. }) => "ResourceError",
             PipelineError::Visibility(_) => "BackendError",

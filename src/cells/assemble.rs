@@ -73,16 +73,17 @@ impl Equations {
 
     /// Follows the paths from all positions and fills in the rows; returns where paths arrive.
     fn follow(&mut self, paths: &LightPaths<'_>, cells: &[Option<Place>], seed: u64, stop: Stop<'_>) -> Vec<Vec<Arrival>> {
-        let (channels, count) = (self.channels, self.paths);
+        let (channels, count, share) = (self.channels, self.paths, paths.rays.share());
         let Self { constant, end, weight, .. } = self;
         let batches = cells
             .par_chunks(BATCH)
             .zip(constant.par_chunks_mut(BATCH * channels))
             .zip(end.par_chunks_mut(BATCH * count))
-            .zip(weight.par_chunks_mut(BATCH * count * channels));
-        let (of_reflectors, arrivals) = batches
-            .map_init(PathScratch::default, |scratch, (((batch, constant), end), weight)| {
-                if stop() {
+            .zip(weight.par_chunks_mut(BATCH * count * channels))
+            .enumerate();
+        let (of_reflectors, mut arrivals): (_, Vec<Vec<Arrival>>) = batches
+            .map_init(PathScratch::default, |scratch, (number, (((batch, constant), end), weight))| {
+                if stop() || !share.has(number) {
                     return Default::default();
                 }
                 let from = Positions::of(batch, paths, count);
@@ -93,13 +94,16 @@ impl Equations {
                 (from.reflector_terms(&scratch.ends), from.arrivals(&scratch.ends, cells))
             })
             .unzip();
+        share.exchange_chunks(end, BATCH * count);
+        share.exchange_chunks(weight, BATCH * count * channels);
+        share.exchange(&mut arrivals);
         self.of_reflectors = of_reflectors;
         arrivals
     }
 
     /// Casts as many next-event rays from the view points of each cell as paths left it, and adds the light to the rows.
     fn add_next_event(&mut self, paths: &LightPaths<'_>, cells: &[Option<Place>], points: &[Box<[[f32; 2]]>], stop: Stop<'_>) {
-        let (channels, count) = (self.channels, self.paths);
+        let (channels, count, share) = (self.channels, self.paths, paths.rays.share());
         let of_cell = view_point_count(count);
         let Self { constant, end, weight, of_reflectors, .. } = self;
         let batches = cells
@@ -108,9 +112,10 @@ impl Equations {
             .zip(constant.par_chunks_mut(BATCH * channels))
             .zip(end.par_chunks(BATCH * count))
             .zip(weight.par_chunks(BATCH * count * channels))
-            .zip(of_reflectors);
-        batches.for_each_init(PathScratch::default, |scratch, (((((batch, points), constant), end), weight), terms)| {
-            if stop() {
+            .zip(&mut *of_reflectors)
+            .enumerate();
+        batches.for_each_init(PathScratch::default, |scratch, (number, (((((batch, points), constant), end), weight), terms))| {
+            if stop() || !share.has(number) {
                 return;
             }
             // View points.
@@ -135,6 +140,8 @@ impl Equations {
             }
             terms.limit_row_sums(end, weight, count, channels);
         });
+        share.exchange_chunks(constant, BATCH * channels);
+        share.exchange(of_reflectors);
     }
 }
 

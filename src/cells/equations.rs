@@ -1,6 +1,7 @@
 //! The equations of cell radiosities, one sparse random row for each cell, and how they are solved.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::iteration::{MAX_STEPS, iterated};
 use crate::paths::NO_CELL;
@@ -30,7 +31,7 @@ pub(super) struct Equations {
 }
 
 /// The terms of reflectors in the rows of a batch: seen from the view points of its cells, and from where their paths go on.
-#[derive(Default)]
+#[derive(Default, Serialize, Deserialize)]
 pub(super) struct ReflectorTerms {
     /// The index of the row in the batch, and the cell of the reflector.
     cells: Vec<(usize, u32)>,

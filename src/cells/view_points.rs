@@ -5,6 +5,7 @@
 //! finely cells are found, since direct light may vary over a cell by any factor.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::geometry::sampling;
 
@@ -25,7 +26,7 @@ pub(super) fn bytes_of_view_points(paths: usize) -> usize {
 }
 
 /// A point of a cell where a path arrived.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Arrival {
     pub cell: u32,
     /// Coordinates within the cell, each in [0, 1].

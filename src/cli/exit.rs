@@ -81,7 +81,9 @@ impl From<PipelineError> for Failure {
             | PipelineError::Camera(_)
             | PipelineError::Interest(_)
             | PipelineError::LightGroups(_)
-            | PipelineError::Lights => Self::usage(error),
+            | PipelineError::Lights
+            | PipelineError::TeamTime
+            | PipelineError::TeamDiffers => Self::usage(error),
             PipelineError::Visibility(VisibilityError::UnknownBackend(_) | VisibilityError::NotBuilt { .. }) => Self::usage(error),
             PipelineError::Memory { .. } => Self { exit: Exit::Memory, message: format!("--memory: {error}") },
             PipelineError::Visibility(VisibilityError::OutOfMemory { .. }) => {

@@ -89,16 +89,21 @@ pub(super) fn by_other_rays(budget: RayBudget) -> RayBudget {
 
 /// The values that `gather` gives at `places` with a budget, one by one; `None` if stopped before.
 pub(super) fn values_at(places: &[Place], gather: &Gather<'_>, budget: RayBudget, stop: Stop<'_>) -> Option<Vec<Gathered>> {
-    let value = |scratch: &mut Scratch, place: &Place| {
+    let share = gather.share();
+    let value = |scratch: &mut Scratch, (number, place): (usize, &Place)| {
         if stop() {
             return None;
         }
         let mut value = Gathered::default();
-        let place = place_at(place.point, place.surface, budget.seed);
-        gather.values_at(&[place], budget, scratch, &mut value);
+        if share.has(number) {
+            let place = place_at(place.point, place.surface, budget.seed);
+            gather.values_at(&[place], budget, scratch, &mut value);
+        }
         Some(value)
     };
-    places.par_iter().map_init(Scratch::default, value).collect()
+    let mut values: Vec<Gathered> = places.par_iter().enumerate().map_init(Scratch::default, value).collect::<Option<_>>()?;
+    share.exchange(&mut values);
+    Some(values)
 }
 
 /// A point that stands for so much area, as norms see it: the light there is what values tell, as far as replicates do not contradict.

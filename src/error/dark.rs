@@ -122,11 +122,14 @@ impl ErrorSamples {
 
     /// Looks for light at the points that are dark, each once. `None` if stopped.
     fn search(&mut self, lit: &[Lit], least: f64, with: &Replication<'_>, stop: Stop<'_>) -> Option<()> {
-        self.samples.par_iter_mut().zip(lit).for_each_init(PathScratch::default, |scratch, (sample, point)| {
-            if sample.searched.is_none() && point.light <= least && !stop() {
+        let share = with.gathers[0].share();
+        let samples = self.samples.par_iter_mut().zip(lit).enumerate();
+        samples.for_each_init(PathScratch::default, |scratch, (number, (sample, point))| {
+            if share.has(number) && sample.searched.is_none() && point.light <= least && !stop() {
                 sample.searched = Some(searched_from(sample.place, least, with, scratch));
             }
         });
+        share.exchange(&mut self.samples);
         (!stop()).then_some(())
     }
 }

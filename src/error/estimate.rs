@@ -205,12 +205,14 @@ impl ErrorSamples {
         self.samples.extend(points.into_iter().enumerate().map(untaken));
 
         // Pilot rays.
-        self.samples[first..].par_iter_mut().for_each_init(PathScratch::default, |scratch, sample| {
-            if !stop() {
+        let share = with.gathers[0].share();
+        self.samples[first..].par_iter_mut().enumerate().for_each_init(PathScratch::default, |scratch, (number, sample)| {
+            if share.has(number) && !stop() {
                 sample.noise = with.gathers[0].sampled_noise(sample.place, pilot_rays, with.scene, scratch);
                 sample.noisiness *= sample.noise;
             }
         });
+        share.exchange(&mut self.samples[first..]);
         !stop()
     }
 
@@ -246,17 +248,18 @@ impl ErrorSamples {
 
     /// Takes more rays, until each replicate has `rays` on average. `false` if stopped before it is done.
     pub fn take_replicates(&mut self, rays: u32, with: &Replication<'_>, stop: Stop<'_>) -> bool {
-        let channels = with.scene.channels();
+        let (channels, share) = (with.scene.channels(), with.gathers[0].share());
         let shares = RayShares::new(&self.samples);
-        self.samples.par_iter_mut().for_each_init(
+        self.samples.par_iter_mut().enumerate().for_each_init(
             || (PathScratch::default(), vec![0.0; channels]),
-            |(scratch, found), sample| {
-                if !stop() {
+            |(scratch, found), (number, sample)| {
+                if share.has(number) && !stop() {
                     let wanted = (f64::from(rays) * shares.of(sample)).ceil() as u32;
                     sample.take_up_to(wanted, &with.gathers, scratch, found);
                 }
             },
         );
+        share.exchange(&mut self.samples);
         !stop()
     }
 

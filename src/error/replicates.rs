@@ -8,6 +8,7 @@ use crate::hierarchy::Hierarchy;
 use crate::paths::{PathScratch, Place};
 use crate::scene::Scene;
 use crate::sweep::Radiosity;
+use crate::team::Share;
 use crate::values::FinalGather;
 
 use super::residual::ResidualGather;
@@ -42,6 +43,7 @@ pub(crate) struct Replication<'a> {
 }
 
 /// A point with what its replicates found.
+#[derive(Serialize, Deserialize)]
 pub(super) struct ErrorSample {
     pub place: Place,
     /// The area in m^2 that the point stands for if it is the only one.
@@ -66,6 +68,14 @@ pub(super) struct Searched {
 }
 
 impl ReplicateGather<'_> {
+    /// Which of the points this process takes.
+    pub(super) fn share(&self) -> Share<'_> {
+        match self {
+            Self::Truth(gather) => gather.paths.rays.share(),
+            Self::Residual(gather) => gather.paths.rays.share(),
+        }
+    }
+
     /// The mean square of the reflected residual by a single ray, in W^2/m^4, by pilot rays that no replicate takes; 0 over links.
     pub(super) fn sampled_noise(&self, place: Place, count: u32, scene: &Scene, scratch: &mut PathScratch) -> f64 {
         let Self::Residual(gather) = self else { return 0.0 };

@@ -3,6 +3,8 @@
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
+use serde::{Deserialize, Serialize};
+
 use super::context::RefineContext;
 use super::exchange::{
     bound_form_factor, estimate_cluster_form_factor, is_dark, polygon_form_factor, quick_form_factor, separated,
@@ -14,6 +16,7 @@ use crate::geometry::{sampling, streams};
 use crate::hierarchy::Hierarchy;
 
 /// What becomes of a pair of a wave.
+#[derive(Serialize, Deserialize)]
 pub(super) enum Outcome {
     /// One is behind the other: no light can pass.
     Behind,

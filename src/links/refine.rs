@@ -69,6 +69,7 @@ impl<'a> Refinement<'a> {
         context: &RefineContext<'_>,
         limits: &RefineLimits<'_>,
     ) -> RefineEnd {
+        let share = context.rays.share();
         let (mut wave, mut end) = self.reopen(hierarchy, splits, context, limits);
         while !wave.is_empty() {
             self.most = self.most.max(self.linked.len() + self.dormant.len() + wave.len());
@@ -84,7 +85,9 @@ impl<'a> Refinement<'a> {
             };
             let mut to_split = Vec::new();
             for some in wave.chunks(SETTLED_AT_ONCE) {
-                let outcomes: Vec<Vec<Outcome>> = some.par_chunks(CHUNK).map(decide).collect();
+                let decide = |(number, pairs)| if share.has(number) { decide(pairs) } else { Vec::new() };
+                let mut outcomes: Vec<Vec<Outcome>> = some.par_chunks(CHUNK).enumerate().map(decide).collect();
+                share.exchange(&mut outcomes);
                 if (limits.halt)() {
                     end = RefineEnd::Stopped;
                 }

@@ -8,6 +8,8 @@
 //! nodes take twice the gathers.
 
 use rayon::prelude::*;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use super::element;
 use super::expected::expected_errors_sq;
@@ -261,13 +263,17 @@ impl Grower<'_> {
 
     /// Takes the light at places, in parallel; `make` turns what is found at each, by channel, into results, which are returned in the order of the
     /// places; `None` if stopped.
-    fn take<R: Send>(
+    fn take<R: Send + Serialize + DeserializeOwned>(
         &self,
         wanted: &[Wanted],
         make: impl Fn(Taken<'_>, usize, &mut LightScratch, &mut Vec<R>) + Sync,
     ) -> Option<Vec<R>> {
+        let share = self.light.share();
         let batches = wanted.par_chunks(BATCH).enumerate().map_init(LightScratch::default, |scratch, (batch, wanted)| {
             let (mut results, mut light) = (Vec::new(), vec![[0.0; 2]; self.channels]);
+            if !share.has(batch) {
+                return Some(results);
+            }
             for (number, Wanted { place, size }) in wanted.iter().enumerate() {
                 if (self.stop)() {
                     return None;
@@ -277,8 +283,9 @@ impl Grower<'_> {
             }
             Some(results)
         });
-        let batches: Option<Vec<Vec<R>>> = batches.collect();
-        Some(batches?.into_iter().flatten().collect())
+        let mut batches: Vec<Vec<R>> = batches.collect::<Option<_>>()?;
+        share.exchange(&mut batches);
+        Some(batches.into_iter().flatten().collect())
     }
 
     /// By surface, the triangles that are expected to make up most of the squared error beyond noise; and how large that is in all.

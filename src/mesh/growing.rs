@@ -1,5 +1,7 @@
 //! A surface and its elements while they are refined.
 
+use serde::{Deserialize, Serialize};
+
 use super::bisection::Triangles;
 use super::element;
 use super::fit::fitted;
@@ -34,7 +36,7 @@ pub(super) struct Growing {
 }
 
 /// What a random point in a triangle tells.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Test {
     pub triangle: u32,
     /// The squared difference of the function and the light there, channels added, in W^2/m^4.

@@ -4,6 +4,7 @@ use super::lit_mesh::MeshReader;
 use crate::direct::{DirectEffort, DirectLight, DirectScratch, Method};
 use crate::paths::{Place, Receives};
 use crate::scene::Scene;
+use crate::team::Share;
 use crate::values::{IndirectGather, RayBudget, Scratch};
 
 /// By how many rays direct light is found where that is cheaper than to find it exactly: noise that is hardly seen.
@@ -23,6 +24,9 @@ pub(super) struct LightScratch {
 
 /// Some of the light that surfaces reflect.
 pub(super) trait Light: Sync {
+    /// Which batches of places this process takes.
+    fn share(&self) -> Share<'_>;
+
     /// The reflected radiosity at a place and its variance, by channel; `size` is about what it weighs. Returns how close
     /// what is seen from there is, in 1/m, where that is known.
     fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) -> f64;
@@ -86,6 +90,10 @@ const LEAST_RAYS: f64 = 8.0;
 const MOST_RAYS: f64 = 16.0;
 
 impl Light for Indirect<'_> {
+    fn share(&self) -> Share<'_> {
+        self.direct.light.rays.share()
+    }
+
     fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) -> f64 {
         // The variance of the whole is least for all rays if these go with the root of what a point stands for.
         let rays = self.rays * (size / self.size).sqrt().min(MOST_RAYS);
@@ -109,6 +117,10 @@ impl Light for Indirect<'_> {
 }
 
 impl Light for All<'_> {
+    fn share(&self) -> Share<'_> {
+        self.direct.light.rays.share()
+    }
+
     fn take(&self, place: &Place, _size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) -> f64 {
         scratch.numbers.clear();
         scratch.numbers.resize(found.len(), 0.0);

@@ -1,6 +1,7 @@
 //! Places: where rays start, and by which random numbers.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::direct::Receiver;
 use crate::geometry::{Frame, sampling};
@@ -8,7 +9,7 @@ use crate::scene::{Scene, SurfaceId};
 use crate::visibility::Ray;
 
 /// A point on a surface, and the seed of all random numbers of the rays from there.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Place {
     pub point: DVec3,
     pub surface: SurfaceId,

@@ -84,7 +84,7 @@ pub(crate) struct LightPaths<'a> {
     pub scene: &'a Scene,
     pub grids: Grids,
     open_parts: OpenParts<'a>,
-    pub(super) rays: &'a Rays<'a>,
+    pub rays: &'a Rays<'a>,
     emitters: Emitters<'a>,
     lights: Lights<'a>,
     has_sky: bool,

@@ -45,9 +45,11 @@ pub(crate) fn render(
     observer: &dyn Observer,
 ) -> Option<(Image, f64)> {
     let ([width, height], channels) = (size, gather.scene.channels());
-    let shader = Shader { gather, error_bars, shown };
-    let count = width as usize * height as usize;
-    let (mut pixels, mut is_done, done) = (vec![[0.0; 2]; channels * count], vec![false; count], AtomicUsize::new(0));
+    let (shader, share, count) = (Shader { gather, error_bars, shown }, gather.share(), width as usize * height as usize);
+    // Rows that other processes take count as done.
+    let mut is_done: Vec<bool> = (0..count).map(|pixel| !share.has(pixel / width as usize)).collect();
+    let own = is_done.iter().filter(|&&is_done| !is_done).count();
+    let (mut pixels, done) = (vec![[0.0; 2]; channels * count], AtomicUsize::new(0));
     let grids = deadline.map_or(CoarseToFine::at_once(size), |_| CoarseToFine::from_few(size));
     for (number, step) in grids.steps().enumerate() {
         // The first grid is taken to its end: else there is nothing to show.
@@ -77,13 +79,14 @@ pub(crate) fn render(
             columns.iter().for_each(|&column| is_done[column as usize] = true);
 
             let done = done.fetch_add(columns.len(), Ordering::Relaxed) + columns.len();
-            let fraction = Some(done as f64 / count as f64);
+            let fraction = Some(done as f64 / own as f64);
             observer.progress(&Progress { stage: Stage::Render, round: 0, fraction, links: 0, elements: 0, error: None });
         });
         if observer.cancelled() {
             return None;
         }
     }
+    share.exchange_chunks(&mut pixels, channels * width as usize);
     grids.for_each_missing(&is_done, |missing, instead| {
         for channel in 0..channels {
             pixels[missing * channels + channel] = [pixels[instead * channels + channel][0], f32::NAN];
@@ -91,7 +94,7 @@ pub(crate) fn render(
     });
     let (radiance, standard_error) = pixels.into_iter().map(|[radiance, error]| (radiance, error)).unzip();
     let image = Image { width, height, channels, radiance, standard_error: error_bars.map(|_| standard_error) };
-    Some((image, done.into_inner() as f64 / count as f64))
+    Some((image, done.into_inner() as f64 / own.max(1) as f64))
 }
 
 impl Shader<'_> {

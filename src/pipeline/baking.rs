@@ -80,7 +80,7 @@ impl Evaluator {
             Way::Gather(Some(earlier)) => earlier.check(self.terms(atlas))?,
             _ => {}
         }
-        let rays = Rays::new(&*self.visibility, scene);
+        let rays = self.rays();
         let cancelled = || observer.cancelled();
         self.pool.install(|| {
             let mut texels = bake::texels_of(atlas, scene, &cancelled);

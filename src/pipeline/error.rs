@@ -28,6 +28,16 @@ pub enum PipelineError {
     /// Guaranteed bounds of a scene with lights.
     #[error("guaranteed bounds know light from surfaces alone: leave out the lights, or model them as surfaces that emit")]
     Lights,
+    /// A limit of time for a team of processes.
+    #[error(
+        "several processes that solve together know no limit of time, since their clocks differ: leave it out, or solve in one process"
+    )]
+    TeamTime,
+    /// The processes of a team were given different things to do.
+    #[error(
+        "the processes that solve together were not given the same scene and options: check that all machines see the same files"
+    )]
+    TeamDiffers,
     /// The memory budget is less than the solve takes at least; nothing was done.
     #[error(
         "the scene takes {:.3} GB at least before it is solved, and the budget is {:.3} GB: give more memory or fewer surfaces",

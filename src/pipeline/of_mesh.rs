@@ -12,7 +12,6 @@ use crate::picture::{self, Camera, Image, Shown};
 use crate::progress::{Observer, Progress, Stop};
 use crate::scene::{SurfaceId, SurfacePoint};
 use crate::solve::{RunOptions, Solution, StoppedBy};
-use crate::transmittance::Rays;
 use crate::values::{self, Values};
 
 /// Points that are read between two looks at whether to stop: some milliseconds.
@@ -64,7 +63,7 @@ impl Evaluator {
     /// Makes a lit mesh from the values at points, whether the solution has one or not. It is refined until no more than `error`, in the norm of the
     /// options, is claimed for what it differs from these, or until only their noise is left. Cancelled by the observer, it returns `None`.
     pub fn lit_mesh(&self, error: f64, observer: &dyn Observer) -> Option<LitMesh> {
-        let rays = Rays::new(&*self.visibility, self.solution.scene());
+        let rays = self.rays();
         self.pool.install(|| self.solution.lit_mesh(&rays, error, observer))
     }
 
@@ -92,7 +91,7 @@ impl Evaluator {
     ) -> Result<ViewMesh, PipelineError> {
         run.validate()?;
         let (through, scene, size) = (camera.rays()?, self.solution.scene(), [camera.width, camera.height]);
-        let (rays, deadline) = (Rays::new(&*self.visibility, scene), run.deadline_from(Instant::now()));
+        let (rays, deadline) = (self.rays(), run.deadline_from(Instant::now()));
         if !self.solution.has_room_for_view(size[0] as usize * size[1] as usize, run) {
             return Ok(ViewMesh { mesh: None, stopped_by: StoppedBy::Memory });
         }
@@ -181,7 +180,7 @@ impl Evaluator {
         observer: &dyn Observer,
     ) -> Result<Option<Image>, PipelineError> {
         let (through, scene) = (camera.rays()?, self.solution.scene());
-        let (rays, reader) = (Rays::new(&*self.visibility, scene), self.reader(mesh));
+        let (rays, reader) = (self.rays(), self.reader(mesh));
         let size = [camera.width, camera.height];
         Ok(self.pool.install(|| picture::render_mesh(scene, &reader, &rays, (&through, size), shown, observer)))
     }

@@ -11,7 +11,6 @@ use crate::picture::{self, Camera, Image, Line, Marks, Shown};
 use crate::progress::Observer;
 use crate::scene::SurfaceId;
 use crate::solve::RunOptions;
-use crate::transmittance::Rays;
 
 impl Evaluator {
     /// A picture of irradiance over pi, 0 where nothing is reflected: from the values, or of a lit mesh, which has no standard errors. Cancelled by the
@@ -78,7 +77,7 @@ impl Evaluator {
         observer: &dyn Observer,
     ) -> Result<Option<(Image, f64)>, PipelineError> {
         let through = camera.rays()?;
-        let rays = Rays::new(&*self.visibility, self.solution.scene());
+        let rays = self.rays();
         let size = [camera.width, camera.height];
         Ok(self.pool.install(|| {
             let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
@@ -137,7 +136,7 @@ impl Evaluator {
 
     fn draw(&self, lines: &[Line], camera: &Camera, observer: &dyn Observer) -> Result<Option<Marks>, PipelineError> {
         let (through, scene) = (camera.rays()?, self.solution.scene());
-        let rays = Rays::new(&*self.visibility, scene);
+        let rays = self.rays();
         let (seen, stop) = ((&through, [camera.width, camera.height]), || observer.cancelled());
         Ok(self.pool.install(|| picture::draw_lines(scene, lines, &rays, seen, &stop)))
     }

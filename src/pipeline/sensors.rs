@@ -6,7 +6,6 @@ use super::Evaluator;
 use crate::picture::{MeasuringPlane, PlaneError, PlaneRequest};
 use crate::progress::Observer;
 use crate::scene::{SurfaceId, SurfacePoint};
-use crate::transmittance::Rays;
 use crate::values::{self, Irradiances};
 use crate::visibility::{Hit, NO_PLANE, Ray};
 
@@ -17,7 +16,7 @@ impl Evaluator {
     /// A polygon that a sensor touches hides nothing from it, as for all rays (`visibility`).
     pub fn irradiances_at(&self, sensors: &[SurfacePoint], observer: &dyn Observer) -> Irradiances {
         // What is proved to hide nothing is so between surfaces: a sensor may stand behind them.
-        let rays = Rays::new(&*self.visibility, self.solution.scene()).asking_in_clear_scenes();
+        let rays = self.rays().asking_in_clear_scenes();
         self.pool.install(|| {
             let paths = self.solution.light_paths(&rays, &|| observer.cancelled());
             let gather = self.solution.gather_at_points(&rays, paths.as_ref());
@@ -37,7 +36,7 @@ impl Evaluator {
             return Ok((plane, vec![true; sensors.len()]));
         }
 
-        let rays = Rays::new(&*self.visibility, scene);
+        let rays = self.rays();
         let look = |sign: f64| {
             let ray = |sensor: &SurfacePoint| {
                 let direction = (sign * DVec3::from(sensor.normal)).to_array();

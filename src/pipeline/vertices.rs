@@ -9,7 +9,6 @@ use crate::geometry::{sampling, streams};
 use crate::progress::Observer;
 use crate::scene::{Material, SurfaceId, SurfacePoint};
 use crate::sweep::HiddenPoints;
-use crate::transmittance::Rays;
 
 /// The points around a vertex that nothing stands on, with what they weigh.
 type Around = Vec<(DVec3, f64)>;
@@ -30,7 +29,7 @@ impl Evaluator {
         let surfaces = surfaces_of(scene, options)?;
 
         // Where light is gathered.
-        let rays = Rays::new(&*self.visibility, scene);
+        let rays = self.rays();
         let hidden = HiddenPoints::of(scene, &rays);
         let of_surface = |&surface: &SurfaceId| {
             if observer.cancelled() { Vec::new() } else { self.open_points(surface, within, &hidden) }

@@ -3,10 +3,15 @@
 use std::sync::Arc;
 
 use super::error::PipelineError;
+use crate::team::{Alone, Share, Team};
 
 /// Worker threads. Clones are the same threads: several solves may share them, at once as well. They end with the last clone.
 #[derive(Clone)]
-pub struct Workers(Arc<rayon::ThreadPool>);
+pub struct Workers {
+    pool: Arc<rayon::ThreadPool>,
+    /// The processes that work with this one.
+    team: Arc<dyn Team>,
+}
 
 impl Workers {
     /// Starts so many threads; 0 takes one per core.
@@ -15,7 +20,21 @@ impl Workers {
     /// [`PipelineError::Threads`] if the system has none.
     pub fn new(threads: usize) -> Result<Self, PipelineError> {
         let failed = |error: rayon::ThreadPoolBuildError| PipelineError::Threads { threads, message: error.to_string() };
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build().map(|pool| Self(Arc::new(pool))).map_err(failed)
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map(|pool| Self { pool: Arc::new(pool), team: Arc::new(Alone) })
+            .map_err(failed)
+    }
+
+    /// The same threads, which do their process's share of what is solved and looked at on them.
+    pub fn in_team(self, team: Arc<dyn Team>) -> Self {
+        Self { team, ..self }
+    }
+
+    /// Which batches of long loops this process does.
+    pub(super) fn share(&self) -> Share<'_> {
+        Share::of(&*self.team)
     }
 
     /// More threads than this only wait for each other: four for each core, but 256 everywhere.
@@ -27,17 +46,17 @@ impl Workers {
 
     /// How many there are.
     pub fn count(&self) -> usize {
-        self.0.current_num_threads()
+        self.pool.current_num_threads()
     }
 
     /// CPU seconds that these threads have used since they were started, where the system tells. Waits until they have no other work.
     pub fn cpu_seconds(&self) -> Option<f64> {
-        self.0.broadcast(|_| of_this_thread()).into_iter().sum()
+        self.pool.broadcast(|_| of_this_thread()).into_iter().sum()
     }
 
     /// Does `work` on these threads, where it is shared out, as by [`read_scene`](crate::scene::import::read_scene), which is done on one thread elsewhere.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        self.0.install(work)
+        self.pool.install(work)
     }
 }
 
@@ -60,7 +79,7 @@ mod tests {
     fn time_is_that_of_these_threads_alone() {
         let [busy, idle] = [2, 2].map(|threads| Workers::new(threads).unwrap());
         let spin_until = |seconds: f64| while of_this_thread().unwrap() < seconds {};
-        busy.0.broadcast(|_| spin_until(0.05));
+        busy.pool.broadcast(|_| spin_until(0.05));
         assert!(busy.cpu_seconds().unwrap() >= 0.1);
         assert!(idle.cpu_seconds().unwrap() < 0.05, "what others do is not counted");
     }

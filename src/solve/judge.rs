@@ -143,7 +143,7 @@ pub(super) fn note_error(linked: &mut Linked<'_>, of: JudgedPart, error: Option<
         claimed: error.claimed_of_all(),
         measured: if error.is_elsewhere { f64::INFINITY } else { error.measured },
         rays_per_point: Some(point_rays),
-        rays: rays.segments().count() + rays.first_hit_rays().count(),
+        rays: rays.cast_by_all().iter().sum(),
     });
 }
 

@@ -290,9 +290,13 @@ impl<'a> Linked<'a> {
         let leaves: Vec<NodeId> = self.leaves().collect();
         let mut values = vec![0.0; leaves.len() * channels];
         let by_plane = ByPlane::new(scene);
-        values.par_chunks_mut(channels).zip(&leaves).for_each_init(
+        let share = self.job.rays.share();
+        values.par_chunks_mut(channels).zip(&leaves).enumerate().for_each_init(
             <(Scratch, Gathered)>::default,
-            |(scratch, gathered), (value, &leaf)| {
+            |(scratch, gathered), (number, (value, &leaf))| {
+                if !share.has(number) {
+                    return;
+                }
                 let surface = SurfaceId(self.hierarchy.node(leaf).surface);
                 if stop() {
                     value.copy_from_slice(self.radiosity.of(leaf));
@@ -310,6 +314,7 @@ impl<'a> Linked<'a> {
                 }
             },
         );
+        share.exchange_chunks(&mut values, channels);
         let mut change = self.radiosity.clone();
         for (value, &leaf) in values.chunks(channels).zip(&leaves) {
             change.of_mut(leaf).iter_mut().zip(value).for_each(|(old, new)| *old = new - *old);

@@ -307,13 +307,14 @@ impl SolveReport {
         self.lit_mesh.map_or(self.error.estimate, |mesh| mesh.whole.estimate)
     }
 
-    /// Counts the rays that were asked so far, and the time that they took.
+    /// Counts the rays that were asked so far, and the time that they took in this process.
     pub(super) fn count_rays(&mut self, rays: &Rays<'_>) {
         let (segments, first_hits) = (rays.segments(), rays.first_hit_rays());
         self.time_s.visibility = segments.seconds() + first_hits.seconds();
         self.time_s.first_hits = first_hits.seconds();
-        self.counts.rays = segments.count() + first_hits.count();
-        self.counts.first_hit_rays = first_hits.count();
+        let [segments, first_hits] = rays.cast_by_all();
+        self.counts.rays = segments + first_hits;
+        self.counts.first_hit_rays = first_hits;
     }
 }
 

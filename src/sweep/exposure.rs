@@ -102,14 +102,14 @@ impl Exposure {
         largest(scene, (0..surfaces).collect(), (ALL_SAMPLES / least) as usize)
             .into_iter()
             .for_each(|number| is_sampled[number] = true);
-        let levels = hierarchy.levels();
+        let (levels, share) = (hierarchy.levels(), rays.share());
         for level in levels.iter().map(|level| level.start.max(first)..level.end).filter(|level| !level.is_empty()) {
-            let sampled: Vec<Sampled> = (level.clone().into_par_iter())
+            let mut sampled: Vec<Sampled> = (level.clone().into_par_iter())
                 .map(|node| {
                     let node = NodeId(node as u32);
                     let surface = hierarchy.node_of(SurfaceId(hierarchy.node(node).surface));
                     let is_small = surface == node && !is_sampled[hierarchy.node(node).surface as usize];
-                    if stop() || is_small {
+                    if stop() || is_small || !share.has(node.index() - level.start) {
                         Sampled::EXPOSED
                     } else if surface == node {
                         sampled_exposure(hierarchy, &by_plane, rays, surface, surface_samples, seed)
@@ -120,6 +120,7 @@ impl Exposure {
                     }
                 })
                 .collect();
+            share.exchange(&mut sampled);
             for (exposure, found) in self.by_node[level].iter_mut().zip(sampled) {
                 *exposure = found.exposure;
                 self.rays += u64::from(found.rays);
@@ -200,6 +201,7 @@ impl<'a> HiddenPoints<'a> {
 }
 
 /// What rays from a node tell.
+#[derive(Serialize, Deserialize)]
 struct Sampled {
     exposure: f32,
     rays: u32,

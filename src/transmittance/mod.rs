@@ -11,6 +11,7 @@ use clear_pairs::ClearPairs;
 use glam::DVec3;
 
 use crate::scene::{Scene, Surface};
+use crate::team::Share;
 use crate::visibility::{Hit, NO_PLANE, Ray, Segment, Visibility};
 
 /// Casts rays through a visibility backend, and counts and times them. Segments of which it is proved that nothing occludes them
@@ -24,6 +25,7 @@ pub(crate) struct Rays<'a> {
     spared: AtomicU64,
     segments: Tally,
     first_hits: Tally,
+    share: Share<'a>,
 }
 
 /// Where nothing can occlude anything.
@@ -45,7 +47,17 @@ impl<'a> Rays<'a> {
         let bounds = scene.bounds();
         let (centre, radius) = (bounds.centre(), 0.5 * bounds.diagonal());
         let (segments, first_hits) = (Tally::default(), Tally::default());
-        Self { backend, proof, centre, radius, spared: AtomicU64::new(0), segments, first_hits }
+        Self { backend, proof, centre, radius, spared: AtomicU64::new(0), segments, first_hits, share: Share::WHOLE }
+    }
+
+    /// The same for a process that casts its share of them.
+    pub fn shared(self, share: Share<'a>) -> Self {
+        Self { share, ..self }
+    }
+
+    /// Which batches of work that casts many rays this process does.
+    pub fn share(&self) -> Share<'a> {
+        self.share
     }
 
     /// The same, but casts rays even in a scene where nothing can occlude anything.
@@ -128,6 +140,11 @@ impl<'a> Rays<'a> {
         let start = Instant::now();
         self.backend.first_hits(rays, hits);
         self.first_hits.add(rays.len(), start);
+    }
+
+    /// Segments and first hits that all processes have asked for so far.
+    pub fn cast_by_all(&self) -> [u64; 2] {
+        [&self.segments, &self.first_hits].map(|of| self.share.sum(of.count()))
     }
 
     /// Segments cast so far.

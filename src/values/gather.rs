@@ -1,6 +1,7 @@
 //! Values at points, over links or over cells, and what tells of their errors.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use super::budget::RayBudget;
 use super::final_gather::{FinalGather, emitter_rays};
@@ -8,6 +9,7 @@ use super::over_links::{LinkGather, LinkScratch};
 use crate::hierarchy::Hierarchy;
 use crate::paths::{BATCHES, BatchSums, PathScratch, Place, place_at};
 use crate::scene::{Scene, SurfaceId};
+use crate::team::Share;
 
 /// What values at points are gathered over.
 pub(crate) enum Over<'a> {
@@ -43,7 +45,7 @@ pub(crate) struct Scratch {
 }
 
 /// Values at places, by place and channel.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Gathered {
     /// In W/m^2.
     pub radiosity: Vec<f64>,
@@ -69,6 +71,14 @@ impl Gather<'_> {
     /// A point with the seed of its value.
     pub fn place_at(&self, point: DVec3, surface: SurfaceId) -> Place {
         place_at(point, surface, self.budget.seed)
+    }
+
+    /// Which batches of what is gathered this process does.
+    pub fn share(&self) -> Share<'_> {
+        match &self.over {
+            Over::Links(gather) => gather.share(),
+            Over::Cells(gather) => gather.paths.rays.share(),
+        }
     }
 
     /// Values at places, each with so many rays. A value does not depend on the other places.

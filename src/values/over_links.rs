@@ -32,6 +32,7 @@ use crate::links::LinkSet;
 use crate::paths::{Place, place_at};
 use crate::scene::{Emitter, Scene, SurfaceId};
 use crate::sweep::{Exposure, Radiosity};
+use crate::team::Share;
 use crate::transmittance::Rays;
 use crate::visibility::Segment;
 
@@ -96,6 +97,11 @@ pub(crate) struct LinkScratch {
 }
 
 impl<'a> LinkGather<'a> {
+    /// Which batches of what is gathered this process does.
+    pub fn share(&self) -> Share<'a> {
+        self.rays.share()
+    }
+
     /// Prepares the gather over all links; finds how radiosities vary over elements.
     pub fn new(
         scene: &'a Scene,

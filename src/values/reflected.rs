@@ -32,11 +32,11 @@ pub(crate) fn reflected_at(
     let channels = gather.scene.channels();
     let together = (RAYS / gather.budget.rays.max(1) as usize).clamp(1, BATCH);
     let mut numbers = vec![[f32::NAN; 3]; channels * places.len()];
-    let (done, total) = (AtomicUsize::new(0), places.len());
-    numbers.par_chunks_mut(channels * together).zip(places.par_chunks(together)).for_each_init(
+    let (done, total, share) = (AtomicUsize::new(0), places.len(), gather.share());
+    numbers.par_chunks_mut(channels * together).zip(places.par_chunks(together)).enumerate().for_each_init(
         || (Scratch::default(), Gathered::default()),
-        |(scratch, gathered), (numbers, places)| {
-            if stop() {
+        |(scratch, gathered), (batch, (numbers, places))| {
+            if stop() || !share.has(batch) {
                 return;
             }
             gather.reflected_at(places, part, scratch, gathered);
@@ -50,6 +50,7 @@ pub(crate) fn reflected_at(
             observer.progress(&Progress { stage: Stage::Sample, round: 0, fraction, links: 0, elements: 0, error: None });
         },
     );
+    share.exchange_chunks(&mut numbers, channels * together);
     let of = |kind: usize| numbers.iter().map(|numbers| numbers[kind]).collect();
     Reflected { radiosity: of(0), standard_error: of(1), straight: of(2) }
 }

@@ -131,11 +131,11 @@ pub(crate) fn values_at(
 
     // Their values, batch by batch.
     let mut numbers = vec![[f32::NAN; 2]; channels * points.len()];
-    let (done, total) = (AtomicUsize::new(0), points.len());
+    let (done, total, share) = (AtomicUsize::new(0), points.len(), gather.share());
     numbers.par_chunks_mut(channels * BATCH).zip(places.par_chunks(BATCH)).enumerate().for_each_init(
         Scratch::default,
         |scratch, (batch, (numbers, places))| {
-            if observer.cancelled() {
+            if observer.cancelled() || !share.has(batch) {
                 return;
             }
             sampler.take(batch * BATCH, places, scratch, numbers);
@@ -145,6 +145,7 @@ pub(crate) fn values_at(
             observer.progress(&Progress { stage: Stage::Sample, round: 0, fraction, links: 0, elements: 0, error: None });
         },
     );
+    share.exchange_chunks(&mut numbers, channels * BATCH);
     if observer.cancelled() {
         return None;
     }

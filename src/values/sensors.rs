@@ -73,11 +73,11 @@ pub(crate) fn irradiances_at(
 ) -> Irradiances {
     let channels = gather.scene.channels();
     let mut numbers = vec![[f32::NAN; 2]; channels * sensors.len()];
-    let (done, total) = (AtomicUsize::new(0), sensors.len());
-    numbers.par_chunks_mut(channels * BATCH).zip(sensors.par_chunks(BATCH)).for_each_init(
+    let (done, total, share) = (AtomicUsize::new(0), sensors.len(), gather.share());
+    numbers.par_chunks_mut(channels * BATCH).zip(sensors.par_chunks(BATCH)).enumerate().for_each_init(
         Scratch::default,
-        |scratch, (numbers, sensors)| {
-            if observer.cancelled() {
+        |scratch, (batch, (numbers, sensors))| {
+            if observer.cancelled() || !share.has(batch) {
                 return;
             }
             measure(gather, error_bars, sensors, scratch, numbers);
@@ -87,6 +87,7 @@ pub(crate) fn irradiances_at(
             observer.progress(&Progress { stage: Stage::Sample, round: 0, fraction, links: 0, elements: 0, error: None });
         },
     );
+    share.exchange_chunks(&mut numbers, channels * BATCH);
     let (irradiance, standard_error) = numbers.into_iter().map(|[irradiance, error]| (irradiance, error)).unzip();
     Irradiances { channels, irradiance, standard_error }
 }

@@ -1,5 +1,7 @@
 //! What an oracle sees of a pair, and what it may decide.
 
+use serde::{Deserialize, Serialize};
+
 /// A pair of nodes about which an oracle decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
@@ -26,7 +28,7 @@ pub struct Candidate {
 }
 
 /// What becomes of a pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Decision {
     /// The receiver gathers from the source as they stand.
     Link,

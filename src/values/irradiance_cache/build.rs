@@ -12,6 +12,7 @@
 use std::collections::HashMap;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::plane_cells::{CellKey, PlaneCells};
 use super::record::{Fitted, Record, Recorder, Site};
@@ -59,6 +60,7 @@ pub(crate) struct IrradianceCache {
 }
 
 /// A control point.
+#[derive(Serialize, Deserialize)]
 struct Control {
     index: usize,
     /// The reflected indirect and direct light by two independent gathers, in W/m^2 by channel.
@@ -142,13 +144,17 @@ impl CacheBuilder<'_> {
 
     /// The records of cells.
     fn records(&self, recorder: &Recorder<'_>, sites: &[(CellKey, Site)]) -> HashMap<CellKey, Record> {
-        let of_batch = |scratch: &mut PathScratch, sites: &[(CellKey, Site)]| -> Vec<(CellKey, Record)> {
-            if (self.cancelled)() {
+        let share = self.gather.paths.rays.share();
+        let of_batch = |scratch: &mut PathScratch, (number, sites): (usize, &[(CellKey, Site)])| -> Vec<(CellKey, Record)> {
+            if (self.cancelled)() || !share.has(number) {
                 return Vec::new();
             }
             sites.iter().map(|(cell, site)| (*cell, recorder.record(site, scratch))).collect()
         };
-        sites.par_chunks(BATCH).map_init(PathScratch::default, of_batch).flatten_iter().collect()
+        let mut records: Vec<Vec<(CellKey, Record)>> =
+            sites.par_chunks(BATCH).enumerate().map_init(PathScratch::default, of_batch).collect();
+        share.exchange(&mut records);
+        records.into_iter().flatten().collect()
     }
 
     /// Draws control points among the places `left`, one in each of as many strata, and gathers twice at each.
@@ -161,8 +167,9 @@ impl CacheBuilder<'_> {
         let drawn: Vec<usize> = drawn.collect();
 
         // Two gathers at each.
-        let gather = |scratch: &mut PathScratch, index: usize| {
-            let place = places[index]?;
+        let share = self.gather.paths.rays.share();
+        let gather = |scratch: &mut PathScratch, (number, index): (usize, usize)| {
+            let place = places[index].filter(|_| share.has(number))?;
             let material = self.gather.paths.scene.material_of(place.surface);
             let reflected = |half: u64, take: &mut dyn FnMut(Place, &mut BatchSums<'_>)| {
                 let mut irradiance = vec![0.0; material.reflectance.len()];
@@ -179,7 +186,9 @@ impl CacheBuilder<'_> {
             });
             Some(Control { index, indirect, direct })
         };
-        drawn.into_par_iter().map_init(PathScratch::default, gather).flatten_iter().collect()
+        let mut controls: Vec<Option<Control>> = drawn.into_par_iter().enumerate().map_init(PathScratch::default, gather).collect();
+        share.exchange(&mut controls);
+        controls.into_iter().flatten().collect()
     }
 
     /// Cuts the rays of all points by what the cache saves in noise, or drops the cache if it saves nothing.

@@ -1,19 +1,20 @@
 //! Square cells on the planes that surfaces lie in; coplanar surfaces share them.
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use crate::geometry::Frame;
 use crate::scene::{Scene, SurfaceId};
 
 /// A side of a plane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub(super) struct Side {
     pub plane: u32,
     pub is_front: bool,
 }
 
 /// A cell on a side of a plane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub(super) struct CellKey {
     pub side: Side,
     pub column: i64,

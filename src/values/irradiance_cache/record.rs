@@ -5,6 +5,7 @@
 //! their own noise, is an estimate of its error.
 
 use glam::{DMat3, DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use super::plane_cells::{CellKey, PlaneCells};
 use crate::geometry::{sampling, streams};
@@ -13,6 +14,7 @@ use crate::paths::{BatchSums, PathScratch, Place};
 use crate::values::final_gather::FinalGather;
 
 /// The indirect irradiance at a point, kept for its neighbours.
+#[derive(Serialize, Deserialize)]
 pub(super) struct Record {
     at: DVec2,
     /// By channel, in W/m^2: the mean of two independent gathers, and its variance by their difference.
