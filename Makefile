@@ -1,5 +1,5 @@
 # The commands that people and CI run. `make` alone lists them.
-.PHONY: help setup demo library install uninstall wheel test test-python lint bench bench-error counters test-debian13 test-wheel
+.PHONY: help setup demo library install uninstall wheel test test-python test-mpi lint bench bench-error counters test-debian13 test-wheel
 
 # Rust's own installer puts cargo there; a fresh shell may not have it in PATH yet.
 export PATH := $(PATH):$(HOME)/.cargo/bin
@@ -11,6 +11,7 @@ help:
 	@echo 'make wheel          set up, build the Python package: a wheel in target/python/wheels'
 	@echo 'make test           set up, run all tests'
 	@echo 'make test-python    set up, build the wheel, install it in an environment of its own, run its tests alone'
+	@echo 'make test-mpi       set up with Open MPI, run the tests of several processes'
 	@echo 'make lint           formatting and clippy, warnings are errors'
 	@echo 'make bench          run the benchmarks (minutes)'
 	@echo 'make bench-error    error against time, whether claims are true, and scenes made to be hard (some hours)'
@@ -56,6 +57,11 @@ test: setup
 
 test-python: setup
 	scripts/wheel.sh test
+
+test-mpi:
+	@scripts/setup.sh mpi
+	cargo clippy --locked --features parquet,mpi --bins --test cli -- -D warnings
+	cargo test --locked --features parquet,mpi --test cli mpi::
 
 lint: setup
 	cargo fmt --all --check

@@ -1,9 +1,15 @@
 #!/usr/bin/env bash
 # Makes a Debian or Ubuntu machine ready to build: installs what is missing, with sudo where not root, and checks for Rust.
 # Elsewhere it says what is needed. PATCHLIGHT_NO_INSTALL=1 installs nothing.
+#
+#     scripts/setup.sh [mpi]    mpi: for the feature of that name as well
+#
 set -euo pipefail
 
 packages=(build-essential pkg-config libembree-dev libclang-dev cmake valgrind python3-venv)
+if [ "${1:-}" = mpi ]; then
+    packages+=(libopenmpi-dev openmpi-bin)
+fi
 
 # Embree and libclang are for the default feature `embree`; without them the build falls back to the pure-Rust backend. cmake and valgrind are
 # for the tests of the C library, python3-venv is for the Python package.

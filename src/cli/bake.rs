@@ -6,7 +6,7 @@ use std::time::Instant;
 use patchlight::bake::{Atlas, BakeError, BakeOptions, BakeReport, VertexLight};
 use patchlight::mesh::LitMesh;
 use patchlight::output::{ExportFormat, ImageFormat, PngExposure, Provenance, Quantity, is_solution_file};
-use patchlight::pipeline::Evaluator;
+use patchlight::pipeline::{Evaluator, PipelineError};
 use patchlight::scene::{FileUv, Scene};
 use patchlight::solve::RunOptions;
 use patchlight::values::Values;
@@ -20,6 +20,7 @@ use super::interrupt;
 use super::lightmap_files::{LightmapFiles, PageFile, PageFormat};
 use super::per_vertex::PerVertex;
 use super::progress::{Voice, Watcher};
+use super::ranks;
 use super::request::{SolveRequest, parse_exposure, parse_quantity};
 use super::results::no_mesh;
 use super::settings::Settings;
@@ -204,15 +205,18 @@ fn check_extension(path: &Path, extension: &str, flag: &str) -> Result<(), Failu
 
 /// Bakes, and writes what is asked for.
 pub fn bake(request: BakeRequest) -> Result<Exit, Failure> {
-    let BakeRequest { input, options, voice, .. } = &request;
+    let BakeRequest { input, options, voice, limits, .. } = &request;
+    if ranks::size() > 1 && limits.time_s.is_some() {
+        return Err(PipelineError::TeamTime.into());
+    }
 
     // What is baked, and where its faces lie: that is known before the long work.
     let (evaluator, exit, atlas) = match input {
         Input::Solution(path) => {
             let solution = files::read_solution(path)?;
             let atlas = layout(solution.scene(), &FileUv::default(), &request)?;
-            interrupt::listen(interrupt::OF_RUN);
-            (Evaluator::new(solution, &request.limits)?, Exit::Done, atlas)
+            interrupt::listen_alone(interrupt::OF_RUN);
+            (Evaluator::new_on(ranks::workers(limits.threads)?, solution, limits.backend)?, Exit::Done, atlas)
         }
         Input::Scene(solve) => {
             request.again.check(options, solve.options.error)?;
@@ -273,9 +277,11 @@ fn bake_map(request: &BakeRequest, evaluator: &Evaluator, atlas: &Atlas, time_s:
     };
     tell_report(&lightmap.report, mesh, voice);
     request.again.tell(&lightmap.report, voice);
-    let provenance = Provenance::new(evaluator.solution().options());
-    request.files.write(&files, &lightmap, evaluator.solution().scene(), &provenance)?;
-    request.again.write(&lightmap, &provenance, voice)?;
+    if ranks::is_first() {
+        let provenance = Provenance::new(evaluator.solution().options());
+        request.files.write(&files, &lightmap, evaluator.solution().scene(), &provenance)?;
+        request.again.write(&lightmap, &provenance, voice)?;
+    }
     Ok(if lightmap.report.is_complete() { Exit::Done } else { Exit::Limit })
 }
 

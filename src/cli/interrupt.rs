@@ -5,6 +5,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::exit::Exit;
+use super::ranks;
 use super::stderr::say;
 
 static INTERRUPTS: AtomicUsize = AtomicUsize::new(0);
@@ -57,6 +58,13 @@ fn interrupt(by: usize, messages: Messages) {
         _ if before >= LEAVE_OUT => std::process::exit(Exit::Cancelled as i32),
         1 => say(format_args!("{}", messages[0])),
         _ => say(format_args!("{}", messages[1])),
+    }
+}
+
+/// Listens from now on, unless processes work together: they could not agree on when an interrupt came, so it ends them.
+pub fn listen_alone(messages: Messages) {
+    if ranks::size() == 1 {
+        listen(messages);
     }
 }
 

@@ -126,6 +126,10 @@ pub fn tell_time(voice: Voice, run: &RunReport) {
             time.output
         ),
     );
+    if run.processes > 1 {
+        let megabytes = run.given_bytes as f64 * 1e-6;
+        voice.figure("team", format_args!("{} processes, the first of which got {megabytes:.1} MB from the others", run.processes));
+    }
 }
 
 #[cfg(test)]

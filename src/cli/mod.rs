@@ -24,6 +24,7 @@ mod pictures;
 mod plots;
 mod process;
 mod progress;
+mod ranks;
 mod reader;
 mod relight;
 mod report;
@@ -47,18 +48,26 @@ pub fn run() -> ExitCode {
         Ok(arguments) => arguments,
         Err(message) => {
             // Help and version are asked for and no error; whether they can be written changes nothing.
-            let _ = message.print();
+            if ranks::is_told_first() {
+                let _ = message.print();
+            }
             return if message.use_stderr() { Exit::Usage } else { Exit::Done }.into();
         }
     };
     memory_guard::watch();
-    match execute(arguments.command) {
-        Ok(exit) => exit.into(),
-        Err(failure) => {
-            stderr::say(format_args!("error: {}", failure.message));
-            failure.exit.into()
-        }
-    }
+    // Joined until the end: others are told of a failure while they are.
+    let _joined = match ranks::join(ranks::is_done_alone(&arguments.command)) {
+        Ok(joined) => joined,
+        Err(failure) => return failed(&failure),
+    };
+    let ended = ranks::check(&arguments.command, ranks::size()).and_then(|()| execute(arguments.command));
+    ended.map_or_else(|failure| failed(&failure), ExitCode::from)
+}
+
+/// Tells what failed.
+fn failed(failure: &Failure) -> ExitCode {
+    ranks::fail(failure);
+    failure.exit.into()
 }
 
 fn execute(command: Command) -> Result<Exit, Failure> {

@@ -9,6 +9,7 @@ use patchlight::progress::{Observer, Progress};
 
 use super::exit::{Exit, Failure};
 use super::progress::{Voice, Watcher};
+use super::ranks;
 
 /// What is written.
 #[derive(Debug)]
@@ -56,7 +57,7 @@ impl PerVertex {
         );
         let solution = evaluator.solution();
         let provenance = Provenance::new(solution.options());
-        for (destination, format) in &self.files {
+        for (destination, format) in self.files.iter().filter(|_| ranks::is_first()) {
             destination.write(|file| export_vertex_light(file, *format, solution, &light, &provenance))?;
             voice.figure("wrote", format_args!("{} (radiosity in W/m^2 at vertices)", destination.path().display()));
         }

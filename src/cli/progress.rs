@@ -12,6 +12,7 @@ use serde_json::json;
 
 use super::argument_groups::ProgressKind;
 use super::interrupt;
+use super::ranks;
 use super::stderr::say;
 
 /// How the user wants to be told.
@@ -27,7 +28,7 @@ pub enum Voice {
     Json,
     /// Only warnings and errors.
     None,
-    /// Nothing: that of a job among others, of which the batch tells.
+    /// Nothing: that of a job among others, of which the batch tells, or of a process of which the first one tells.
     Job,
 }
 
@@ -35,6 +36,7 @@ impl Voice {
     /// What `kind` means on this terminal.
     pub fn new(kind: ProgressKind) -> Self {
         match kind {
+            _ if !ranks::is_first() => Self::Job,
             ProgressKind::Auto if std::io::stderr().is_terminal() => Self::Bar,
             ProgressKind::Auto => Self::Summary,
             ProgressKind::Plain => Self::Plain,

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use patchlight::output::{CpuReport, Points, Provenance, Quantity, RunReport, SceneReport, write_report};
 use patchlight::picture::Image;
-use patchlight::pipeline::{self, Evaluator, Workers};
+use patchlight::pipeline::{self, Evaluator};
 use patchlight::scene::import::read_scene;
 use patchlight::scene::{FileUv, Scene};
 use patchlight::solve::{RunOptions, SolveOptions, StoppedBy};
@@ -19,7 +19,7 @@ use super::progress::{Voice, Watcher};
 use super::report::write_page_to;
 use super::request::{PictureRequest, SolveRequest};
 use super::stderr::say;
-use super::{files, interrupt, pictures, process, results};
+use super::{files, interrupt, pictures, process, ranks, results};
 
 /// Warnings that are printed one by one; `patchlight info` prints all.
 const PRINTED_WARNINGS: usize = 20;
@@ -33,24 +33,24 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     let points = request.points.as_ref().map(|(path, _)| files::read_points(path)).transpose()?;
     let expected_values = request.options.expected_values.or(points.as_ref().map(|points| points.len() as u64));
     let options = SolveOptions { expected_values, ..request.options.clone() };
-    let workers = Workers::new(request.run.threads)?;
+    let workers = ranks::workers(request.run.threads)?;
     let (scene, warnings, _) = workers.install(|| read(&request, &request.outputs))?;
     let request = request.or_leave_a_page()?;
     let scene_report = SceneReport::of(&scene, request.scene.clone());
     let load_s = start.elapsed().as_secs_f64();
-    interrupt::listen(interrupt::OF_RUN);
+    interrupt::listen_alone(interrupt::OF_RUN);
 
     // The solve. What an interrupt or a limit leaves is a solution as well, and is written.
-    let cpu_before = process::cpu_seconds();
+    let cpu_before = cpu_seconds_of_all();
     let run = within_limits(&request, points.as_ref(), load_s, scene.channels());
-    let (evaluator, report) = pipeline::solve_on(workers, scene, &options, &run, &Watcher::new(voice))?;
-    let cpu_solved = process::cpu_seconds();
+    let (mut evaluator, report) = pipeline::solve_on(workers, scene, &options, &run, &Watcher::new(voice))?;
+    let cpu_solved = cpu_seconds_of_all();
     let provenance = Provenance::new(&options);
     let mut run_report = RunReport::of_solve(provenance.software(), scene_report, &options, &report);
     tell_key_figures(voice, &run_report, &report);
 
     // What is asked for.
-    let mut ending = Ending::new(Exit::of_solve(report.stopped_by, report.converged));
+    let mut ending = Ending { writes: ranks::is_first(), ..Ending::new(Exit::of_solve(report.stopped_by, report.converged)) };
     let sampling = Instant::now();
     // Whoever interrupts a solve does not wait for a good picture.
     let time_s = if report.stopped_by == StoppedBy::Cancelled { Some(0.0) } else { request.run.time_s };
@@ -61,10 +61,16 @@ pub fn solve(request: SolveRequest) -> Result<Exit, Failure> {
     ending.limit(cut_short);
     let sample_s = sampling.elapsed().as_secs_f64() - ending.output_s;
 
-    // The report, last: it tells about all of the above.
-    let cpu_now = process::cpu_seconds();
+    // The report, last: it tells about all of the above. The first process makes it.
+    let cpu_now = cpu_seconds_of_all();
+    evaluator.leave_team();
+    if !ranks::is_first() {
+        std::mem::forget(evaluator);
+        return ending.finish();
+    }
     let between = |from: Option<f64>, to: Option<f64>| Some(to? - from?);
     run_report.threads = if request.run.threads > 0 { request.run.threads } else { available_threads() };
+    (run_report.processes, run_report.given_bytes) = (ranks::size(), ranks::given_bytes());
     (run_report.warnings, run_report.warned_faces) = (warnings.texts, warnings.faces);
     run_report.time_s.load = load_s;
     run_report.time_s.sample = sample_s;
@@ -117,14 +123,14 @@ pub fn light<T>(
     plan: impl FnOnce(&Scene, &FileUv) -> Result<(T, Demand), Failure>,
 ) -> Result<(Evaluator, Exit, T), Failure> {
     let start = Instant::now();
-    let workers = Workers::new(request.run.threads)?;
+    let workers = ranks::workers(request.run.threads)?;
     let (scene, _, uv) = workers.install(|| read(request, outputs))?;
     let (plan, demand) = plan(&scene, &uv)?;
     let values = request.options.expected_values.or(Some(demand.values));
     let options = SolveOptions { expected_values: values, ..request.options.clone() };
     let scene_report = SceneReport::of(&scene, request.scene.clone());
     let load_s = start.elapsed().as_secs_f64();
-    interrupt::listen(interrupt::OF_RUN);
+    interrupt::listen_alone(interrupt::OF_RUN);
     let run = within_limits(request, None, load_s, scene.channels());
     let run = RunOptions {
         time_s: run.time_s.map(|seconds| (1.0 - demand.time) * seconds),
@@ -231,6 +237,11 @@ pub fn write_results(
     written
 }
 
+/// CPU seconds of all processes so far, where the system tells.
+fn cpu_seconds_of_all() -> Option<f64> {
+    process::cpu_seconds().map(ranks::sum)
+}
+
 fn available_threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
@@ -239,6 +250,8 @@ fn available_threads() -> usize {
 pub struct Ending {
     exit: Exit,
     failures: Vec<Failure>,
+    /// Whether this process writes: of several that work together the first one does.
+    writes: bool,
     /// Seconds that writing took.
     output_s: f64,
 }
@@ -246,7 +259,7 @@ pub struct Ending {
 impl Ending {
     /// Nothing has failed yet.
     pub fn new(exit: Exit) -> Self {
-        Self { exit, failures: Vec::new(), output_s: 0.0 }
+        Self { exit, failures: Vec::new(), writes: true, output_s: 0.0 }
     }
 
     fn note(&mut self, result: Result<(), Failure>) {
@@ -255,6 +268,9 @@ impl Ending {
 
     /// Does some writing, and counts its time.
     pub fn write(&mut self, work: impl FnOnce() -> Result<(), Failure>) {
+        if !self.writes {
+            return;
+        }
         let start = Instant::now();
         self.note(work());
         self.output_s += start.elapsed().as_secs_f64();

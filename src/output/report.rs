@@ -31,8 +31,12 @@ pub struct RunReport {
     pub scene: SceneReport,
     /// What was asked for, as far as it decides the answer.
     pub options: SolveOptions,
-    /// Worker threads that were used.
+    /// Worker threads that were used, of each process.
     pub threads: usize,
+    /// Processes that worked together.
+    pub processes: usize,
+    /// Bytes that the others gave the first one.
+    pub given_bytes: u64,
     /// Name and version of the backend that answered.
     pub backend: String,
     /// Seconds by stage.
@@ -188,6 +192,8 @@ impl RunReport {
             scene,
             options: options.clone(),
             threads: 0,
+            processes: 1,
+            given_bytes: 0,
             backend: report.backend.clone(),
             time_s: Timing { solve: report.time_s, ..Timing::default() },
             cpu_s: CpuReport::default(),

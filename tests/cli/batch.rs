@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::{MATERIALS, Place, ROOM};
 
 /// Eight quick jobs.
-const JOBS: &str = "\
+pub const JOBS: &str = "\
 scenes = 'room.obj'
 name = '{power}-{seed}'
 points = 'P.csv'
@@ -30,17 +30,18 @@ image = '{name}.exr'
 size = '16x12'
 ";
 
-const COUNT: usize = 8;
-
-fn place(jobs: &str) -> Place {
-    let place = Place::new();
-    fs::write(place.path("jobs.toml"), jobs).unwrap();
-    place
-}
+pub const COUNT: usize = 8;
 
 impl Place {
+    /// With a file of jobs.
+    pub fn with_jobs(jobs: &str) -> Self {
+        let place = Self::new();
+        fs::write(place.path("jobs.toml"), jobs).unwrap();
+        place
+    }
+
     /// All that a batch wrote into a folder, but what is not the same in every run: times and journals.
-    fn results(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
+    pub fn results(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
         let mut found = BTreeMap::new();
         for below in [folder.to_owned(), format!("{folder}/values")] {
             for entry in fs::read_dir(self.path(&below)).unwrap().map(Result::unwrap) {
@@ -56,7 +57,7 @@ impl Place {
     }
 
     /// Lines of a journal: jobs that have ended.
-    fn noted(&self, journal: &str) -> usize {
+    pub fn noted(&self, journal: &str) -> usize {
         fs::read_to_string(self.path(journal)).map_or(0, |text| text.lines().count())
     }
 }
@@ -65,7 +66,7 @@ impl Place {
 const TABLES: usize = 1 + cfg!(feature = "parquet") as usize;
 
 /// Results, as one process and one thread make them.
-fn expected(place: &Place) -> BTreeMap<String, Vec<u8>> {
+pub fn expected(place: &Place) -> BTreeMap<String, Vec<u8>> {
     place.run("batch jobs.toml -o once --threads 1").succeeded();
     let expected = place.results("once");
     assert_eq!(expected.len(), 3 * COUNT + TABLES, "{:?}", expected.keys());
@@ -74,7 +75,7 @@ fn expected(place: &Place) -> BTreeMap<String, Vec<u8>> {
 
 #[test]
 fn a_job_writes_what_solve_writes_of_a_scene_that_says_the_same() {
-    let place = place(JOBS);
+    let place = Place::with_jobs(JOBS);
     let results = expected(&place);
     let changed = MATERIALS.replace("Kd 0.6 0.5 0.4", "Kd 0.3 0.5 0.25").replace("Ke 5 5 5", "Ke 10 10 10");
     fs::write(place.path("room.mtl"), changed).unwrap();
@@ -96,7 +97,7 @@ fn a_job_writes_what_solve_writes_of_a_scene_that_says_the_same() {
 
 #[test]
 fn lanes_threads_and_shards_change_no_byte() {
-    let place = place(JOBS);
+    let place = Place::with_jobs(JOBS);
     let expected = expected(&place);
     place.run("batch jobs.toml -o lanes --jobs 3 --threads 5").succeeded();
     assert!(place.results("lanes") == expected);
@@ -120,7 +121,7 @@ fn lanes_threads_and_shards_change_no_byte() {
 
 #[test]
 fn killed_at_any_time_and_resumed_it_comes_to_the_same_bytes() {
-    let place = place(JOBS);
+    let place = Place::with_jobs(JOBS);
     let expected = expected(&place);
     let journal = "killed/jobs.0-of-1.journal";
     let mut noted = 0;
@@ -154,7 +155,7 @@ fn killed_at_any_time_and_resumed_it_comes_to_the_same_bytes() {
 
 #[test]
 fn what_is_done_is_known_by_inputs_options_and_files() {
-    let place = place(JOBS);
+    let place = Place::with_jobs(JOBS);
     let expected = expected(&place);
     let journal = "once/jobs.0-of-1.journal";
     assert_eq!(place.noted(journal), COUNT);
@@ -190,7 +191,7 @@ fn what_is_done_is_known_by_inputs_options_and_files() {
 fn a_job_that_fails_fails_alone() {
     let jobs = "scenes = ['room.obj', 'broken.obj', 'other.obj']\nname = '{scene}'\n[options]\nerror = 0.3\n\
                 [materials.lamp]\nexitance = 20\n[outputs]\nsolution = '{name}.s'\n";
-    let place = place(jobs);
+    let place = Place::with_jobs(jobs);
     fs::write(place.path("broken.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 zero\nf 1 2 3\n").unwrap();
     fs::write(place.path("other.obj"), ROOM.replace("room.mtl", "other.mtl").replace("lamp", "light")).unwrap();
     fs::write(place.path("other.mtl"), MATERIALS.replace("lamp", "light")).unwrap();
@@ -227,7 +228,7 @@ fn a_job_that_fails_fails_alone() {
 #[cfg(target_os = "linux")]
 #[test]
 fn what_the_machine_fails_in_is_tried_again() {
-    let place = place(
+    let place = Place::with_jobs(
         "scenes = 'room.obj'\n[parameters]\nseed = [1, 2]\n[options]\nerror = 0.3\nseed = '{seed}'\n[outputs]\nsolution = '{seed}.s'\n",
     );
     std::os::unix::fs::symlink("/dev/full", place.path("1.s")).unwrap();
@@ -242,7 +243,7 @@ fn what_the_machine_fails_in_is_tried_again() {
 
 #[test]
 fn limits_end_a_job_and_its_row_says_so() {
-    let place = place(
+    let place = Place::with_jobs(
         "scenes = 'room.obj'\n[parameters]\nlinks = [1, 1000000]\n[options]\nerror = 0.3\nsolver = 'links'\nmax_links = '{links}'\n",
     );
     let ran = place.run("batch jobs.toml -o made/for/it");
@@ -253,7 +254,7 @@ fn limits_end_a_job_and_its_row_says_so() {
 
 #[test]
 fn a_bad_file_of_jobs_ends_with_3_and_names_line_and_key() {
-    let place = place("");
+    let place = Place::with_jobs("");
     let with = |lines: &str| format!("scenes = 'room.obj'\n{lines}\n");
     for (jobs, words) in [
         ("", "jobs.toml: 'scenes' is missing"),
@@ -298,7 +299,7 @@ fn a_bad_file_of_jobs_ends_with_3_and_names_line_and_key() {
 
 #[test]
 fn the_plan_is_listed_without_being_done() {
-    let place = place(JOBS);
+    let place = Place::with_jobs(JOBS);
     let ran = place.run("batch jobs.toml --plan");
     let lines: Vec<&str> = ran.succeeded().stdout.lines().collect();
     assert_eq!((lines.len(), lines[0]), (COUNT + 1, "name,scene,power,seed,outputs"));
@@ -313,7 +314,7 @@ fn the_plan_is_listed_without_being_done() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_ends_with_130_and_resume_goes_on() {
-    let place = place(JOBS);
+    let place = Place::with_jobs(JOBS);
     let expected = expected(&place);
     let (code, said) = place.run_until_signal_at("batch jobs.toml -o once --anew --threads 1", "\"event\":\"job\"", "INT");
     assert_eq!(code, Some(130), "{said}");

@@ -6,6 +6,8 @@ mod commands;
 mod hostile;
 mod lights;
 mod lit_mesh;
+#[cfg(feature = "mpi")]
+mod mpi;
 mod page;
 mod pictures;
 mod relight;

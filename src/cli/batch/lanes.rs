@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use patchlight::pipeline::Workers;
@@ -11,6 +11,7 @@ use patchlight::pipeline::Workers;
 use super::super::exit::{Exit, Failure};
 use super::super::interrupt;
 use super::super::process;
+use super::super::ranks::{self, Deal};
 use super::journal::{Cost, Figures, Journal, Record};
 use super::stock::Stock;
 use super::tasks::Task;
@@ -31,6 +32,8 @@ pub struct Lanes<'a> {
     pub mode: Mode<'a>,
     /// Who tells of them.
     pub teller: &'a Teller,
+    /// Who deals them out.
+    pub deal: &'a Deal,
 }
 
 /// What is to become of jobs that are not done.
@@ -41,45 +44,43 @@ pub enum Mode<'a> {
     Look,
 }
 
-/// Where the lanes are.
+/// What lanes have come to.
 #[derive(Default)]
 struct State {
-    next: usize,
     /// By number of the job.
     records: BTreeMap<usize, Record>,
     failure: Option<Failure>,
 }
 
 impl Lanes<'_> {
-    /// Runs as many lanes as there are numbers of threads, until all jobs have ended or an interrupt comes. Gives the records by number of
-    /// the job; whatever has none was interrupted, or is not done.
+    /// Runs as many lanes as there are numbers of threads, until all jobs have ended or an interrupt comes. Gives the records of all processes by number
+    /// of the job; whatever has none was interrupted, or is not done.
     ///
     /// # Errors
     /// Without threads, or where the journal cannot be written.
     pub fn run(&self, threads: &[usize]) -> Result<BTreeMap<usize, Record>, Failure> {
         let pools = threads.iter().map(|&count| Workers::new(count)).collect::<Result<Vec<_>, _>>()?;
         let state = Mutex::new(State::default());
+        let elsewhere = ranks::sum(pools.len() as f64) as usize - pools.len();
         std::thread::scope(|scope| {
-            for pool in &pools {
-                scope.spawn(|| self.lane(pool, &state));
+            for (number, pool) in pools.iter().enumerate() {
+                let state = &state;
+                scope.spawn(move || self.lane(number, pool, state));
             }
+            self.deal.serve(elsewhere, || locked(&state).failure.is_some());
         });
-        let State { records, failure, .. } = state.into_inner().unwrap_or_else(PoisonError::into_inner);
-        failure.map_or(Ok(records), Err)
+        let State { records, failure } = state.into_inner().unwrap_or_else(PoisonError::into_inner);
+        failure.map_or_else(|| of_all(records), Err)
     }
 
-    fn lane(&self, workers: &Workers, state: &Mutex<State>) {
-        let state = || state.lock().unwrap_or_else(PoisonError::into_inner);
+    fn lane(&self, lane: usize, workers: &Workers, state: &Mutex<State>) {
+        let state = || locked(state);
         loop {
             // The next job, unless there is a reason to end.
-            let number = {
-                let mut state = state();
-                if state.next == self.tasks.len() || state.failure.is_some() || interrupt::count() > 0 {
-                    return;
-                }
-                state.next += 1;
-                state.next - 1
-            };
+            if state().failure.is_some() || interrupt::count() > 0 {
+                return self.deal.leave(lane);
+            }
+            let Some(number) = self.deal.next(lane) else { return };
 
             // The job, alone with whatever fails in it.
             let task = &self.tasks[number];
@@ -135,6 +136,18 @@ impl Lanes<'_> {
             Mode::Work { .. } => Ok(ready.work(workers, self.results)?.map_or(Attempt::Nothing, Attempt::Done)),
         }
     }
+}
+
+fn locked(state: &Mutex<State>) -> MutexGuard<'_, State> {
+    state.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The records of all processes, from those of this one.
+fn of_all(own: BTreeMap<usize, Record>) -> Result<BTreeMap<usize, Record>, Failure> {
+    let failed = |error: serde_json::Error| Failure::failed(format_args!("records cannot be exchanged: {error}"));
+    let all = ranks::team().exchange(serde_json::to_vec(&own).map_err(failed)?);
+    let of_each = all.iter().map(|bytes| serde_json::from_slice::<BTreeMap<usize, Record>>(bytes));
+    Ok(of_each.collect::<Result<Vec<_>, _>>().map_err(failed)?.into_iter().flatten().collect())
 }
 
 /// What came of an attempt.

@@ -31,6 +31,7 @@ use super::files;
 use super::interrupt;
 use super::process;
 use super::progress::Voice;
+use super::ranks::{self, Deal};
 use super::settings::run_options;
 use job_file::JobFile;
 use journal::{Journal, Record};
@@ -111,6 +112,7 @@ impl Batch {
             return Ok(Exit::Done);
         }
         let shard = how.shard.as_deref().map_or(Ok(WHOLE), parse_shard)?;
+        let (rank, size) = (ranks::team().rank(), ranks::size());
         let [index, count] = shard;
         let of_shard = self.plan.jobs.iter().enumerate().filter(|(number, _)| number % count == index).map(|(_, job)| job.clone());
         let mut stock = Stock::new(self.place.trust, self.voice);
@@ -119,7 +121,8 @@ impl Batch {
         // What was done before.
         let made = fs::create_dir_all(&self.results);
         made.map_err(|error| Failure::usage(format_args!("cannot make {}: {error}", self.results.display())))?;
-        let path = self.results.join(journal::name(&self.stem, shard));
+        let of_process = if size > 1 { [rank, size] } else { shard };
+        let path = self.results.join(journal::name(&self.stem, of_process));
         if !how.resume && !how.anew && fs::metadata(&path).is_ok_and(|found| found.len() > 0) {
             let path = path.display();
             return Err(Failure::usage(format_args!(
@@ -135,15 +138,17 @@ impl Batch {
         interrupt::listen(interrupt::OF_BATCH);
         let teller = Teller::new(self.voice, tasks.len(), threads.len());
         let mode = Mode::Work { journal: &journal, retries: how.retries };
-        let lanes = Lanes { tasks: &tasks, stock: &stock, results: &self.results, known: &known, mode, teller: &teller };
+        let deal = Deal::new(if size > 1 { longest_first(&tasks) } else { (0..tasks.len()).collect() });
+        let lanes =
+            Lanes { tasks: &tasks, stock: &stock, results: &self.results, known: &known, mode, teller: &teller, deal: &deal };
         let records = lanes.run(&threads)?;
         drop(teller);
 
         // All of them together.
         let done = || records.iter().map(|(&number, record)| (&tasks[number].job, record));
-        if shard == WHOLE {
+        if shard == WHOLE && ranks::is_first() {
             self.write_tables(done)?;
-        } else {
+        } else if shard != WHOLE {
             let file = self.file.display();
             self.voice.figure(
                 "shard",
@@ -161,7 +166,8 @@ impl Batch {
         let known = journal::read_all(&self.results, &self.stem)?;
         let teller = Teller::new(self.voice, tasks.len(), 1);
         let (results, mode) = (&self.results, Mode::Look);
-        let lanes = Lanes { tasks: &tasks, stock: &stock, results, known: &known, mode, teller: &teller };
+        let deal = Deal::new((0..tasks.len()).collect());
+        let lanes = Lanes { tasks: &tasks, stock: &stock, results, known: &known, mode, teller: &teller, deal: &deal };
         let records = lanes.run(&self.lanes(Some(1), tasks.len())?)?;
         drop(teller);
 
@@ -255,6 +261,20 @@ impl Batch {
     }
 }
 
+/// The numbers of tasks, those first that are likely to take long: of large scenes, and to small errors. What takes long at the end keeps others
+/// waiting.
+fn longest_first(tasks: &[Task]) -> Vec<usize> {
+    let bytes = |task: &Task| fs::metadata(&task.request.scene).map_or(0, |file| file.len());
+    largest_first(&tasks.iter().map(|task| bytes(task) as f64 / task.request.options.error).collect::<Vec<f64>>())
+}
+
+/// The indices of numbers, those of the largest first; of equal ones in their order.
+fn largest_first(numbers: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..numbers.len()).collect();
+    order.sort_by(|&a, &b| numbers[b].total_cmp(&numbers[a]));
+    order
+}
+
 /// The shard that is all.
 const WHOLE: [usize; 2] = [0, 1];
 
@@ -288,6 +308,12 @@ mod tests {
         for text in ["3/3", "1", "0/0", "-1/3", "a/b", "1/3/4"] {
             assert_eq!(parse_shard(text).unwrap_err().exit, Exit::Usage, "{text}");
         }
+    }
+
+    #[test]
+    fn the_largest_comes_first_and_equal_ones_stay_in_order() {
+        assert_eq!(largest_first(&[1.0, 3.0, 1.0, 3.0, 2.0]), [1, 3, 4, 0, 2]);
+        assert!(largest_first(&[]).is_empty());
     }
 
     #[test]
