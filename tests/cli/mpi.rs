@@ -152,3 +152,13 @@ fn a_process_that_dies_ends_all_and_resume_goes_on() {
     run_by(&place, 2, "batch jobs.toml -o killed --resume").succeeded();
     assert!(place.results("killed") == expected);
 }
+
+#[test]
+fn a_launcher_that_mpi_does_not_know_is_told_of() {
+    let place = Place::new();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_patchlight"));
+    command.args(["solve", "room.obj", "--error", "0.3", "-o", "s.solution"]).current_dir(place.path(""));
+    command.envs([("PMI_RANK", "0"), ("PMI_SIZE", "2")]).env("OMPI_ALLOW_RUN_AS_ROOT", "1");
+    Ran::new(command.output().unwrap()).failed(2, &["started 2 processes, and MPI knows of 1"]);
+    assert!(place.new_files().is_empty());
+}

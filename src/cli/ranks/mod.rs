@@ -41,7 +41,7 @@ pub fn join(by_itself: bool) -> Result<Joined, Failure> {
     let [_, size] = told();
     #[cfg(feature = "mpi")]
     {
-        let universe = if size > 1 && !by_itself { Some(world::join()?) } else { None };
+        let universe = if size > 1 && !by_itself { Some(world::join(size)?) } else { None };
         if universe.is_some() {
             WORLD.get_or_init(Arc::default);
         }

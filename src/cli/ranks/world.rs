@@ -27,13 +27,20 @@ pub struct World {
     pub given: AtomicU64,
 }
 
-/// Joins them.
-pub fn join() -> Result<Universe, Failure> {
-    let failed = || Failure::failed("MPI cannot be initialised for calls from several threads");
-    mpi::initialize_with_threading(Threading::Multiple)
-        .filter(|(_, threading)| *threading >= Threading::Multiple)
-        .map(|(universe, _)| universe)
-        .ok_or_else(failed)
+/// Joins them; the launcher told of so many.
+pub fn join(told: usize) -> Result<Universe, Failure> {
+    let initialised = mpi::initialize_with_threading(Threading::Multiple);
+    let Some((universe, _)) = initialised.filter(|(_, threading)| *threading >= Threading::Multiple) else {
+        return Err(Failure::failed("MPI cannot be initialised for calls from several threads"));
+    };
+    let found = universe.world().size() as usize;
+    if found != told {
+        return Err(Failure::usage(format_args!(
+            "the launcher started {told} processes, and MPI knows of {found}, so each would do all of it: start them by the mpirun of the MPI that this \
+             program was built with, or by srun with the --mpi that it needs"
+        )));
+    }
+    Ok(universe)
 }
 
 /// Ends all of them with this exit code.
