@@ -162,3 +162,16 @@ fn a_launcher_that_mpi_does_not_know_is_told_of() {
     Ran::new(command.output().unwrap()).failed(2, &["started 2 processes, and MPI knows of 1"]);
     assert!(place.new_files().is_empty());
 }
+
+#[test]
+fn jobs_of_several_scenes_are_dealt_out_too() {
+    let jobs = "scenes = ['room.obj', 'other.obj', 'third.obj']\nname = '{scene}-{seed}'\n[parameters]\nseed = [1, 2, 3]\n\
+                [options]\nerror = 0.3\nseed = '{seed}'\n[outputs]\nsolution = 'values/{name}.solution'\n";
+    let place = Place::with_jobs(jobs);
+    for (name, height) in [("other.obj", "1.9"), ("third.obj", "1.8")] {
+        fs::write(place.path(name), place.read("room.obj").replace("1.99", height)).unwrap();
+    }
+    place.run("batch jobs.toml -o once --threads 1").succeeded();
+    run_by(&place, 3, "batch jobs.toml -o by3").succeeded();
+    assert!(place.results("by3") == place.results("once"));
+}

@@ -50,6 +50,8 @@ struct State {
     /// By number of the job.
     records: BTreeMap<usize, Record>,
     failure: Option<Failure>,
+    /// So many jobs, in the order in which they are dealt, are dealt to this process or to others.
+    dealt: usize,
 }
 
 impl Lanes<'_> {
@@ -69,7 +71,7 @@ impl Lanes<'_> {
             }
             self.deal.serve(elsewhere, || locked(&state).failure.is_some());
         });
-        let State { records, failure } = state.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let State { records, failure, .. } = state.into_inner().unwrap_or_else(PoisonError::into_inner);
         failure.map_or_else(|| of_all(records), Err)
     }
 
@@ -80,7 +82,7 @@ impl Lanes<'_> {
             if state().failure.is_some() || interrupt::count() > 0 {
                 return self.deal.leave(lane);
             }
-            let Some(number) = self.deal.next(lane) else { return };
+            let Some(number) = self.next(lane, state()) else { return };
 
             // The job, alone with whatever fails in it.
             let task = &self.tasks[number];
@@ -92,6 +94,17 @@ impl Lanes<'_> {
                 Err(failure) => drop(state().failure.get_or_insert(failure)),
             }
         }
+    }
+
+    /// The number of the next job. Those before it that went to other processes want no scene of this one any more.
+    fn next(&self, lane: usize, mut state: MutexGuard<'_, State>) -> Option<usize> {
+        // One lane after the other, so that places come in their order.
+        let place = self.deal.next(lane)?;
+        let elsewhere = state.dealt..place;
+        state.dealt = place + 1;
+        drop(state);
+        self.deal.order[elsewhere].iter().for_each(|&number| self.stock.release(self.tasks[number].scene));
+        Some(self.deal.order[place])
     }
 
     /// Does a job, unless it is done; `None` if interrupted, or only looked for.

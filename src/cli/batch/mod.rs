@@ -136,7 +136,7 @@ impl Batch {
         let threads = self.lanes(how.jobs, tasks.len())?;
         self.tell_plan(shard, &tasks, &known, &threads);
         interrupt::listen(interrupt::OF_BATCH);
-        let teller = Teller::new(self.voice, tasks.len(), threads.len());
+        let teller = Teller::new(self.voice, tasks.len(), ranks::sum(threads.len() as f64) as usize);
         let mode = Mode::Work { journal: &journal, retries: how.retries };
         let deal = Deal::new(if size > 1 { longest_first(&tasks) } else { (0..tasks.len()).collect() });
         let lanes =
@@ -261,17 +261,20 @@ impl Batch {
     }
 }
 
-/// The numbers of tasks, those first that are likely to take long: of large scenes, and to small errors. What takes long at the end keeps others
-/// waiting.
+/// The numbers of tasks, those first that are likely to take long: what takes long at the end keeps others waiting.
 fn longest_first(tasks: &[Task]) -> Vec<usize> {
     let bytes = |task: &Task| fs::metadata(&task.request.scene).map_or(0, |file| file.len());
-    largest_first(&tasks.iter().map(|task| bytes(task) as f64 / task.request.options.error).collect::<Vec<f64>>())
+    in_order(&tasks.iter().map(|task| (bytes(task), task.scene, task.request.options.error)).collect::<Vec<_>>())
 }
 
-/// The indices of numbers, those of the largest first; of equal ones in their order.
-fn largest_first(numbers: &[f64]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..numbers.len()).collect();
-    order.sort_by(|&a, &b| numbers[b].total_cmp(&numbers[a]));
+/// The indices of jobs by the bytes and the number of their scene and the error that is asked for: large scenes first, all jobs of a scene together,
+/// of these small errors first.
+fn in_order(jobs: &[(u64, usize, f64)]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..jobs.len()).collect();
+    order.sort_by(|&a, &b| {
+        let [(bytes_a, scene_a, error_a), (bytes_b, scene_b, error_b)] = [jobs[a], jobs[b]];
+        bytes_b.cmp(&bytes_a).then(scene_a.cmp(&scene_b)).then(error_a.total_cmp(&error_b))
+    });
     order
 }
 
@@ -311,9 +314,10 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_comes_first_and_equal_ones_stay_in_order() {
-        assert_eq!(largest_first(&[1.0, 3.0, 1.0, 3.0, 2.0]), [1, 3, 4, 0, 2]);
-        assert!(largest_first(&[]).is_empty());
+    fn what_takes_long_comes_first_and_jobs_of_a_scene_together() {
+        let jobs = [(10, 0, 0.1), (99, 2, 0.1), (10, 1, 0.02), (10, 0, 0.1), (99, 2, 0.05), (10, 0, 0.02)];
+        assert_eq!(in_order(&jobs), [4, 1, 5, 0, 3, 2]);
+        assert!(in_order(&[]).is_empty());
     }
 
     #[test]

@@ -4,19 +4,20 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::super::interrupt;
 
-/// Deals out numbers in an order; the first process keeps them.
+/// Deals out numbers in an order, by their places in it; the first process keeps them.
 pub struct Deal {
-    order: Vec<usize>,
+    /// The same in all processes.
+    pub order: Vec<usize>,
     next: AtomicUsize,
 }
 
 impl Deal {
-    /// In this order, the same in all processes.
+    /// In this order.
     pub fn new(order: Vec<usize>) -> Self {
         Self { order, next: AtomicUsize::new(0) }
     }
 
-    /// The next number, for a lane of this process; `None` if there is none left, or after an interrupt.
+    /// The place of the next number, for a lane of this process; `None` if there is none left, or after an interrupt.
     pub fn next(&self, lane: usize) -> Option<usize> {
         #[cfg(feature = "mpi")]
         if !super::is_first() {
@@ -51,7 +52,7 @@ impl Deal {
         if interrupt::count() > 0 {
             return None;
         }
-        self.order.get(self.next.fetch_add(1, Ordering::Relaxed)).copied()
+        Some(self.next.fetch_add(1, Ordering::Relaxed)).filter(|&place| place < self.order.len())
     }
 }
 
@@ -60,9 +61,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_number_is_dealt_once_and_in_order() {
+    fn every_place_is_dealt_once_and_in_order() {
         let deal = Deal::new(vec![2, 0, 1]);
-        assert_eq!(Vec::from_iter(std::iter::from_fn(|| deal.next(0))), [2, 0, 1]);
+        assert_eq!(Vec::from_iter(std::iter::from_fn(|| deal.next(0))), [0, 1, 2]);
         assert_eq!(deal.next(1), None);
     }
 }

@@ -107,13 +107,13 @@ const NONE: u64 = u64::MAX;
 /// How often the first process looks for questions.
 const LOOK: Duration = Duration::from_millis(1);
 
-/// The number that the first process deals to a lane of this one; `None` if there is none left.
+/// The place that the first process deals to a lane of this one; `None` if there is none left.
 pub fn dealt(lane: usize) -> Option<usize> {
     let world = SimpleCommunicator::world();
     let first = world.process_at_rank(0);
     first.send_with_tag(&[lane as u64, WANTS][..], ASKED);
-    let (number, _) = first.receive_with_tag::<u64>(ANSWERS + lane as i32);
-    (number != NONE).then_some(number as usize)
+    let (place, _) = first.receive_with_tag::<u64>(ANSWERS + lane as i32);
+    (place != NONE).then_some(place as usize)
 }
 
 /// A lane of this process asks no more, though there may be more.
@@ -121,7 +121,7 @@ pub fn leave(lane: usize) {
     SimpleCommunicator::world().process_at_rank(0).send_with_tag(&[lane as u64, LEAVES][..], ASKED);
 }
 
-/// Deals numbers to the lanes of other processes, until so many have left or got none, or all is over.
+/// Deals places to the lanes of other processes, until so many have left or got none, or all is over.
 pub fn deal(mut lanes: usize, next: impl Fn() -> Option<usize>, is_over: impl Fn() -> bool) {
     let world = SimpleCommunicator::world();
     while lanes > 0 && !is_over() {
@@ -135,8 +135,8 @@ pub fn deal(mut lanes: usize, next: impl Fn() -> Option<usize>, is_over: impl Fn
         let answer = if what == WANTS { next() } else { None };
         lanes -= usize::from(answer.is_none());
         if what == WANTS {
-            let number = answer.map_or(NONE, |number| number as u64);
-            world.process_at_rank(from).send_with_tag(&number, ANSWERS + lane as i32);
+            let place = answer.map_or(NONE, |place| place as u64);
+            world.process_at_rank(from).send_with_tag(&place, ANSWERS + lane as i32);
         }
     }
 }
