@@ -48,7 +48,7 @@ pub(crate) struct Blockers {
     blockers: Vec<Blocker>,
     tree: BoxTree,
     /// [`OccluderMesh::contact_tolerance`](crate::visibility::OccluderMesh::contact_tolerance).
-    pub(super) contact: f64,
+    pub(crate) contact: f64,
 }
 
 impl Blockers {

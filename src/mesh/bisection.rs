@@ -40,8 +40,9 @@ pub(super) struct Node {
 /// The square of an edge is at most so many times the largest area: along a narrow strip light changes as it does on what is wider.
 const MOST_STRETCHED: f64 = 4.0;
 
-/// How far inside, as a part of the way to the centroid of the triangle.
+/// How far inside, as a part of the way to the centroid of the triangle: this, or more where that would be too near; never beyond half of it.
 const INSIDE: f64 = 1e-3;
+const MOST_INSIDE: f64 = 0.5;
 
 /// A triangle that was halved.
 #[derive(Clone, Copy, Debug)]
@@ -59,16 +60,36 @@ pub(super) struct Triangles {
     pub triangles: Vec<Triangle>,
     /// What was halved since someone asked, in that order.
     pub halvings: Vec<Halving>,
+    /// Light at a border is taken so far inside at least, in metres, where triangles are wide enough.
+    clearance: f64,
+}
+
+/// Where a border node is taken.
+#[derive(Clone, Copy)]
+struct Inside {
+    /// In the middle of its triangles, in metres.
+    towards: DVec2,
+    /// The distance of that from the border, at least.
+    depth: f64,
+}
+
+impl Inside {
+    /// The centroid of a triangle, and its distance from the nearest edge: a third of the height over the longest.
+    fn of(corners: [DVec2; 3]) -> Self {
+        let [a, b, c] = corners;
+        let longest_sq = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        Self { towards: corners.iter().sum::<DVec2>() / 3.0, depth: (b - a).perp_dot(c - a) / (3.0 * longest_sq.sqrt()) }
+    }
 }
 
 impl Triangles {
     /// Triangles with these vertices as corners, and neighbours beyond the edges from each. Triangles share nodes where they are joined by
     /// neighbours.
-    pub fn new(corners: &[[u32; 3]], neighbours: &[[u32; 3]], at: impl Fn(u32) -> DVec2) -> Self {
-        let mut all = Self::default();
+    pub fn new(corners: &[[u32; 3]], neighbours: &[[u32; 3]], at: impl Fn(u32) -> DVec2, clearance: f64) -> Self {
+        let mut all = Self { clearance, ..Self::default() };
         let unknown = Triangle { corners: [NONE; 3], middles: [NONE; 3], neighbours: [NONE; 3] };
         all.triangles = neighbours.iter().map(|&neighbours| Triangle { neighbours, ..unknown }).collect();
-        let centroid = |triangle: usize| corners[triangle].iter().map(|&vertex| at(vertex)).sum::<DVec2>() / 3.0;
+        let inside = |triangle: usize| Inside::of(corners[triangle].map(&at));
         let edge_back = |triangle: usize, from: usize| neighbours[triangle].iter().position(|&other| other as usize == from);
         for triangle in 0..corners.len() {
             for corner in 0..3 {
@@ -79,15 +100,17 @@ impl Triangles {
                     let is_border = around.iter().any(|&(triangle, corner)| {
                         neighbours[triangle][corner] == NONE || neighbours[triangle][(corner + 2) % 3] == NONE
                     });
-                    let inside = around.iter().map(|&(triangle, _)| centroid(triangle)).sum::<DVec2>() / around.len() as f64;
-                    let node = all.add_node(at(vertex), is_border.then_some(inside));
+                    let of_each = || around.iter().map(|&(triangle, _)| inside(triangle));
+                    let towards = of_each().map(|inside| inside.towards).sum::<DVec2>() / around.len() as f64;
+                    let depth = of_each().map(|inside| inside.depth).fold(f64::INFINITY, f64::min);
+                    let node = all.add_node(at(vertex), is_border.then_some(Inside { towards, depth }));
                     around.iter().for_each(|&(triangle, corner)| all.triangles[triangle].corners[corner] = node);
                 }
                 // A node in the middle of each edge, for both of its triangles.
                 if all.triangles[triangle].middles[corner] == NONE {
                     let middle = 0.5 * (at(corners[triangle][corner]) + at(corners[triangle][(corner + 1) % 3]));
                     let beyond = neighbours[triangle][corner];
-                    let node = all.add_node(middle, (beyond == NONE).then(|| centroid(triangle)));
+                    let node = all.add_node(middle, (beyond == NONE).then(|| inside(triangle)));
                     all.triangles[triangle].middles[corner] = node;
                     if beyond != NONE
                         && let Some(edge) = edge_back(beyond as usize, triangle)
@@ -117,9 +140,11 @@ impl Triangles {
         found
     }
 
-    /// Adds a node, sampled a little towards `inside` where it lies at a border.
-    fn add_node(&mut self, at: DVec2, inside: Option<DVec2>) -> u32 {
-        let sampled_at = inside.map_or(at, |inside| at.lerp(inside, INSIDE));
+    /// Adds a node, sampled a little inside where it lies at a border.
+    fn add_node(&mut self, at: DVec2, inside: Option<Inside>) -> u32 {
+        let clearance = self.clearance;
+        let part = |depth: f64| if clearance > INSIDE * depth { (clearance / depth).min(MOST_INSIDE) } else { INSIDE };
+        let sampled_at = inside.map_or(at, |Inside { towards, depth }| at.lerp(towards, part(depth)));
         self.nodes.push(Node { at, sampled_at });
         self.nodes.len() as u32 - 1
     }
@@ -175,7 +200,7 @@ impl Triangles {
         let beyond = neighbours[edge];
         let [a, b] = [corners[edge], corners[(edge + 1) % 3]].map(|node| self.nodes[node as usize].at);
         let middle = self.nodes[middles[edge] as usize].at;
-        let inside = (beyond == NONE).then(|| self.corners(triangle).iter().sum::<DVec2>() / 3.0);
+        let inside = (beyond == NONE).then(|| Inside::of(self.corners(triangle)));
         let quarters = [a, b].map(|corner| self.add_node(0.5 * (corner + middle), inside));
         let second = self.halve(triangle, edge, quarters);
         if beyond == NONE {
@@ -223,7 +248,7 @@ mod tests {
     /// A square of two triangles.
     fn square() -> Triangles {
         let at = |vertex: u32| DVec2::new(f64::from(vertex % 2), f64::from(vertex / 2));
-        Triangles::new(&[[0, 1, 3], [0, 3, 2]], &[[NONE, NONE, 1], [0, NONE, NONE]], at)
+        Triangles::new(&[[0, 1, 3], [0, 3, 2]], &[[NONE, NONE, 1], [0, NONE, NONE]], at, 0.0)
     }
 
     #[test]
@@ -259,6 +284,21 @@ mod tests {
             let [a, b, c] = corners;
             let angle = |a: DVec2, b: DVec2, c: DVec2| (b - a).angle_to(c - a).abs().to_degrees();
             assert!(angle(a, b, c).min(angle(b, c, a)).min(angle(c, a, b)) > 22.4);
+        }
+    }
+
+    #[test]
+    fn nodes_at_a_border_keep_clear_of_it_where_there_is_room() {
+        const CLEARANCE: f64 = 1e-3;
+        for (height, least) in [(1.0, CLEARANCE), (0.02, CLEARANCE), (1e-3, 5e-5)] {
+            let at = |vertex: u32| DVec2::new(f64::from(vertex % 2), height * f64::from(vertex / 2));
+            let mut all = Triangles::new(&[[0, 1, 3], [0, 3, 2]], &[[NONE, NONE, 1], [0, NONE, NONE]], at, CLEARANCE);
+            (0..4).for_each(|number| all.bisect(number));
+            for node in &all.nodes {
+                let [x, y] = node.sampled_at.to_array();
+                let from_border = x.min(1.0 - x).min(y).min(height - y);
+                assert!(from_border > 0.999 * least && from_border < height, "{} at {from_border} of {height}", node.at);
+            }
         }
     }
 

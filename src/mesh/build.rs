@@ -5,7 +5,7 @@ use std::time::Instant;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::effort::{FOLLOWED, PILOT_POINTS, PILOT_RAYS, RAYS, rays_of_nodes};
+use super::effort::{FOLLOWED, PILOT_POINTS, PILOT_RAYS, RAYS, rays_of_direct, rays_of_nodes};
 use super::expected::mean_errors_sq;
 use super::grow::{Grower, MOST_GATHERS};
 use super::growing::Growing;
@@ -27,6 +27,9 @@ use crate::values::{IndirectGather, RayBudget};
 
 /// Triangles are at first no larger than this part of all area that is meshed, or of all pixels.
 const FIRST_PART: f64 = 1.0 / 500.0;
+
+/// Light is taken so many times farther from a border than what a point touches may be: a point at the foot of a wall sees through it from nearer.
+const CLEARANCE: f64 = 2.0;
 
 /// The part of the squared error that the function of indirect light may have; the rest is left to that of all light. A point of indirect light costs
 /// more than ten of direct light. Of 0.5, 0.7 and 0.8 none is best in all of Cornell box, office and room.
@@ -81,7 +84,7 @@ impl MeshBuilder<'_> {
         let (budget, size) = (self.budget, (whole / roots).powi(2));
         let mut light = Indirect { direct: &direct, gather: self.indirect, budget, rays: PILOT_RAYS, size, noise_scale: 1.0 };
         let begun = Instant::now();
-        if let Some([noise_sq, told]) = self.grower(&light, INDIRECT_PART, whole).sampled_noise_sq(&growing, PILOT_POINTS) {
+        if let Some([noise_sq, told]) = self.grower(&light, (INDIRECT_PART, size)).sampled_noise_sq(&growing, PILOT_POINTS) {
             let wanted = rays_of_nodes(self.error * INDIRECT_PART.sqrt(), noise_sq, self.seen.is_some());
             // What takes as many rays each: nodes and their tests, and judging, twice at each point.
             let gathers = 2 * (nodes(&growing) + JUDGED);
@@ -89,14 +92,17 @@ impl MeshBuilder<'_> {
             light.rays = (wanted * self.limits.affordable_part(work)).max(RAYS.0);
             light.noise_scale = if told > 0.0 { noise_sq / told } else { 1.0 };
         }
-        let of_indirect = self.grower(&light, INDIRECT_PART, whole).grow(&mut growing)?;
+        let of_indirect = self.grower(&light, (INDIRECT_PART, size)).grow(&mut growing)?;
         let off_indirect = self.mean_errors_sq(&growing);
         let indirect = self.finish(growing, Vec::new(), true);
 
         // All light.
         let mut growing = self.begin(surfaces, whole, of_all)?;
-        let light = All { direct: &direct, indirect: MeshReader::of(self.scene, &indirect) };
+        let mut light = All { direct: &direct, indirect: MeshReader::of(self.scene, &indirect), rays: PILOT_RAYS };
         let part = 1.0 - INDIRECT_PART;
+        if let Some([noise_sq, _]) = self.grower(&light, (part, 1.0)).sampled_noise_sq(&growing, PILOT_POINTS) {
+            light.rays = rays_of_direct(self.error * part.sqrt(), noise_sq);
+        }
         let wanted = (TESTS / (part * self.error.powi(2))).ceil().min(MOST_TESTS);
         let tests = (wanted * self.affordable_tests(&growing, &light, wanted)).max(LEAST_TESTS);
         let grower = Grower {
@@ -105,7 +111,7 @@ impl MeshBuilder<'_> {
             takes_all: false,
             fits: false,
             followed: 1.0,
-            ..self.grower(&light, part, whole / tests)
+            ..self.grower(&light, (part, 1.0))
         };
         let of_all = grower.grow(&mut growing)?;
         let Judged { measured, claimed, by_group, .. } = of_indirect.with(of_all);
@@ -143,9 +149,8 @@ impl MeshBuilder<'_> {
             return 1.0;
         }
         let begun = Instant::now();
-        self.grower(light, 1.0, 1.0).sampled_noise_sq(growing, PILOT_POINTS);
-        // They are taken when elements are tested first, and again when these are judged.
-        self.limits.affordable_part(seconds_of_gathers(begun, nodes(growing) + 2 * tests as usize))
+        self.grower(light, (1.0, 1.0)).sampled_noise_sq(growing, PILOT_POINTS);
+        self.limits.affordable_part(seconds_of_gathers(begun, nodes(growing) + tests as usize))
     }
 
     /// What all surfaces weigh.
@@ -158,7 +163,8 @@ impl MeshBuilder<'_> {
         self.seen.map_or_else(|| self.scene.surface(surface).polygon.area(), |seen| seen.weight(surface))
     }
 
-    fn grower<'b>(&'b self, light: &'b dyn Light, part: f64, test_weight: f64) -> Grower<'b> {
+    /// What grows a function that may have a part of the squared error, and whose nodes take the rays of `light` where they weigh `size`.
+    fn grower<'b>(&'b self, light: &'b dyn Light, (part, size): (f64, f64)) -> Grower<'b> {
         let Self { budget, error, norm, limits, tell, stop, .. } = *self;
         let (channels, deciding) = (self.scene.channels(), self.scene.deciding());
         let (seed, error) = (budget.seed, error * part.sqrt());
@@ -169,8 +175,8 @@ impl MeshBuilder<'_> {
             seed,
             error,
             norm,
+            size,
             followed: FOLLOWED,
-            test_weight,
             judged_at: JUDGED,
             most_gathers: MOST_GATHERS,
             takes_all: true,
@@ -186,7 +192,7 @@ impl MeshBuilder<'_> {
     /// A surface follows no more lines than its part of the most elements, by its weight: else many small surfaces that cross each other would take
     /// them all.
     fn begin(&self, surfaces: &[SurfaceId], whole: f64, lines: &Discontinuities) -> Option<Vec<Growing>> {
-        let largest = FIRST_PART * whole;
+        let (largest, clearance) = (FIRST_PART * whole, CLEARANCE * self.direct.blockers.contact);
         let begin = |&surface: &SurfaceId| {
             if (self.stop)() {
                 return None;
@@ -203,9 +209,9 @@ impl MeshBuilder<'_> {
             let lines: Vec<Line> = followed.iter().filter(|_| is_worth_it).map(line).collect();
             let deciding = self.scene.deciding();
             let Some(seen) = self.seen else {
-                return Some(Growing::new(surface, plane, triangulate(&corners, &lines, largest), None, deciding));
+                return Some(Growing::new(surface, plane, triangulate(&corners, &lines, largest, clearance), None, deciding));
             };
-            let triangles = triangulate(&corners, &lines, f64::INFINITY);
+            let triangles = triangulate(&corners, &lines, f64::INFINITY, clearance);
             let seen = SeenTriangles::new(seen.of(surface), &triangles);
             let mut growing = Growing::new(surface, plane, triangles, Some(seen), deciding);
             growing.bisect_to(largest);

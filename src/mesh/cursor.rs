@@ -72,7 +72,7 @@ mod tests {
         // Two surfaces with light that has bends, and one that has no mesh.
         let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| DVec2::new(x, y));
         let mesh_of = |seed: u64| {
-            let mut triangles = triangulate(&corners, &[], 0.02);
+            let mut triangles = triangulate(&corners, &[], 0.02, 0.0);
             (0..100).for_each(|step| triangles.bisect(step * 7 % triangles.triangles.len() as u32));
             let random = |number: u64| (sampling::unit(sampling::hash(seed, number)) - 0.1) as f32;
             let reflected = (0..2 * triangles.nodes.len() as u64).map(random).collect();

@@ -1,9 +1,9 @@
 //! How much of the squared error each element is expected to have.
 //!
-//! A test's squared difference, less its noise, says that without bias, but a single one may be mostly noise. If it is clearly more than noise, it is
-//! believed. Of all others one is only known together with those in elements that are as large against the distance of what is seen from there:
-//! the larger, the less an element can follow the light, as in the split sphere model of Ward, Rubinstein and Clear (1988). So they get the mean of
-//! their like, which is found as the best function that does not fall with that size (isotonic regression).
+//! A test's squared difference, less its noise, says that without bias, but a single one may be mostly noise, or may have missed an edge of light. If it is
+//! clearly more than noise, it is believed. Of all others one is only known together with those whose elements have as large a hierarchical surplus, by
+//! which the elements' own nodes tell how far light is from linear there: they get the mean of their like, which is found as the best function that does
+//! not fall with it (isotonic regression).
 
 use super::growing::{Growing, Test};
 use super::judged::Norm;
@@ -69,12 +69,23 @@ fn expected<'a>(all: &'a [Growing], norm: &Norm) -> (Vec<Expected<'a>>, f64) {
     }
     let whole = tests.iter().map(|of| of.part * of.error_sq).sum();
 
-    // Where it says little, what its like say.
-    let is_clear = |test: &Test| test.difference_sq > SIGNIFICANT * test.noise_sq;
-    let mut unclear: Vec<usize> = (0..tests.len()).filter(|&number| !is_clear(tests[number].test)).collect();
-    unclear.sort_by(|&a, &b| tests[a].test.relative_size.total_cmp(&tests[b].test.relative_size).then(a.cmp(&b)));
-    let of_unclear: Vec<[f64; 2]> = unclear.iter().map(|&number| [tests[number].error_sq, tests[number].part]).collect();
-    unclear.iter().zip(isotonic(&of_unclear)).for_each(|(&number, mean)| tests[number].error_sq = mean);
+    // What its like say, all of them, where that is more or it says little.
+    let surpluses: Vec<f64> =
+        tests.iter().map(|of| norm.weight(of.test.light_sq) * all[of.number].surplus_sq(of.test.triangle)).collect();
+    let mut order: Vec<usize> = (0..tests.len()).collect();
+    order.sort_by(|&a, &b| surpluses[a].total_cmp(&surpluses[b]).then(a.cmp(&b)));
+    let in_order: Vec<[f64; 2]> = order.iter().map(|&number| [tests[number].error_sq, tests[number].part]).collect();
+    for (&number, mean) in order.iter().zip(isotonic(&in_order)) {
+        let Expected { test, error_sq, .. } = &mut tests[number];
+        let is_clear = test.difference_sq > SIGNIFICANT * test.noise_sq;
+        *error_sq = if is_clear { error_sq.max(mean) } else { mean };
+    }
+
+    // As much in all as was found.
+    let counted: f64 = tests.iter().map(|of| of.part * of.error_sq).sum();
+    if whole > 0.0 {
+        tests.iter_mut().for_each(|of| of.error_sq *= whole / counted);
+    }
     (tests, whole)
 }
 

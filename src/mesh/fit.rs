@@ -296,7 +296,7 @@ mod tests {
     const NOISE: f64 = 0.02;
 
     fn triangles() -> Triangles {
-        triangulate(&[DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y], &[], 2e-3)
+        triangulate(&[DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y], &[], 2e-3, 0.0)
     }
 
     /// Values of a function with uniform noise of this variance, in one channel.

@@ -11,21 +11,26 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::effort::CLAIMED;
 use super::element;
 use super::expected::expected_errors_sq;
 use super::growing::{Growing, Test};
 use super::judged::{Judged, Norm};
 use super::light::{Light, LightScratch};
 use super::limits::MeshLimits;
+use super::spots::{Spot, by_weight, by_weight_and_surplus};
 use crate::error::ErrorNorm;
 use crate::geometry::{sampling, streams};
 use crate::paths::{Place, place_at};
 use crate::progress::Stop;
 
-/// Elements with so much of the squared error are bisected in a round, twice each: into four.
-const BISECTED: f64 = 0.8;
+/// Elements with so much of the squared error, at most and at least, are bisected in a round, twice each: into four.
+const BISECTED: (f64, f64) = (0.6, 0.1);
 
-/// If more of the squared error than this is noise of nodes, more gathers help most.
+/// The part of their squared error that elements lose then, at least: across an edge of light it falls with the size.
+const LOST: f64 = 0.5;
+
+/// If noise of nodes has more of the squared error that is allowed than this, more gathers help most.
 const NOISY: f64 = 0.5;
 
 /// Rounds at most.
@@ -51,10 +56,10 @@ pub(super) struct Grower<'a> {
     /// The largest error that may be claimed, and in which norm.
     pub error: f64,
     pub norm: ErrorNorm,
+    /// What a node weighs that takes as many rays as light is to take in the mean.
+    pub size: f64,
     /// The part of the squared error that is not left to noise of nodes.
     pub followed: f64,
-    /// A test in each element stands for so much of what elements weigh, at most.
-    pub test_weight: f64,
     /// Whether nodes are taken where nothing is seen as well: others read the function there.
     pub takes_all: bool,
     /// Whether light is smooth and its nodes are noisy, so that each is fitted to those around it.
@@ -76,22 +81,6 @@ struct Wanted {
     size: f64,
 }
 
-/// The light at a place, by channel with its variance, and how close what is seen from there is.
-struct Taken<'a> {
-    light: &'a [[f64; 2]],
-    closeness: f64,
-}
-
-/// A point in an element.
-struct Spot {
-    /// The number of the surface among those that grow.
-    index: usize,
-    triangle: u32,
-    at: [f64; 3],
-    /// What it was drawn by.
-    draw: u64,
-}
-
 impl Grower<'_> {
     /// Refines the elements of all surfaces together; `None` if stopped.
     pub fn grow(&self, all: &mut [Growing]) -> Option<Judged> {
@@ -100,16 +89,19 @@ impl Grower<'_> {
             self.take_nodes(all, gathers)?;
             self.test_changed(all, round)?;
             let Some(norm) = Norm::of(self.norm, all) else { return Some(Judged::DARK) };
-            let (mut worst, left) = self.worst(all, &norm);
+            let (mut expected, left) = expected_errors_sq(all, &norm);
+            let (allowed, followed) = (self.error.powi(2), self.followed * self.error.powi(2));
+            let mut bisected = bisected_part(left, followed);
             // What does not fall is noise, or had not been found.
             judged = None;
             let is_steady = left >= std::mem::replace(&mut before, left);
-            if is_steady || left <= self.followed * self.error.powi(2) {
+            if is_steady || left <= followed {
                 let found = self.judge(all, round, &norm)?;
-                (worst, _) = self.worst(all, &norm);
+                (expected, _) = expected_errors_sq(all, &norm);
                 // If noise is left, gathers help; else more elements.
-                let is_noise = found.noise_sq >= NOISY * found.measured.powi(2);
+                let is_noise = found.noise_sq >= NOISY * allowed;
                 let is_enough = found.claimed <= self.error;
+                bisected = bisected_part(found.measured.powi(2) - found.noise_sq, allowed / CLAIMED.powi(2) - found.noise_sq);
                 judged = Some(found);
                 if is_enough {
                     break;
@@ -118,7 +110,7 @@ impl Grower<'_> {
                     break;
                 }
                 if is_noise {
-                    worst.iter_mut().for_each(Vec::clear);
+                    bisected = 0.0;
                     gathers *= 2;
                 }
             }
@@ -127,6 +119,7 @@ impl Grower<'_> {
             if round + 1 == ROUNDS || !rounds.may_go_on(elements) {
                 break;
             }
+            let worst = worst(expected, bisected, all.len());
             all.par_iter_mut().zip(worst).for_each(|(of, worst)| of.refine(&worst));
         }
         match judged {
@@ -154,7 +147,7 @@ impl Grower<'_> {
             }
         }
         let places: Vec<Wanted> = wanted.iter().map(|of| of.2).collect();
-        let taken = self.take(&places, |taken, _, _, found| found.extend_from_slice(taken.light))?;
+        let taken = self.take(&places, |light, _, _, found| found.extend_from_slice(light))?;
 
         // Means of all gathers, and their variances.
         for ((index, node, _), light) in wanted.iter().zip(taken.chunks(self.channels)) {
@@ -172,11 +165,10 @@ impl Grower<'_> {
         for (index, of) in all.iter_mut().enumerate() {
             of.is_tested.resize(of.triangles.triangles.len(), false);
             let seed = sampling::hash(self.seed, streams::MESH_TESTS + of.surface.index() as u64);
-            for triangle in (0..of.is_tested.len()).filter(|&triangle| !of.is_tested[triangle]) {
-                let count = of.tests_for(triangle as u32, self.test_weight);
-                let draw = sampling::hash(sampling::hash(seed, u64::from(round)), triangle as u64);
-                spots.extend((0..count).map(|number| Spot::new((index, of), triangle as u32, sampling::hash(draw, number))));
-            }
+            let is_new = |triangle: &usize| !of.is_tested[*triangle] && of.weight(*triangle as u32) > 0.0;
+            let draw = |triangle: usize| sampling::hash(sampling::hash(seed, u64::from(round)), triangle as u64);
+            let new = (0..of.is_tested.len()).filter(is_new);
+            spots.extend(new.map(|triangle| Spot::new((index, of), triangle as u32, draw(triangle))));
             of.is_tested.fill(true);
         }
         let tests = self.tests(all, &spots)?;
@@ -187,29 +179,38 @@ impl Grower<'_> {
     /// Holds the function against the light at points spread over all that counts, one in each of as many strata; the elements keep these tests.
     fn judge(&self, all: &mut [Growing], round: u32, norm: &Norm) -> Option<Judged> {
         let seed = sampling::hash(self.seed, streams::MESH_JUDGED + u64::from(round));
-        let (spots, whole) = Spot::spread(all, self.judged_at, seed);
-        let wanted = self.wanted(all, &spots, 0);
-        let first = self.take(&wanted, |Taken { light, closeness }, number, scratch, found| {
-            found.push((light.to_vec(), [self.light.all_sq(&wanted[number].place, scratch, light), closeness]));
+        let whole: f64 = all.iter().map(Growing::whole).sum();
+        let (spots, parts) = Spot::spread(all, self.judged_at, seed, &by_weight_and_surplus(all, norm));
+
+        // A place takes more rays the more it stands for: as many as a node of some size in the mean.
+        let mean_part = whole / self.judged_at as f64;
+        let judged = |stream: u64| {
+            let mut wanted = self.wanted(all, &spots, stream);
+            wanted.iter_mut().zip(&parts).for_each(|(wanted, part)| wanted.size = self.size * part / mean_part);
+            wanted
+        };
+        let wanted = judged(0);
+        let first = self.take(&wanted, |light, number, scratch, found| {
+            found.push((light.to_vec(), self.light.all_sq(&wanted[number].place, scratch, light)));
         })?;
 
         // Twice where there is noise. Of what seems to have none, noise would count as an error.
         let is_noisy = |number: &usize| first[*number].0.iter().any(|[_, variance]| *variance > 0.0);
         let noisy: Vec<usize> = (0..spots.len()).filter(is_noisy).collect();
-        let again = self.wanted(all, &spots, streams::MESH_AGAIN);
+        let again = judged(streams::MESH_AGAIN);
         let again: Vec<Wanted> = noisy.iter().map(|&number| again[number]).collect();
-        let taken = self.take(&again, |taken, _, _, found| found.push(taken.light.to_vec()))?;
+        let taken = self.take(&again, |light, _, _, found| found.push(light.to_vec()))?;
         let mut second: Vec<&[[f64; 2]]> = first.iter().map(|(light, _)| &**light).collect();
         noisy.into_iter().zip(&taken).for_each(|(number, light)| second[number] = light);
 
-        let found = spots.iter().zip(&first).zip(second).map(|((spot, (light, told)), second)| {
+        let found = spots.iter().zip(&parts).zip(&first).zip(second).map(|(((spot, part), (light, light_sq)), second)| {
             let &Spot { index, triangle, at, .. } = spot;
             let errors_sq = all[index].sampled_errors_sq(triangle, at, [light, second]);
-            (all[index].test(triangle, at, light, *told), errors_sq)
+            (all[index].test(triangle, at, light, *light_sq), *part, errors_sq)
         });
-        let found: Vec<(Test, Vec<f64>)> = found.collect();
+        let found: Vec<(Test, f64, Vec<f64>)> = found.collect();
         let judged = Judged::by(&found, whole, norm);
-        found.into_iter().zip(&spots).for_each(|((test, _), spot)| all[spot.index].tests.push(test));
+        found.into_iter().zip(&spots).for_each(|((test, ..), spot)| all[spot.index].tests.push(test));
         Some(judged)
     }
 
@@ -218,13 +219,14 @@ impl Grower<'_> {
     pub fn sampled_noise_sq(&self, all: &[Growing], count: usize) -> Option<[f64; 2]> {
         // A node of the element at each of as many points, by what it adds to the noise there.
         let seed = sampling::hash(self.seed, streams::MESH_PILOT);
-        let (spots, whole) = Spot::spread(all, count, seed);
+        let whole: f64 = all.iter().map(Growing::whole).sum();
+        let (spots, _) = Spot::spread(all, count, seed, &by_weight(all));
         let at_node = |spot: &Spot| Spot { at: element::sampled_node(sampling::unit(sampling::hash(seed, spot.draw))), ..*spot };
         let spots: Vec<Spot> = spots.iter().map(at_node).collect();
 
         let (wanted, again) = (self.wanted(all, &spots, 0), self.wanted(all, &spots, streams::MESH_AGAIN));
-        let second = self.take(&again, |taken, _, _, found| found.push(taken.light.to_vec()))?;
-        let found: Vec<[f64; 3]> = self.take(&wanted, |Taken { light, .. }, number, scratch, found| {
+        let second = self.take(&again, |light, _, _, found| found.push(light.to_vec()))?;
+        let found: Vec<[f64; 3]> = self.take(&wanted, |light, number, scratch, found| {
             let pairs = || light.iter().zip(&second[number]).take(self.deciding);
             let differences: f64 = pairs().map(|(first, second)| (first[0] - second[0]).powi(2)).sum();
             let told: f64 = pairs().map(|(first, second)| first[1] + second[1]).sum();
@@ -254,10 +256,10 @@ impl Grower<'_> {
     /// Tests the function at some points; `None` if stopped.
     fn tests(&self, all: &[Growing], spots: &[Spot]) -> Option<Vec<Test>> {
         let wanted = self.wanted(all, spots, 0);
-        self.take(&wanted, |Taken { light, closeness }, number, scratch, tests| {
+        self.take(&wanted, |light, number, scratch, tests| {
             let Spot { index, triangle, at, .. } = spots[number];
             let light_sq = self.light.all_sq(&wanted[number].place, scratch, light);
-            tests.push(all[index].test(triangle, at, light, [light_sq, closeness]));
+            tests.push(all[index].test(triangle, at, light, light_sq));
         })
     }
 
@@ -266,7 +268,7 @@ impl Grower<'_> {
     fn take<R: Send + Serialize + DeserializeOwned>(
         &self,
         wanted: &[Wanted],
-        make: impl Fn(Taken<'_>, usize, &mut LightScratch, &mut Vec<R>) + Sync,
+        make: impl Fn(&[[f64; 2]], usize, &mut LightScratch, &mut Vec<R>) + Sync,
     ) -> Option<Vec<R>> {
         let share = self.light.share();
         let batches = wanted.par_chunks(BATCH).enumerate().map_init(LightScratch::default, |scratch, (batch, wanted)| {
@@ -278,8 +280,8 @@ impl Grower<'_> {
                 if (self.stop)() {
                     return None;
                 }
-                let closeness = self.light.take(place, *size, scratch, &mut light);
-                make(Taken { light: &light, closeness }, batch * BATCH + number, scratch, &mut results);
+                self.light.take(place, *size, scratch, &mut light);
+                make(&light, batch * BATCH + number, scratch, &mut results);
             }
             Some(results)
         });
@@ -287,44 +289,24 @@ impl Grower<'_> {
         share.exchange(&mut batches);
         Some(batches.into_iter().flatten().collect())
     }
-
-    /// By surface, the triangles that are expected to make up most of the squared error beyond noise; and how large that is in all.
-    fn worst(&self, all: &[Growing], norm: &Norm) -> (Vec<Vec<u32>>, f64) {
-        let (parts, total) = expected_errors_sq(all, norm);
-
-        // The largest parts first.
-        let wanted = BISECTED * total;
-        let (mut worst, mut found) = (vec![Vec::new(); all.len()], 0.0);
-        for (part, number, triangle) in parts {
-            if found >= wanted {
-                break;
-            }
-            found += part;
-            worst[number].push(triangle);
-        }
-        (worst, total)
-    }
 }
 
-impl Spot {
-    /// Points spread over all elements, one in each of as many strata of what they weigh; and that.
-    fn spread(all: &[Growing], count: usize, seed: u64) -> (Vec<Self>, f64) {
-        let whole: f64 = all.iter().map(Growing::whole).sum();
-        let wanted = |number: usize| (number as f64 + sampling::unit(sampling::hash(seed, number as u64))) / count as f64;
-        let (mut spots, mut above) = (Vec::with_capacity(count), 0.0);
-        for (index, of) in all.iter().enumerate() {
-            for triangle in 0..of.triangles.triangles.len() as u32 {
-                above += of.weight(triangle);
-                while spots.len() < count && wanted(spots.len()) * whole < above {
-                    spots.push(Self::new((index, of), triangle, sampling::hash(!seed, spots.len() as u64)));
-                }
-            }
-        }
-        (spots, whole)
-    }
+/// The part of a squared error that is to be bisected for it to become as small as allowed.
+fn bisected_part(error_sq: f64, allowed_sq: f64) -> f64 {
+    let (most, least) = BISECTED;
+    if error_sq > allowed_sq { ((error_sq - allowed_sq) / (LOST * error_sq)).clamp(least, most) } else { least }
+}
 
-    /// A random point of a triangle.
-    fn new((index, of): (usize, &Growing), triangle: u32, draw: u64) -> Self {
-        Self { index, triangle, at: of.sampled_point(triangle, draw), draw }
+/// By surface, the triangles that are expected to make up some part of the squared error: those with most of it.
+fn worst(expected: Vec<(f64, usize, u32)>, part: f64, surfaces: usize) -> Vec<Vec<u32>> {
+    let wanted = part * expected.iter().map(|of| of.0).sum::<f64>();
+    let (mut worst, mut found) = (vec![Vec::new(); surfaces], 0.0);
+    for (error_sq, number, triangle) in expected {
+        if found >= wanted {
+            break;
+        }
+        found += error_sq;
+        worst[number].push(triangle);
     }
+    worst
 }

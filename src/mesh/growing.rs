@@ -47,8 +47,6 @@ pub(super) struct Test {
     pub of_nodes_sq: f64,
     /// The squared light.
     pub light_sq: f64,
-    /// The size of the triangle over the distance of what is seen from the point; 0 where that is not known.
-    pub relative_size: f64,
 }
 
 impl Growing {
@@ -170,10 +168,17 @@ impl Growing {
         sizes
     }
 
-    /// How many tests a triangle has, where one may stand for `most`.
-    pub fn tests_for(&self, triangle: u32, most: f64) -> u64 {
-        let weight = self.weight(triangle);
-        if weight > 0.0 { (weight / most).ceil().max(1.0) as u64 } else { 0 }
+    /// The hierarchical surplus of a triangle: what a linear function between its corners is off in the middles of its edges, squared, channels and
+    /// edges added, in W^2/m^4.
+    pub fn surplus_sq(&self, triangle: u32) -> f64 {
+        let (nodes, channels) =
+            (self.triangles.triangles[triangle as usize].nodes(), self.found.len() / self.triangles.nodes.len());
+        let of_channel = |channel: usize| {
+            let values = nodes.map(|node| f64::from(self.values()[node as usize * channels + channel][0]));
+            let of_edge = |edge: usize| (values[3 + edge] - 0.5 * (values[edge] + values[(edge + 1) % 3])).powi(2);
+            (0..3).map(of_edge).sum::<f64>()
+        };
+        (0..self.deciding).map(of_channel).sum()
     }
 
     /// The function at a point of a triangle and its variance, in one of so many channels.
@@ -194,11 +199,10 @@ impl Growing {
         (0..self.deciding).map(|channel| self.at(triangle, weights, channel, channels)[0].powi(2)).sum()
     }
 
-    /// Holds the function against the light, by channel with its variance, at a point of a triangle;
-    /// `light_sq` is all light there, squared, and `closeness` how close what is seen is.
-    pub fn test(&self, triangle: u32, at: [f64; 3], light: &[[f64; 2]], [light_sq, closeness]: [f64; 2]) -> Test {
-        let (weights, relative_size) = (element::weights(at), closeness * self.triangles.area(triangle).sqrt());
-        let mut test = Test { triangle, difference_sq: 0.0, noise_sq: 0.0, of_nodes_sq: 0.0, light_sq, relative_size };
+    /// Holds the function against the light, by channel with its variance, at a point of a triangle; `light_sq` is all light there, squared.
+    pub fn test(&self, triangle: u32, at: [f64; 3], light: &[[f64; 2]], light_sq: f64) -> Test {
+        let weights = element::weights(at);
+        let mut test = Test { triangle, difference_sq: 0.0, noise_sq: 0.0, of_nodes_sq: 0.0, light_sq };
         for (channel, &[value, variance]) in light.iter().enumerate().take(self.deciding) {
             let [function, noise] = self.at(triangle, weights, channel, light.len());
             test.difference_sq += (function - value).powi(2);

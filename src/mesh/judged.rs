@@ -34,10 +34,10 @@ pub(crate) struct MeshError {
 }
 
 impl MeshError {
-    /// By squared errors at places that each stand for as much of the area.
-    fn by(squares: impl ExactSizeIterator<Item = f64>) -> Self {
-        let (count, mut parts) = (squares.len() as f64, Moments::default());
-        parts.extend(squares.map(|square| square / count));
+    /// By squared errors at places, times the part of the area that each stands for.
+    fn by(squares: impl Iterator<Item = f64>) -> Self {
+        let mut parts = Moments::default();
+        parts.extend(squares);
         Self { measured: parts.sum.max(0.0).sqrt(), claimed: upper_limit(parts.sum, parts.scatter_of_sum()) }
     }
 
@@ -101,14 +101,13 @@ impl Judged {
     /// Where there is no light nothing is wrong.
     pub const DARK: Self = Self { measured: 0.0, claimed: 0.0, noise_sq: 0.0, by_group: Vec::new() };
 
-    /// By tests that each stand for as much of the whole, with their squared errors, of all light and of each light group.
-    pub fn by(tests: &[(Test, Vec<f64>)], whole: f64, norm: &Norm) -> Self {
-        let count = tests.len() as f64;
+    /// By tests with what each stands for of the whole, in m^2 or pixels, and its squared errors, of all light and of each light group.
+    pub fn by(tests: &[(Test, f64, Vec<f64>)], whole: f64, norm: &Norm) -> Self {
         let mut parts = Moments::default();
-        parts.extend(tests.iter().map(|(test, errors_sq)| whole / count * norm.weight(test.light_sq) * errors_sq[0]));
-        let noise_sq = tests.iter().map(|(test, _)| whole / count * norm.weight(test.light_sq) * test.of_nodes_sq).sum();
-        let groups = tests.first().map_or(0, |(_, errors_sq)| errors_sq.len());
-        let of_group = |group: usize| MeshError::by(tests.iter().map(move |(_, errors_sq)| errors_sq[group]));
+        parts.extend(tests.iter().map(|(test, part, errors_sq)| part * norm.weight(test.light_sq) * errors_sq[0]));
+        let noise_sq = tests.iter().map(|(test, part, _)| part * norm.weight(test.light_sq) * test.of_nodes_sq).sum();
+        let groups = tests.first().map_or(0, |(.., errors_sq)| errors_sq.len());
+        let of_group = |group: usize| MeshError::by(tests.iter().map(move |(_, part, errors_sq)| part / whole * errors_sq[group]));
         let by_group = if groups > 1 { (0..groups).map(of_group).collect() } else { Vec::new() };
         Self { measured: parts.sum.max(0.0).sqrt(), claimed: claim(parts.sum, parts.scatter_of_sum()), noise_sq, by_group }
     }

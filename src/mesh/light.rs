@@ -7,10 +7,7 @@ use crate::scene::Scene;
 use crate::team::Share;
 use crate::values::{IndirectGather, RayBudget, Scratch};
 
-/// By how many rays direct light is found where that is cheaper than to find it exactly: noise that is hardly seen.
-const FINE: DirectEffort = DirectEffort { rays: 256, method: Method::Cheaper };
-
-/// The same where it only tells how bright a place is, which the norm asks: one over the root of the rays is error enough in a weight.
+/// How direct light is found where it only tells how bright a place is, which the norm asks: one over the root of the rays is error enough in a weight.
 const COARSE: DirectEffort = DirectEffort { rays: 8, method: Method::Rays };
 
 /// Memory that is reused from point to point.
@@ -27,9 +24,8 @@ pub(super) trait Light: Sync {
     /// Which batches of places this process takes.
     fn share(&self) -> Share<'_>;
 
-    /// The reflected radiosity at a place and its variance, by channel; `size` is about what it weighs. Returns how close
-    /// what is seen from there is, in 1/m, where that is known.
-    fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) -> f64;
+    /// The reflected radiosity at a place and its variance, by channel; `size` is about what it weighs.
+    fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]);
 
     /// All reflected light where `found` was found, squared, channels added.
     fn all_sq(&self, place: &Place, scratch: &mut LightScratch, found: &[[f64; 2]]) -> f64;
@@ -58,6 +54,8 @@ pub(super) struct Indirect<'a> {
 pub(super) struct All<'a> {
     pub direct: &'a Direct<'a>,
     pub indirect: MeshReader<'a>,
+    /// By how many rays direct light is found, about, where that is cheaper than to find it exactly.
+    pub rays: f64,
 }
 
 impl Direct<'_> {
@@ -94,17 +92,16 @@ impl Light for Indirect<'_> {
         self.direct.light.rays.share()
     }
 
-    fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) -> f64 {
+    fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) {
         // The variance of the whole is least for all rays if these go with the root of what a point stands for.
         let rays = self.rays * (size / self.size).sqrt().min(MOST_RAYS);
         let rays = rays.max(LEAST_RAYS).ceil() as u32;
-        let closeness = self.gather.sampled_irradiance(place, RayBudget { rays, ..self.budget }, &mut scratch.gather, found);
+        self.gather.sampled_irradiance(place, RayBudget { rays, ..self.budget }, &mut scratch.gather, found);
         let reflectance = &self.direct.scene.material_of(place.surface).reflectance;
         found.iter_mut().zip(reflectance).for_each(|([value, variance], rho)| {
             *value *= rho;
             *variance *= self.noise_scale * rho * rho;
         });
-        closeness
     }
 
     fn all_sq(&self, place: &Place, scratch: &mut LightScratch, found: &[[f64; 2]]) -> f64 {
@@ -121,13 +118,13 @@ impl Light for All<'_> {
         self.direct.light.rays.share()
     }
 
-    fn take(&self, place: &Place, _size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) -> f64 {
+    fn take(&self, place: &Place, _size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) {
         scratch.numbers.clear();
         scratch.numbers.resize(found.len(), 0.0);
         self.indirect.reflected_at(place.point, place.surface, &mut scratch.numbers);
         found.iter_mut().zip(&scratch.numbers).for_each(|(found, &value)| *found = [value, 0.0]);
-        self.direct.add(place, FINE, &mut scratch.direct, &mut scratch.numbers, found);
-        0.0
+        let effort = DirectEffort { rays: self.rays.ceil() as u32, method: Method::Cheaper };
+        self.direct.add(place, effort, &mut scratch.direct, &mut scratch.numbers, found);
     }
 
     fn all_sq(&self, _place: &Place, _scratch: &mut LightScratch, found: &[[f64; 2]]) -> f64 {

@@ -138,7 +138,7 @@ mod tests {
         for size in [DVec2::new(2.0, 1.5), DVec2::new(3.0, 1e-3)] {
             let corner = |x: f64, y: f64| DVec2::new(x, y) * size;
             let polygon = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
-            let mut triangles = triangulate(&polygon, &[], 0.02 * size.x * size.y);
+            let mut triangles = triangulate(&polygon, &[], 0.02 * size.x * size.y, 0.0);
             (0..300).for_each(|step| triangles.bisect(step * 7 % triangles.triangles.len() as u32));
             let linear: Vec<f32> = triangles.nodes.iter().map(|node| (1.0 + 0.3 * node.at.x) as f32).collect();
             let mesh = SurfaceMesh::new(&triangles, linear);

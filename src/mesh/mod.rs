@@ -18,6 +18,7 @@ mod lit_mesh;
 mod locate;
 mod plane;
 mod seen;
+mod spots;
 mod surface_mesh;
 mod triangles;
 mod triangulation;

@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn points_follow_the_triangles_that_are_halved() {
         let points = in_a_corner(2000);
-        let mut triangles = triangulate(&SQUARE, &[], f64::INFINITY);
+        let mut triangles = triangulate(&SQUARE, &[], f64::INFINITY, 0.0);
         let mut seen = SeenTriangles::new(&points, &triangles);
         for step in 0..300 {
             triangles.bisect((step * 7) % triangles.triangles.len() as u32);

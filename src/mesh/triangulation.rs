@@ -16,7 +16,8 @@ const WELDED: f64 = 1e-9;
 
 /// Triangulates a convex polygon, counter-clockwise, along some lines within it; no triangle is larger than `largest` m^2, or much longer than that. Lines that cross are
 /// split there; what still crosses others before it, by rounding, is left out. A polygon too small for spade, below 1e-33 m, has no triangles.
-pub(super) fn triangulate(polygon: &[DVec2], lines: &[Line], largest: f64) -> Triangles {
+/// Light at borders and steps is taken `clearance` metres inside, if there is room.
+pub(super) fn triangulate(polygon: &[DVec2], lines: &[Line], largest: f64, clearance: f64) -> Triangles {
     let size = polygon.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
     let lines = &split(lines, WELDED * size);
     let mut vertices = Vertices { cell: WELDED * size, numbers: HashMap::new(), places: Vec::new() };
@@ -34,7 +35,7 @@ pub(super) fn triangulate(polygon: &[DVec2], lines: &[Line], largest: f64) -> Tr
             cdt.add_constraint(from, to);
         }
     }
-    let mut triangles = Builder::new(&cdt, lines, WELDED * size).build();
+    let mut triangles = Builder::new(&cdt, lines, WELDED * size).build(clearance);
 
     // None is large.
     let mut number = 0;
@@ -93,7 +94,7 @@ impl<'a> Builder<'a> {
         Self { cdt, lines, tolerance, numbers }
     }
 
-    fn build(&self) -> Triangles {
+    fn build(&self, clearance: f64) -> Triangles {
         // Corners by spade's vertices, and neighbours where no step is between.
         let mut corners = Vec::new();
         let mut triangles = Vec::new();
@@ -111,7 +112,7 @@ impl<'a> Builder<'a> {
             let at = self.cdt.vertex(FixedVertexHandle::from_index(vertex as usize)).position();
             DVec2::new(at.x, at.y)
         };
-        Triangles::new(&corners, &triangles, at)
+        Triangles::new(&corners, &triangles, at, clearance)
     }
 
     /// Whether light may have a step across an edge.
@@ -155,7 +156,7 @@ mod tests {
             let line = |k: u64| Line { ends: [inside(20 * k), inside(20 * k + 10)], is_step: random(20 * k + 19) < 0.5 };
             let lines: Vec<Line> = (0..seed % 30).map(line).collect();
             let area = 0.5 * (0..count).map(|k| polygon[k].perp_dot(polygon[(k + 1) % count])).sum::<f64>();
-            let triangles = triangulate(&polygon, &lines, 0.1 * area);
+            let triangles = triangulate(&polygon, &lines, 0.1 * area, 0.0);
             let all: Vec<f64> = (0..triangles.triangles.len() as u32).map(|triangle| triangles.area(triangle)).collect();
             assert!(all.iter().all(|&part| part > 0.0 && part <= 0.1 * area), "seed {seed}");
             assert!((all.iter().sum::<f64>() / area - 1.0).abs() < 1e-6, "seed {seed}: {} of {area}", all.iter().sum::<f64>());
@@ -167,7 +168,7 @@ mod tests {
         let square = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
         let across = |is_step| [Line { ends: [DVec2::new(0.5, 0.0), DVec2::new(0.5, 1.0)], is_step }];
         let on_line = |of: &Triangles| of.nodes.iter().filter(|node| node.at.x == 0.5).count();
-        let (open, cut) = (triangulate(&square, &across(false), 1.0), triangulate(&square, &across(true), 1.0));
+        let (open, cut) = (triangulate(&square, &across(false), 1.0, 0.0), triangulate(&square, &across(true), 1.0, 0.0));
         assert_eq!(on_line(&cut), 2 * on_line(&open));
         assert!(cut.nodes.iter().filter(|node| node.at.x == 0.5).all(|node| node.sampled_at.x != 0.5));
     }

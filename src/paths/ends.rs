@@ -31,8 +31,6 @@ pub(crate) struct Ends {
     /// By path, the point in that cell, and the form factor of the cell, about.
     pub point: Vec<DVec3>,
     pub form_factor: Vec<f64>,
-    /// By place, the sum over its paths of one over the length of their first rays, in 1/m; 0 where a ray meets nothing.
-    pub closeness: Vec<f64>,
     /// The paths that went on, in their order.
     pub continued: Vec<Continuation>,
     /// By continuation and channel: it brings `constant + weight * B`, B being the radiosity of the cell where it ends.

@@ -260,9 +260,6 @@ impl<'a> LightPaths<'a> {
             rays.extend(cosine_rays(&receiver, order.iter().map(|ray| first + ray)));
         }
         self.rays.first_hits(rays, &mut scratch.hits);
-        let closeness = |hits: &[Option<Hit>]| hits.iter().flatten().map(|hit| 1.0 / hit.distance).sum::<f64>();
-        ends.closeness.clear();
-        ends.closeness.extend(scratch.hits.chunks(count as usize).map(closeness));
 
         // Paths end where they arrive, or go on from there.
         for (path, (ray, hit)) in rays.iter().zip(&scratch.hits).enumerate() {

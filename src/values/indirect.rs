@@ -15,9 +15,8 @@ pub(crate) enum IndirectGather<'a> {
 }
 
 impl IndirectGather<'_> {
-    /// The irradiance at a place and its variance, by channel, in W/m^2 and squared. Returns one over the harmonic mean of the distances of what is
-    /// seen from there, in 1/m; over links, where that is not looked for, 0.
-    pub fn sampled_irradiance(&self, place: &Place, budget: RayBudget, scratch: &mut Scratch, found: &mut [[f64; 2]]) -> f64 {
+    /// The irradiance at a place and its variance, by channel, in W/m^2 and squared.
+    pub fn sampled_irradiance(&self, place: &Place, budget: RayBudget, scratch: &mut Scratch, found: &mut [[f64; 2]]) {
         let Scratch { links, paths, sums } = scratch;
         let channels = found.len();
         match self {
@@ -26,7 +25,6 @@ impl IndirectGather<'_> {
                 sums.resize(channels, 0.0);
                 gather.irradiance_at(place, budget, links, sums);
                 found.iter_mut().zip(&*sums).zip(&links.variance).for_each(|((found, &h), &variance)| *found = [h, variance]);
-                0.0
             }
             Self::Cells(gather) => {
                 let batches = budget.rays.clamp(1, BATCHES);
@@ -35,12 +33,10 @@ impl IndirectGather<'_> {
                 let mut sums = BatchSums::new(channels, batches, sums, &mut []);
                 let place = std::slice::from_ref(place);
                 gather.add_sampled_indirect(place, budget.rays, paths, &mut sums);
-                let closeness: f64 = paths.ends.closeness.iter().sum();
                 gather.add_sampled_from_reflectors(place, budget.rays, paths, &mut sums);
                 for (channel, found) in found.iter_mut().enumerate() {
                     *found = sums.sum_and_variance(0, channel).into();
                 }
-                closeness / f64::from(budget.rays.max(1))
             }
         }
     }
