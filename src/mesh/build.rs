@@ -35,20 +35,18 @@ const CLEARANCE: f64 = 2.0;
 /// more than ten of direct light. Of 0.5, 0.7 and 0.8 none is best in all of Cornell box, office and room.
 const INDIRECT_PART: f64 = 0.7;
 
-/// Points at which a function is judged; of all light, at more where the error is to be small.
+/// Points at which the function of indirect light is judged, and that of all light at least: so many of them fall on an area that makes up all of the
+/// squared error that is allowed, if the function is off there by as much as the light.
 const JUDGED: usize = 2000;
+const TESTS: f64 = 4.0;
+
+/// Such points at most, as many as there may be elements: with fewer than a small error wants, the claim is larger, and still true. With less than the
+/// least nothing can be said where little is seen.
+const MOST_TESTS: f64 = (1 << 20) as f64;
+const LEAST_TESTS: f64 = 64.0;
 
 /// No mesh takes fewer gathers than these, by which its noise is foretold and its error is judged, two each.
 pub(crate) const LEAST_GATHERS: usize = 2 * (PILOT_POINTS + JUDGED);
-
-/// So many tests fall on an area that makes up all of the squared error that is allowed, if the function is off there by as much as the light.
-const TESTS: f64 = 4.0;
-
-/// Tests at most, as many as there may be elements: with fewer than a small error wants, the claim is larger, and still true.
-const MOST_TESTS: f64 = (1 << 20) as f64;
-
-/// With fewer nothing can be said where little is seen.
-const LEAST_TESTS: f64 = 64.0;
 
 /// What a mesh is made from.
 pub(crate) struct MeshBuilder<'a> {
@@ -82,9 +80,9 @@ impl MeshBuilder<'_> {
         let mut growing = self.begin(surfaces, whole, of_indirect)?;
         let roots: f64 = growing.iter().flat_map(|of| of.node_sizes()).map(f64::sqrt).sum();
         let (budget, size) = (self.budget, (whole / roots).powi(2));
-        let mut light = Indirect { direct: &direct, gather: self.indirect, budget, rays: PILOT_RAYS, size, noise_scale: 1.0 };
+        let mut light = Indirect { direct: &direct, gather: self.indirect, budget, rays: PILOT_RAYS, noise_scale: 1.0 };
         let begun = Instant::now();
-        if let Some([noise_sq, told]) = self.grower(&light, (INDIRECT_PART, size)).sampled_noise_sq(&growing, PILOT_POINTS) {
+        if let Some([noise_sq, told]) = self.grower(&light, (INDIRECT_PART, Some(size))).sampled_noise_sq(&growing, PILOT_POINTS) {
             let wanted = rays_of_nodes(self.error * INDIRECT_PART.sqrt(), noise_sq, self.seen.is_some());
             // What takes as many rays each: nodes and their tests, and judging, twice at each point.
             let gathers = 2 * (nodes(&growing) + JUDGED);
@@ -92,7 +90,7 @@ impl MeshBuilder<'_> {
             light.rays = (wanted * self.limits.affordable_part(work)).max(RAYS.0);
             light.noise_scale = if told > 0.0 { noise_sq / told } else { 1.0 };
         }
-        let of_indirect = self.grower(&light, (INDIRECT_PART, size)).grow(&mut growing)?;
+        let of_indirect = self.grower(&light, (INDIRECT_PART, Some(size))).grow(&mut growing)?;
         let off_indirect = self.mean_errors_sq(&growing);
         let indirect = self.finish(growing, Vec::new(), true);
 
@@ -100,7 +98,7 @@ impl MeshBuilder<'_> {
         let mut growing = self.begin(surfaces, whole, of_all)?;
         let mut light = All { direct: &direct, indirect: MeshReader::of(self.scene, &indirect), rays: PILOT_RAYS };
         let part = 1.0 - INDIRECT_PART;
-        if let Some([noise_sq, _]) = self.grower(&light, (part, 1.0)).sampled_noise_sq(&growing, PILOT_POINTS) {
+        if let Some([noise_sq, _]) = self.grower(&light, (part, None)).sampled_noise_sq(&growing, PILOT_POINTS) {
             light.rays = rays_of_direct(self.error * part.sqrt(), noise_sq);
         }
         let wanted = (TESTS / (part * self.error.powi(2))).ceil().min(MOST_TESTS);
@@ -111,7 +109,7 @@ impl MeshBuilder<'_> {
             takes_all: false,
             fits: false,
             followed: 1.0,
-            ..self.grower(&light, (part, 1.0))
+            ..self.grower(&light, (part, None))
         };
         let of_all = grower.grow(&mut growing)?;
         let Judged { measured, claimed, by_group, .. } = of_indirect.with(of_all);
@@ -149,7 +147,7 @@ impl MeshBuilder<'_> {
             return 1.0;
         }
         let begun = Instant::now();
-        self.grower(light, (1.0, 1.0)).sampled_noise_sq(growing, PILOT_POINTS);
+        self.grower(light, (1.0, None)).sampled_noise_sq(growing, PILOT_POINTS);
         self.limits.affordable_part(seconds_of_gathers(begun, nodes(growing) + tests as usize))
     }
 
@@ -163,8 +161,8 @@ impl MeshBuilder<'_> {
         self.seen.map_or_else(|| self.scene.surface(surface).polygon.area(), |seen| seen.weight(surface))
     }
 
-    /// What grows a function that may have a part of the squared error, and whose nodes take the rays of `light` where they weigh `size`.
-    fn grower<'b>(&'b self, light: &'b dyn Light, (part, size): (f64, f64)) -> Grower<'b> {
+    /// What grows a function that may have a part of the squared error, and whose nodes take the rays of `light` where they weigh `size`, or all.
+    fn grower<'b>(&'b self, light: &'b dyn Light, (part, size): (f64, Option<f64>)) -> Grower<'b> {
         let Self { budget, error, norm, limits, tell, stop, .. } = *self;
         let (channels, deciding) = (self.scene.channels(), self.scene.deciding());
         let (seed, error) = (budget.seed, error * part.sqrt());

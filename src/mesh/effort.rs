@@ -36,7 +36,9 @@ pub(super) const PILOT_RAYS: f64 = 64.0;
 
 /// What nodes may take.
 pub(super) const RAYS: (f64, f64) = (16.0, 8192.0);
-const DIRECT_RAYS: (f64, f64) = (8.0, 1024.0);
+
+/// The same for direct light: of fewer it often seems that they have no noise.
+const DIRECT_RAYS: (f64, f64) = (32.0, 1024.0);
 
 /// The rays of a node for a function, or one for a picture, that may be claimed to be off by `error`, when it has this squared noise with [`PILOT_RAYS`].
 pub(super) fn rays_of_nodes(error: f64, noise_sq: f64, is_for_picture: bool) -> f64 {

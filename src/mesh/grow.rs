@@ -43,6 +43,9 @@ pub(super) const MOST_GATHERS: u32 = 16;
 /// A node is taken to weigh at least this part of the mean on its surface: others read the function there as well.
 const LEAST_SIZE: f64 = 1.0 / 16.0;
 
+/// A node takes at most so many times the rays of the light.
+const MOST_RAYS: f64 = 16.0;
+
 /// Places that a thread takes together.
 const BATCH: usize = 64;
 
@@ -56,8 +59,8 @@ pub(super) struct Grower<'a> {
     /// The largest error that may be claimed, and in which norm.
     pub error: f64,
     pub norm: ErrorNorm,
-    /// What a node weighs that takes as many rays as light is to take in the mean.
-    pub size: f64,
+    /// What a node weighs that takes the rays of the light, where heavier ones take more; `None` if all take as many.
+    pub size: Option<f64>,
     /// The part of the squared error that is not left to noise of nodes.
     pub followed: f64,
     /// Whether nodes are taken where nothing is seen as well: others read the function there.
@@ -74,11 +77,11 @@ pub(super) struct Grower<'a> {
     pub stop: Stop<'a>,
 }
 
-/// A place where light is wanted, and what it weighs.
+/// A place where light is wanted, and by how many times its rays.
 #[derive(Clone, Copy)]
 struct Wanted {
     place: Place,
-    size: f64,
+    rays: f64,
 }
 
 impl Grower<'_> {
@@ -140,10 +143,10 @@ impl Grower<'_> {
                 if size == 0.0 && !self.takes_all {
                     continue;
                 }
-                let size = size.max(least);
+                let rays = self.rays(size.max(least));
                 let point = of.plane.to_space(node.sampled_at);
                 let place = |gather: u32| place_at(point, of.surface, sampling::hash(self.seed, u64::from(gather)));
-                wanted.extend((*has..gathers).map(|gather| (index, number, Wanted { place: place(gather), size })));
+                wanted.extend((*has..gathers).map(|gather| (index, number, Wanted { place: place(gather), rays })));
             }
         }
         let places: Vec<Wanted> = wanted.iter().map(|of| of.2).collect();
@@ -182,11 +185,11 @@ impl Grower<'_> {
         let whole: f64 = all.iter().map(Growing::whole).sum();
         let (spots, parts) = Spot::spread(all, self.judged_at, seed, &by_weight_and_surplus(all, norm));
 
-        // A place takes more rays the more it stands for: as many as a node of some size in the mean.
+        // A place takes more rays the more it stands for.
         let mean_part = whole / self.judged_at as f64;
         let judged = |stream: u64| {
             let mut wanted = self.wanted(all, &spots, stream);
-            wanted.iter_mut().zip(&parts).for_each(|(wanted, part)| wanted.size = self.size * part / mean_part);
+            wanted.iter_mut().zip(&parts).for_each(|(wanted, part)| wanted.rays = (part / mean_part).sqrt());
             wanted
         };
         let wanted = judged(0);
@@ -239,6 +242,12 @@ impl Grower<'_> {
         Some([sum(1), sum(2)])
     }
 
+    /// How many times its rays the light of a node takes that weighs so much.
+    fn rays(&self, size: f64) -> f64 {
+        // The variance of the whole is least for all rays if these go with the root of what a node stands for.
+        self.size.map_or(1.0, |mean| (size / mean).sqrt().min(MOST_RAYS))
+    }
+
     /// Where light is wanted at some points; `stream` picks the random numbers.
     fn wanted(&self, all: &[Growing], spots: &[Spot], stream: u64) -> Vec<Wanted> {
         let means: Vec<f64> = all.iter().map(Growing::size).collect();
@@ -248,7 +257,7 @@ impl Grower<'_> {
             let of = &all[spot.index];
             let point = element::point_at(of.triangles.corners(spot.triangle), spot.at);
             let place = place_at(of.plane.to_space(point), of.surface, sampling::hash(self.seed, stream));
-            Wanted { place, size: size(spot) }
+            Wanted { place, rays: self.rays(size(spot)) }
         };
         spots.iter().map(wanted).collect()
     }
@@ -276,11 +285,11 @@ impl Grower<'_> {
             if !share.has(batch) {
                 return Some(results);
             }
-            for (number, Wanted { place, size }) in wanted.iter().enumerate() {
+            for (number, Wanted { place, rays }) in wanted.iter().enumerate() {
                 if (self.stop)() {
                     return None;
                 }
-                self.light.take(place, *size, scratch, &mut light);
+                self.light.take(place, *rays, scratch, &mut light);
                 make(&light, batch * BATCH + number, scratch, &mut results);
             }
             Some(results)

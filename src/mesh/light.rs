@@ -24,8 +24,8 @@ pub(super) trait Light: Sync {
     /// Which batches of places this process takes.
     fn share(&self) -> Share<'_>;
 
-    /// The reflected radiosity at a place and its variance, by channel; `size` is about what it weighs.
-    fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]);
+    /// The reflected radiosity at a place and its variance, by channel, by so many times the rays that this light takes.
+    fn take(&self, place: &Place, rays: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]);
 
     /// All reflected light where `found` was found, squared, channels added.
     fn all_sq(&self, place: &Place, scratch: &mut LightScratch, found: &[[f64; 2]]) -> f64;
@@ -43,9 +43,8 @@ pub(super) struct Indirect<'a> {
     pub gather: &'a IndirectGather<'a>,
     /// How points are gathered, but for the number of rays.
     pub budget: RayBudget,
-    /// The rays of a point that weighs `size`.
+    /// The rays of a place.
     pub rays: f64,
-    pub size: f64,
     /// The true variance for one that batches tell.
     pub noise_scale: f64,
 }
@@ -83,19 +82,16 @@ impl Direct<'_> {
     }
 }
 
-/// A point takes at least so many rays, and at most so many times those of its budget.
+/// A place takes at least so many rays.
 const LEAST_RAYS: f64 = 8.0;
-const MOST_RAYS: f64 = 16.0;
 
 impl Light for Indirect<'_> {
     fn share(&self) -> Share<'_> {
         self.direct.light.rays.share()
     }
 
-    fn take(&self, place: &Place, size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) {
-        // The variance of the whole is least for all rays if these go with the root of what a point stands for.
-        let rays = self.rays * (size / self.size).sqrt().min(MOST_RAYS);
-        let rays = rays.max(LEAST_RAYS).ceil() as u32;
+    fn take(&self, place: &Place, rays: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) {
+        let rays = (rays * self.rays).max(LEAST_RAYS).ceil() as u32;
         self.gather.sampled_irradiance(place, RayBudget { rays, ..self.budget }, &mut scratch.gather, found);
         let reflectance = &self.direct.scene.material_of(place.surface).reflectance;
         found.iter_mut().zip(reflectance).for_each(|([value, variance], rho)| {
@@ -118,12 +114,13 @@ impl Light for All<'_> {
         self.direct.light.rays.share()
     }
 
-    fn take(&self, place: &Place, _size: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) {
+    fn take(&self, place: &Place, rays: f64, scratch: &mut LightScratch, found: &mut [[f64; 2]]) {
         scratch.numbers.clear();
         scratch.numbers.resize(found.len(), 0.0);
         self.indirect.reflected_at(place.point, place.surface, &mut scratch.numbers);
         found.iter_mut().zip(&scratch.numbers).for_each(|(found, &value)| *found = [value, 0.0]);
-        let effort = DirectEffort { rays: self.rays.ceil() as u32, method: Method::Cheaper };
+        let rays = (rays * self.rays).max(LEAST_RAYS).ceil() as u32;
+        let effort = DirectEffort { rays, method: Method::Cheaper };
         self.direct.add(place, effort, &mut scratch.direct, &mut scratch.numbers, found);
     }
 

@@ -9,7 +9,7 @@ use super::memory::{Holdings, MemoryLedger};
 use super::mesh_lines;
 use super::options::RunOptions;
 use super::report::{ErrorFigure, LitMeshReport, SolveReport, StoppedBy};
-use super::shares::error_of_mesh;
+use super::shares::Shares;
 use super::solution::Solution;
 use crate::cells::CellRadiosities;
 use crate::direct::{Blockers, DirectLight};
@@ -25,7 +25,7 @@ pub(super) fn add(job: &Job<'_>, solution: &mut Solution, report: &mut SolveRepo
     let start = Instant::now();
     solution.options = job.options.clone();
     report.error.requested = job.options.error;
-    let requested = error_of_mesh(job.options.error, report.error.estimate);
+    let requested = Shares::of(job.scene, job.options.error).error_of_mesh(report.error.estimate);
 
     // The mesh, with the time and memory that are left.
     let besides = solution.kept_bytes(&job.memory, job.kept_channels);

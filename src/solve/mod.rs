@@ -68,6 +68,7 @@ use std::time::Instant;
 use channels::SolvedChannels;
 use choice::choose;
 use job::{Job, TimeOfValues};
+use shares::Shares;
 use step::NextStep;
 
 use crate::progress::Observer;
@@ -95,7 +96,8 @@ fn solve_to_the_end(job: &Job<'_>, beginning: Beginning) -> (Solution, SolveRepo
     if !job.options.lit_mesh {
         return solve_all_channels(job, beginning);
     }
-    let options = SolveOptions { error: shares::error_of_values(job.options.error), ..job.options.clone() };
+    let error = Shares::of(job.scene, job.options.error).error_of_values();
+    let options = SolveOptions { error, ..job.options.clone() };
     let (mut solution, mut report) = solve_all_channels(&job.of_values(&options), beginning);
     lit_mesh::add(job, &mut solution, &mut report);
     (solution, report)
