@@ -82,6 +82,23 @@ fn what_is_claimed_over_the_pixels_holds_over_links_and_over_cells() {
     }
 }
 
+/// Where radiosity and irradiance are the same everywhere, pixels are off that by about their standard errors.
+#[test]
+fn standard_errors_of_pixels_are_about_what_they_are_off() {
+    let furnace = kirchhoff(1, 3);
+    let (evaluator, _) = solved(furnace.scene.clone(), 0.05, 0);
+    let (camera, mesh) = made(&evaluator, 0.05, [160, 120]);
+    let radiances = evaluator.render_mesh(&mesh, &camera, &Silent).unwrap().unwrap();
+    let irradiances = evaluator.render_irradiance(Some(&mesh), &camera, &Silent).unwrap().unwrap();
+    for image in [radiances, irradiances] {
+        let errors = image.standard_error.unwrap();
+        let off = image.radiance.iter().enumerate().map(|(k, &value)| (PI * f64::from(value) - furnace.b0[k % 3]).powi(2));
+        let told = errors.iter().map(|&error| (PI * f64::from(error)).powi(2));
+        let ratio = (off.sum::<f64>() / told.sum::<f64>()).sqrt();
+        assert!((0.3..1.3).contains(&ratio), "off by {ratio} standard errors");
+    }
+}
+
 #[test]
 fn in_a_furnace_all_pixels_are_alike() {
     let furnace = kirchhoff(1, 3);

@@ -88,8 +88,10 @@ def test_values_are_near_those_of_the_solution(lit, mesh):
 def test_pictures_are_read_off(lit, mesh):
     camera = lit.camera(width=40, height=30)
     picture = mesh.render(camera)
-    assert picture.radiance.shape == (30, 40, 1) and picture.standard_error is None
+    assert picture.radiance.shape == picture.standard_error.shape == (30, 40, 1)
     gathered = lit.render(camera).radiance
+    off = np.sqrt(np.mean((picture.radiance - gathered) ** 2) / np.mean(picture.standard_error**2))
+    assert 0.2 < off < 2.0
     assert picture.radiance.mean() == pytest.approx(gathered.mean(), rel=mesh.claimed + lit.error)
     assert mesh.render("fov=60", width=8, height=6).radiance.shape == (6, 8, 1)
     assert mesh.render(width=8, height=6)._repr_png_().startswith(b"\x89PNG")

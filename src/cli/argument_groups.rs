@@ -169,8 +169,8 @@ pub struct PictureArguments {
     /// luminance) or, for EXR with --bounds guaranteed, width (W/m^2, upper less lower radiosity) [default: radiance]
     #[arg(long, value_name = "QUANTITY")]
     pub quantity: Option<String>,
-    /// What is shown: the lit mesh of the solution, without grain; or values that are gathered by rays for the picture, with their standard errors
-    /// in .exr [default: mesh where there is one, else a mesh that is made of what the picture sees; small pictures are gathered]
+    /// What is shown, in .exr with its standard errors: the lit mesh of the solution, without grain; or values that are gathered by rays for the
+    /// picture [default: mesh where there is one, else a mesh that is made of what the picture sees; small pictures are gathered]
     #[arg(long, value_name = "WHENCE", value_enum)]
     pub from: Option<Whence>,
     /// PNG: false colours from LOW to HIGH in the unit of the quantity, as in 0..500, with a legend

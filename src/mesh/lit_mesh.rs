@@ -195,8 +195,17 @@ impl<'a> MeshReader<'a> {
     /// The standard errors of what is read at a point of a surface, whose radiosity is given, by channel: of what is known of all channels together each
     /// has its part of the light. 0 where there is no mesh, and NaN where they are not known.
     pub fn standard_errors_at(&self, point: DVec3, surface: SurfaceId, radiosity: &[f64], errors: &mut [f64]) {
-        let Some((mesh, _, triangle, _)) = self.find(point, surface) else { return errors.fill(0.0) };
-        let whole = f64::from(mesh.error(triangle));
+        let error = self.find(point, surface).map_or(0.0, |(mesh, _, triangle, _)| mesh.error(triangle));
+        self.share_out(f64::from(error), surface, radiosity, errors);
+    }
+
+    /// Whether standard errors are known.
+    pub fn knows_errors(&self) -> bool {
+        self.meshes.iter().flatten().any(|mesh| !mesh.errors().is_empty())
+    }
+
+    /// Shares out a standard error of all channels together by the light that a surface reflects, whose radiosity is given.
+    pub(super) fn share_out(&self, whole: f64, surface: SurfaceId, radiosity: &[f64], errors: &mut [f64]) {
         let exitance = &self.scene.material_of(surface).exitance;
         errors.iter_mut().zip(radiosity.iter().zip(exitance)).for_each(|(error, (b, e))| *error = (b - e).max(0.0));
         let light = errors.iter().map(|reflected| reflected.powi(2)).sum::<f64>().sqrt();

@@ -172,30 +172,30 @@ impl Antialiased<'_> {
         (!observer.cancelled()).then_some(seen)
     }
 
-    /// Shades all pixels, by channel: `shade` adds what is met to numbers that are 0, with what `begin` makes for some rows, along which neighbours follow
-    /// each other. `None` if the observer cancels.
+    /// Shades all pixels by some numbers each, of which so many, the first ones, tell where jumps are: `shade` adds what is met to numbers that are 0, with
+    /// what `begin` makes for some rows, along which neighbours follow each other. `None` if the observer cancels.
     pub fn shaded<Row>(
         &self,
-        channels: usize,
+        [numbers, deciding]: [usize; 2],
         observer: &dyn Observer,
         begin: impl Fn() -> Row + Sync,
         shade: impl Fn(Met, &mut Row, &mut [f32]) + Sync,
     ) -> Option<Vec<f32>> {
         let [width, height] = self.size.map(|side| side as usize);
-        let (mut pixels, done) = (vec![0.0; channels * width * height], AtomicUsize::new(0));
-        pixels.par_chunks_mut(channels * width * BAND as usize).enumerate().for_each_init(Vec::new, |hits, (number, pixels)| {
+        let (mut pixels, done) = (vec![0.0; numbers * width * height], AtomicUsize::new(0));
+        pixels.par_chunks_mut(numbers * width * BAND as usize).enumerate().for_each_init(Vec::new, |hits, (number, pixels)| {
             if observer.cancelled() {
                 return;
             }
             let mut row = begin();
             let mut shade_all = |sights: &[Sight]| {
-                let mut shades = vec![0.0_f32; channels * sights.len()];
-                for (sight, shade_of) in sights.iter().zip(shades.chunks_mut(channels)) {
+                let mut shades = vec![0.0_f32; numbers * sights.len()];
+                for (sight, shade_of) in sights.iter().zip(shades.chunks_mut(numbers)) {
                     sight.met.into_iter().for_each(|met| shade(met, &mut row, shade_of));
                 }
                 shades
             };
-            self.shade_band(&self.band(number as u32, hits), hits, &mut shade_all, pixels);
+            self.shade_band((&self.band(number as u32, hits), deciding), hits, &mut shade_all, pixels);
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             let fraction = Some(done as f64 / f64::from(self.bands()));
             observer.progress(&Progress { stage: Stage::Render, round: 0, fraction, links: 0, elements: 0, error: None });
@@ -206,7 +206,7 @@ impl Antialiased<'_> {
     /// Fills in the pixels of some rows.
     fn shade_band(
         &self,
-        band: &Band,
+        (band, deciding): (&Band, usize),
         hits: &mut Vec<Option<Hit>>,
         shade_all: &mut impl FnMut(&[Sight]) -> Vec<f32>,
         pixels: &mut [f32],
@@ -218,7 +218,7 @@ impl Antialiased<'_> {
         let mut unsure = Vec::new();
         for (number, pixel) in pixels.chunks_mut(channels).enumerate() {
             let (centre, mut neighbours) = band.centre_and_neighbours(number);
-            let jumps = |other| differ(shade_of(centre), shade_of(other), JUMP);
+            let jumps = |other| differ(&shade_of(centre)[..deciding], &shade_of(other)[..deciding], JUMP);
             if !band.shows_one_surface(number) || neighbours.any(jumps) {
                 unsure.push(number);
             } else {
@@ -239,7 +239,7 @@ impl Antialiased<'_> {
                     let [even, odd] = &halves;
                     let pixel = &mut pixels[number * channels..][..channels];
                     pixel.iter_mut().zip(even.iter().zip(odd)).for_each(|(value, (even, odd))| *value = even + odd);
-                    if differ(even, odd, APART) {
+                    if differ(&even[..deciding], &odd[..deciding], APART) {
                         still.push(number);
                     }
                 }
@@ -289,7 +289,7 @@ mod tests {
             Met::Surface(surface, _) => shade[0] = scene.material_of(surface).exitance[0] as f32,
             Met::Sky(_) => {}
         };
-        (antialiased.shaded(1, &Silent, || (), exitance).unwrap(), rays)
+        (antialiased.shaded([1, 1], &Silent, || (), exitance).unwrap(), rays)
     }
 
     /// The part of a pixel where `is_there` holds, by many points.

@@ -163,7 +163,7 @@ impl Evaluator {
         (surfaces, numbers)
     }
 
-    /// A picture of a lit mesh of this solution, in linear radiance, without standard errors. Cancelled by the observer, it returns `None`.
+    /// A picture of a lit mesh of this solution, in linear radiance, with the standard errors of its elements where these are known. Cancelled by the observer, it returns `None`.
     ///
     /// # Errors
     /// As [`Evaluator::render`].

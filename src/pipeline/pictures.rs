@@ -13,8 +13,7 @@ use crate::scene::SurfaceId;
 use crate::solve::RunOptions;
 
 impl Evaluator {
-    /// A picture of irradiance over pi, 0 where nothing is reflected: from the values, or of a lit mesh, which has no standard errors. Cancelled by the
-    /// observer, it returns `None`.
+    /// A picture of irradiance over pi, 0 where nothing is reflected: from the values, or of a lit mesh. Cancelled by the observer, it returns `None`.
     ///
     /// # Errors
     /// As [`Evaluator::render`].
