@@ -90,8 +90,9 @@ def test_pictures_are_read_off(lit, mesh):
     picture = mesh.render(camera)
     assert picture.radiance.shape == picture.standard_error.shape == (30, 40, 1)
     gathered = lit.render(camera).radiance
-    off = np.sqrt(np.mean((picture.radiance - gathered) ** 2) / np.mean(picture.standard_error**2))
-    assert 0.2 < off < 2.0
+    # At edges either takes rays of its own.
+    off = np.median(np.abs(picture.radiance - gathered)) / np.median(picture.standard_error)
+    assert 0.1 < off < 1.5
     assert picture.radiance.mean() == pytest.approx(gathered.mean(), rel=mesh.claimed + lit.error)
     assert mesh.render("fov=60", width=8, height=6).radiance.shape == (6, 8, 1)
     assert mesh.render(width=8, height=6)._repr_png_().startswith(b"\x89PNG")
