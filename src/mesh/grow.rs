@@ -1,6 +1,6 @@
 //! Elements that are refined until the function on them is as good as asked for.
 //!
-//! In each element the function is held against the light at random points. That tells which elements are expected to make up most of the error
+//! In each element the function is held against the light at a random point. That tells which elements are expected to make up most of the error
 //! (`expected`); they are bisected, round by round, until little is left.
 //!
 //! That says too little: an element is left alone because nothing was found in it. So the function is then judged at points that are spread anew
