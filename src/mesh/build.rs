@@ -99,7 +99,7 @@ impl MeshBuilder<'_> {
         let mut light = All { direct: &direct, indirect: MeshReader::of(self.scene, &indirect), rays: PILOT_RAYS };
         let part = 1.0 - INDIRECT_PART;
         if let Some([noise_sq, _]) = self.grower(&light, (part, None)).sampled_noise_sq(&growing, PILOT_POINTS) {
-            light.rays = rays_of_direct(self.error * part.sqrt(), noise_sq);
+            light.rays = rays_of_direct(self.error, part, noise_sq);
         }
         let wanted = (TESTS / (part * self.error.powi(2))).ceil().min(MOST_TESTS);
         let tests = (wanted * self.affordable_tests(&growing, &light, wanted)).max(LEAST_TESTS);
