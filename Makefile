@@ -26,7 +26,7 @@ demo: setup
 	@mkdir -p out
 	cargo build --release --locked --bin patchlight
 	cargo run --quiet --release --locked --bin patchlight -- solve scenes/room.obj \
-	    --error 0.04 --mesh out/room.ply --image out/room.png --image out/room.exr --html out/room.html --report out/report.json
+	    --error 0.03 --mesh out/room.ply --image out/room.png --image out/room.exr --html out/room.html --report out/report.json
 	@echo
 	@echo 'picture   out/room.png (to look at), out/room.exr (linear radiance)'
 	@echo 'mesh      out/room.ply (radiosity on the surfaces, which the picture shows)'
