@@ -6,7 +6,7 @@
 //! The work of either is about inverse to the square of its error. If values with a part p of the squared error take v / p, and the mesh takes
 //! m / (1 - p), both take least in all where `p / (1 - p)` is the root of v / m.
 //!
-//! What values take does not hang on how many surfaces there are, what a mesh takes does, since each surface has some elements. In sixteen rooms with 20
+//! What values take does not hang on how many surfaces there are, what a mesh takes does, since each surface has some elements. In fourteen rooms with 20
 //! to 2,900 surfaces m / v lies around `1 + surfaces / 40`, from a quarter to 2.5 times that. A tenth more work than the least is done at a ratio that is
 //! four times too large or too small.
 
