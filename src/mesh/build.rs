@@ -40,10 +40,8 @@ const INDIRECT_PART: f64 = 0.7;
 const JUDGED: usize = 2000;
 const TESTS: f64 = 4.0;
 
-/// Such points at most, as many as there may be elements: with fewer than a small error wants, the claim is larger, and still true. With less than the
-/// least nothing can be said where little is seen.
+/// Such points at most, as many as there may be elements: with fewer than a small error wants, the claim is larger, and still true.
 const MOST_TESTS: f64 = (1 << 20) as f64;
-const LEAST_TESTS: f64 = 64.0;
 
 /// No mesh takes fewer gathers than these, by which its noise is foretold and its error is judged, two each.
 pub(crate) const LEAST_GATHERS: usize = 2 * (PILOT_POINTS + JUDGED);
@@ -102,7 +100,7 @@ impl MeshBuilder<'_> {
             light.rays = rays_of_direct(self.error, part, noise_sq);
         }
         let wanted = (TESTS / (part * self.error.powi(2))).ceil().min(MOST_TESTS);
-        let tests = (wanted * self.affordable_tests(&growing, &light, wanted)).max(LEAST_TESTS);
+        let tests = wanted * self.affordable_tests(&growing, &light, wanted);
         let grower = Grower {
             judged_at: JUDGED.max(tests as usize),
             most_gathers: 1,

@@ -174,7 +174,12 @@ impl Grower<'_> {
             spots.extend(new.map(|triangle| Spot::new((index, of), triangle as u32, draw(triangle))));
             of.is_tested.fill(true);
         }
-        let tests = self.tests(all, &spots)?;
+        let wanted = self.wanted(all, &spots, 0);
+        let tests = self.take(&wanted, |light, number, scratch, tests| {
+            let Spot { index, triangle, at, .. } = spots[number];
+            let light_sq = self.light.all_sq(&wanted[number].place, scratch, light);
+            tests.push(all[index].test(triangle, at, light, light_sq));
+        })?;
         tests.into_iter().zip(&spots).for_each(|(test, spot)| all[spot.index].tests.push(test));
         Some(())
     }
@@ -260,16 +265,6 @@ impl Grower<'_> {
             Wanted { place, rays: self.rays(size(spot)) }
         };
         spots.iter().map(wanted).collect()
-    }
-
-    /// Tests the function at some points; `None` if stopped.
-    fn tests(&self, all: &[Growing], spots: &[Spot]) -> Option<Vec<Test>> {
-        let wanted = self.wanted(all, spots, 0);
-        self.take(&wanted, |light, number, scratch, tests| {
-            let Spot { index, triangle, at, .. } = spots[number];
-            let light_sq = self.light.all_sq(&wanted[number].place, scratch, light);
-            tests.push(all[index].test(triangle, at, light, light_sq));
-        })
     }
 
     /// Takes the light at places, in parallel; `make` turns what is found at each, by channel, into results, which are returned in the order of the
