@@ -99,7 +99,7 @@ impl Equations {
             self.sweep(values, &mut between);
             self.sweep(&between, next);
         };
-        let found = iterated(self.constant.clone(), ([self.channels, self.deciding], MAX_STEPS), step, stop)?;
+        let found = iterated(self.constant.clone(), ([self.channels, self.deciding], MAX_STEPS, f64::INFINITY), step, stop)?;
         Some(found.values)
     }
 

@@ -26,17 +26,20 @@ const STEADY: f64 = 0.02;
 /// at most a quarter of its path.
 const MAX_RATIO: f64 = 0.9999;
 
-/// The values that a step leaves as they are, after at most so many of them; the first `deciding` of the channels tell when it is enough. A step finds
-/// new values from old ones. `None` if stopped before.
+/// Cells whose changes are compared together.
+const COMPARED: usize = 2048;
+
+/// The values that a step leaves as they are, after at most so many of them, or until changes have grown by the factor `growth`; the first `deciding` of
+/// the channels tell when it is enough. A step finds new values from old ones. `None` if stopped before.
 pub(super) fn iterated(
     mut values: Vec<f64>,
-    ([channels, deciding], steps): ([usize; 2], u32),
+    ([channels, deciding], steps, growth): ([usize; 2], u32, f64),
     mut step: impl FnMut(&[f64], &mut [f64]),
     stop: Stop<'_>,
 ) -> Option<Iterated> {
     let mut next = vec![0.0; values.len()];
     let (mut previous, mut previous_ratio) = (f64::INFINITY, f64::INFINITY);
-    let mut slowest: f64 = 0.0;
+    let (mut slowest, mut smallest): (f64, f64) = (0.0, f64::INFINITY);
     let mut before_extrapolation: Option<(f64, Vec<f64>)> = None;
     for _ in 0..steps {
         if stop() {
@@ -45,10 +48,7 @@ pub(super) fn iterated(
 
         // A step, and how much it changes.
         step(&values, &mut next);
-        let pairs = next.par_chunks(channels).zip(values.par_chunks(channels)).with_min_len(1024);
-        let of_deciding = pairs.flat_map_iter(|(new, old)| new.iter().zip(old).take(deciding));
-        let changes = of_deciding.map(|(new, old)| ((new - old).abs(), *new));
-        let (change, brightest) = changes.reduce(|| (0.0, 0.0), |a, b| (f64::max(a.0, b.0), f64::max(a.1, b.1)));
+        let (change, brightest) = change(&next, &values, [channels, deciding]);
 
         // An extrapolation after which changes are larger is taken back.
         if let Some((change_before, values_before)) = before_extrapolation.take()
@@ -57,6 +57,12 @@ pub(super) fn iterated(
             values = values_before;
             (previous, previous_ratio) = (f64::INFINITY, f64::INFINITY);
             continue;
+        }
+
+        // Light that grows from step to step never stands still.
+        smallest = smallest.min(change);
+        if change > growth * smallest {
+            break;
         }
 
         // Done once the rest of the series is small. After an extrapolation fast changes hide the slow ones, so the slowest
@@ -80,4 +86,21 @@ pub(super) fn iterated(
         }
     }
     Some(Iterated { values, is_settled: false })
+}
+
+/// The largest change of a value, and the largest value, in the first `deciding` of the channels.
+fn change(new: &[f64], old: &[f64], [channels, deciding]: [usize; 2]) -> (f64, f64) {
+    let larger = |a: (f64, f64), b: (f64, f64)| (if b.0 > a.0 { b.0 } else { a.0 }, if b.1 > a.1 { b.1 } else { a.1 });
+    let of_values = |most, (new, old): (&[f64], &[f64])| {
+        new.iter().zip(old).fold(most, |most, (&new, &old)| larger(most, ((new - old).abs(), new)))
+    };
+    let of_cells = |(new, old): (&[f64], &[f64])| {
+        if deciding == channels {
+            return of_values((0.0, 0.0), (new, old));
+        }
+        let cells = new.chunks_exact(channels).zip(old.chunks_exact(channels));
+        cells.fold((0.0, 0.0), |most, (new, old)| of_values(most, (&new[..deciding], &old[..deciding])))
+    };
+    let chunks = new.par_chunks(COMPARED * channels).zip(old.par_chunks(COMPARED * channels));
+    chunks.map(of_cells).reduce(|| (0.0, 0.0), larger)
 }

@@ -18,6 +18,9 @@ const BLOCKS: usize = 16;
 /// Light that does not stand still after so many sweeps grows, or nearly so: where it does not, some 20 to 40 are enough.
 const ENOUGH_SWEEPS: u32 = 200;
 
+/// Light grows if what a sweep changes does by this factor. Where it does not, changes fall from one sweep to the next, but for a few rows that sum to more than 1.
+const GROWN: f64 = 10.0;
+
 /// Equations `B = constant + sum over terms of weight * B_source`, by [`BATCH`] of cells.
 pub(super) struct StoredSystem {
     channels: usize,
@@ -118,35 +121,36 @@ impl StoredSystem {
 
     /// The radiosities of all cells, by cell and channel, with rows limited if light grows without; `None` if stopped before.
     pub fn solved(&mut self, stop: Stop<'_>) -> Option<Vec<f64>> {
-        let found = self.iterated(ENOUGH_SWEEPS, stop)?;
+        let found = self.iterated(ENOUGH_SWEEPS, GROWN, stop)?;
         if found.is_settled {
             return Some(found.values);
         }
         self.batches.par_iter_mut().for_each(StoredBatch::limit_rows);
-        Some(self.iterated(MAX_STEPS, stop)?.values)
+        Some(self.iterated(MAX_STEPS, f64::INFINITY, stop)?.values)
     }
 
-    /// What so many sweeps lead to.
-    fn iterated(&self, sweeps: u32, stop: Stop<'_>) -> Option<Iterated> {
+    /// What so many sweeps lead to, or as many as let changes grow by a factor.
+    fn iterated(&self, sweeps: u32, growth: f64, stop: Stop<'_>) -> Option<Iterated> {
         let start = self.batches.iter().flat_map(|batch| &batch.constant).copied().collect();
+        let mut of_block = vec![0.0; self.batches.len().div_ceil(BLOCKS) * BATCH * self.channels];
         let step = |values: &[f64], next: &mut [f64]| match self.channels {
-            1 => self.sweep::<1>(values, next),
-            3 => self.sweep::<3>(values, next),
-            _ => self.sweep::<0>(values, next),
+            1 => self.sweep::<1>(values, next, &mut of_block),
+            3 => self.sweep::<3>(values, next, &mut of_block),
+            _ => self.sweep::<0>(values, next, &mut of_block),
         };
-        iterated(start, ([self.channels; 2], sweeps), step, stop)
+        iterated(start, ([self.channels; 2], sweeps, growth), step, stop)
     }
 
-    /// One sweep: finds `next` from `values`.
-    fn sweep<const CHANNELS: usize>(&self, values: &[f64], next: &mut [f64]) {
-        let mut newest = values.to_vec();
+    /// One sweep: finds `next` from `values`; there is room in `found` for the values of a block.
+    fn sweep<const CHANNELS: usize>(&self, values: &[f64], next: &mut [f64], found: &mut [f64]) {
+        next.copy_from_slice(values);
         let of_block = self.batches.len().div_ceil(BLOCKS).max(1);
         let length = of_block * BATCH * self.channels;
-        let blocks = self.batches.chunks(of_block).zip(next.chunks_mut(length)).enumerate();
-        for (block, (batches, next)) in blocks {
-            let rows = batches.par_iter().zip(next.par_chunks_mut(BATCH * self.channels)).with_min_len(4);
-            rows.for_each(|(batch, next)| batch.gather::<CHANNELS>(&newest, next));
-            newest[block * length..][..next.len()].copy_from_slice(next);
+        for (block, batches) in self.batches.chunks(of_block).enumerate() {
+            let found = &mut found[..length.min(next.len() - block * length)];
+            let rows = batches.par_iter().zip(found.par_chunks_mut(BATCH * self.channels)).with_min_len(4);
+            rows.for_each(|(batch, found)| batch.gather::<CHANNELS>(next, found));
+            next[block * length..][..found.len()].copy_from_slice(found);
         }
     }
 }

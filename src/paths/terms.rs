@@ -34,13 +34,16 @@ impl Terms {
         self.weight.push(weight as f32);
     }
 
-    /// Adds `rows` rows; `terms` are theirs in the order of the rows, counted from 0, and products get the numbers that `numbers` says.
+    /// Adds `rows` rows; `terms` are theirs, with rows counted from 0, and products get the numbers that `numbers` says. Terms of a row that differ in
+    /// weight alone become one.
     pub fn append(&mut self, rows: usize, terms: &mut [RowTerm], numbers: &[u32]) {
         let first = self.ends.len();
-        terms.sort_by_key(|term| term.row);
-        for term in terms {
-            self.end_rows(first + term.row as usize);
-            self.push(numbers[term.product as usize], term.source, term.weight);
+        terms.iter_mut().for_each(|term| term.product = numbers[term.product as usize]);
+        let what = |term: &RowTerm| (term.row, term.product, term.source);
+        terms.sort_by_key(what);
+        for alike in terms.chunk_by(|a, b| what(a) == what(b)) {
+            self.end_rows(first + alike[0].row as usize);
+            self.push(alike[0].product, alike[0].source, alike.iter().map(|term| term.weight).sum());
         }
         self.end_rows(first + rows);
     }
@@ -48,12 +51,23 @@ impl Terms {
     /// The terms of a row: product, source and weight.
     pub fn row(&self, row: usize) -> impl Iterator<Item = (u32, u32, f32)> + '_ {
         let own = row.checked_sub(1).map_or(0, |before| self.ends[before] as usize)..self.ends[row] as usize;
-        own.map(|term| (self.product[term], self.source[term], self.weight[term]))
+        let terms = self.product[own.clone()].iter().zip(&self.source[own.clone()]).zip(&self.weight[own]);
+        terms.map(|((&product, &source), &weight)| (product, source, weight))
     }
 
     /// Adds a row to sums by channel; `products` and `sources` are by number and channel.
     pub fn add_row(&self, row: usize, products: &[f64], sources: &[f64], sums: &mut [f64]) {
-        let channels = sums.len();
+        match sums.len() {
+            1 => self.add_channels::<1>(row, products, sources, sums),
+            3 => self.add_channels::<3>(row, products, sources, sums),
+            _ => self.add_channels::<0>(row, products, sources, sums),
+        }
+    }
+
+    /// `CHANNELS` is how many there are, or 0 where that is not known beforehand.
+    fn add_channels<const CHANNELS: usize>(&self, row: usize, products: &[f64], sources: &[f64], sums: &mut [f64]) {
+        let channels = if CHANNELS == 0 { sums.len() } else { CHANNELS };
+        let sums = &mut sums[..channels];
         for (product, source, weight) in self.row(row) {
             let product = &products[product as usize * channels..][..channels];
             let source = &sources[source as usize * channels..][..channels];
