@@ -6,6 +6,7 @@ use super::blockers::Blockers;
 use super::outline::Outline;
 use super::view::View;
 use crate::geometry::Aabb;
+use crate::scene::SurfaceId;
 use crate::visibility::HalfSpace;
 
 /// A blocker that may stand between.
@@ -13,7 +14,7 @@ use crate::visibility::HalfSpace;
 struct Candidate {
     /// About the solid angle that it takes.
     size: f64,
-    number: u32,
+    surface: SurfaceId,
 }
 
 /// Blockers that may stand between; memory that is reused.
@@ -30,7 +31,7 @@ const MOST_PLANES: usize = 9;
 impl Candidates {
     /// Finds the blockers that hide something of the cone `corners` of a source, as far as planes through the edges of either tell. Beyond
     /// `most` steps it ends, and not all are found.
-    pub fn find(&mut self, view: &View<'_>, corners: &[DVec3], blockers: &Blockers, outline: &mut Outline, most: u64) {
+    pub fn find(&mut self, view: &View<'_>, corners: &[DVec3], blockers: &Blockers<'_>, outline: &mut Outline, most: u64) {
         // The region: around point and source, in front of the source, and inside of the planes through the cone's edges.
         let bounds = Aabb::around(view.source.vertices.iter().copied().chain([view.point]));
         let mut within = [HalfSpace::at(view.source.vertices[0], view.source.normal); MOST_PLANES];
@@ -45,17 +46,17 @@ impl Candidates {
         // What is there and not in the plane of either end.
         self.found.clear();
         self.steps = 0;
-        blockers.until_enough_between(&bounds, within, |number, blocker| {
-            if blocker.plane == view.plane || blocker.plane == view.source_plane {
+        blockers.until_enough_between(&bounds, within, |surface, blocker| {
+            if blocker.plane() == view.plane || blocker.plane() == view.source_plane {
                 return false;
             }
-            let vertices = blockers.vertices(blocker);
+            let vertices = blocker.vertices();
             self.steps += (vertices.len() * planes) as u64;
             let is_behind = |half: &HalfSpace| vertices.iter().all(|v| half.normal.dot(*v) <= half.offset);
-            let mut may_hide = || outline.trace(view, blockers, blocker) && !outline.is_apart_from(corners);
+            let mut may_hide = || outline.trace(view, blocker, blockers.contact) && !outline.is_apart_from(corners);
             if !within.iter().any(is_behind) && may_hide() {
                 self.steps += 2 * (vertices.len() * corners.len()) as u64;
-                self.found.push(Candidate { size: blocker.size_from(view.point), number });
+                self.found.push(Candidate { size: blocker.size_from(view.point), surface });
             }
             self.steps > most
         });
@@ -66,9 +67,9 @@ impl Candidates {
         self.found.len()
     }
 
-    /// The numbers of the blockers that were found, the largest first.
-    pub fn by_size(&mut self) -> impl Iterator<Item = u32> {
-        self.found.sort_unstable_by(|a, b| b.size.total_cmp(&a.size).then(a.number.cmp(&b.number)));
-        self.found.iter().map(|candidate| candidate.number)
+    /// The blockers that were found, the largest first.
+    pub fn by_size(&mut self) -> impl Iterator<Item = SurfaceId> {
+        self.found.sort_unstable_by(|a, b| b.size.total_cmp(&a.size).then(a.surface.cmp(&b.surface)));
+        self.found.iter().map(|candidate| candidate.surface)
     }
 }

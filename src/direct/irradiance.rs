@@ -61,7 +61,7 @@ pub(crate) struct DirectLight<'a> {
     pub scene: &'a Scene,
     pub rays: &'a Rays<'a>,
     /// All of the scene's.
-    pub blockers: &'a Blockers,
+    pub blockers: Blockers<'a>,
     pub emitters: &'a [Emitter],
 }
 
@@ -163,7 +163,7 @@ impl DirectLight<'_> {
         if source.height(receiver.point) <= self.blockers.contact {
             return 0.0;
         }
-        scratch.part.find(&self.view(receiver, source, source_plane), self.blockers, u64::MAX).form_factor
+        scratch.part.find(&self.view(receiver, source, source_plane), &self.blockers, u64::MAX).form_factor
     }
 
     fn view<'v>(&self, receiver: &Receiver, source: Facet<'v>, source_plane: u32) -> View<'v> {
@@ -209,7 +209,7 @@ impl DirectLight<'_> {
             Method::Cheaper => (own * WORTH * STEPS_PER_RAY) as u64,
             Method::Rays => 0,
         };
-        let visible = scratch.part.find(&view, self.blockers, most_steps);
+        let visible = scratch.part.find(&view, &self.blockers, most_steps);
         if visible.is_decided {
             return visible.form_factor;
         }

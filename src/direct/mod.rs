@@ -27,7 +27,7 @@ use crate::scene::{Emitter, Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::Visibility;
 
-pub(crate) use blockers::{Blockers, SharedBlockers};
+pub(crate) use blockers::Blockers;
 pub use irradiance::{DirectEffort, Method};
 pub(crate) use irradiance::{DirectLight, DirectScratch};
 pub(crate) use lights::{LightRays, Lights};
@@ -57,9 +57,8 @@ pub fn direct_irradiance(
 ) -> DirectIrradiance {
     let channels = scene.channels();
     let rays = Rays::new(visibility, scene);
-    let blockers = Blockers::of(scene);
     let emitters = Emitter::all(scene);
-    let light = DirectLight { scene, rays: &rays, blockers: &blockers, emitters: &emitters };
+    let light = DirectLight { scene, rays: &rays, blockers: Blockers::of(scene, &rays), emitters: &emitters };
     let (mut irradiance, mut variance) = (vec![0.0; points.len() * channels], vec![0.0; points.len() * channels]);
     let sums = irradiance.par_chunks_mut(channels).zip(variance.par_chunks_mut(channels));
     points.par_iter().zip(sums).for_each_init(DirectScratch::default, |scratch, (&(surface, point), (irradiance, variance))| {

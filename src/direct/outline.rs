@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::blockers::{Blocker, Blockers};
+use super::blockers::Blocker;
 use super::view::View;
 
 /// A corner within this angle of a plane lies on it, in radians: some hundred times what rounding of directions leaves, and far below what any
@@ -23,13 +23,12 @@ pub(super) struct Outline {
 impl Outline {
     /// Takes the outline of a blocker that may stand between; false where it hides nothing: what touches the point, stands behind the source, or
     /// is seen edge-on.
-    pub fn trace(&mut self, view: &View<'_>, blockers: &Blockers, blocker: &Blocker) -> bool {
+    pub fn trace(&mut self, view: &View<'_>, blocker: Blocker<'_>, contact: f64) -> bool {
         let height = blocker.height(view.point);
-        if height.abs() <= blockers.touch(blocker) {
+        if blocker.is_touched(height, contact) {
             return false;
         }
-        let vertices = blockers.vertices(blocker);
-        self.cut_to_front(view, vertices, blockers.contact);
+        self.cut_to_front(view, blocker.vertices(), contact);
 
         // Seen from behind, the corners run the other way.
         self.planes.clear();

@@ -30,7 +30,7 @@ pub(super) struct Visible {
 
 impl VisiblePart {
     /// Finds the part of the source that the point sees, in no more than about so many [`steps`](Pieces::steps).
-    pub fn find(&mut self, view: &View<'_>, blockers: &Blockers, most_steps: u64) -> Visible {
+    pub fn find(&mut self, view: &View<'_>, blockers: &Blockers<'_>, most_steps: u64) -> Visible {
         let Self { pieces, outline, candidates } = self;
         pieces.restart(view.source.vertices.iter().map(|&v| v - view.point));
         pieces.keep_inside(view.normal);
@@ -41,11 +41,11 @@ impl VisiblePart {
 
         // Take out one blocker after the other.
         let (count, mut taken) = (candidates.len(), 0);
-        for number in candidates.by_size() {
+        for surface in candidates.by_size() {
             if pieces.is_empty() || pieces.steps > most_steps {
                 break;
             }
-            if outline.trace(view, blockers, blockers.get(number)) {
+            if outline.trace(view, blockers.get(surface), blockers.contact) {
                 pieces.subtract(outline);
             }
             taken += 1;
@@ -66,6 +66,8 @@ mod tests {
     use crate::form_factor::point_to_polygon;
     use crate::geometry::{Clip, ClippedFacet, Polygon, clip_to_front, sampling};
     use crate::scene::{Material, Scene, Sides};
+    use crate::transmittance::Rays;
+    use crate::visibility::{Backend, OccluderMesh, build};
 
     fn random(seed: u64, k: u64) -> f64 {
         sampling::unit(sampling::hash(seed, k))
@@ -105,8 +107,10 @@ mod tests {
             if blocker.vertices().any(|v| v[2] > 0.8) {
                 continue;
             }
-            let blockers = Blockers::of(&scene(&source, [blocker.clone()].into_iter()));
-            let found = part.find(&view(point, &source), &blockers, u64::MAX);
+            let scene = scene(&source, [blocker.clone()].into_iter());
+            let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
+            let rays = Rays::new(&*visibility, &scene);
+            let found = part.find(&view(point, &source), &Blockers::of(&scene, &rays), u64::MAX);
 
             let mut hidden = Some(ClippedFacet::copy_of(&source.facet()));
             let corners: Vec<DVec3> = blocker.facet().vertices.to_vec();
@@ -130,7 +134,10 @@ mod tests {
     #[test]
     fn little_work_leaves_more_open() {
         let source = ceiling();
-        let blockers = Blockers::of(&scene(&source, (0..60).filter_map(triangle)));
+        let scene = scene(&source, (0..60).filter_map(triangle));
+        let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
+        let rays = Rays::new(&*visibility, &scene);
+        let blockers = Blockers::of(&scene, &rays);
         let point = DVec3::new(0.4, 0.3, 0.0);
         let mut part = VisiblePart::default();
         let exact = part.find(&view(point, &source), &blockers, u64::MAX);

@@ -12,10 +12,11 @@ use serde::{Deserialize, Serialize};
 /// it is the irradiance of a surface with normal d.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lobes {
-    /// The sums of w, of w n, and of w n n^T (xx, yy, zz, xy, yz, zx).
+    /// The sums of w, of w n, and of w n n^T: xx and yy, of which with zz the sum is that of w; then xy, yz, zx.
     weight: f64,
     first: DVec3,
-    second: [DVec3; 2],
+    squares: [f64; 2],
+    products: DVec3,
 }
 
 impl Lobes {
@@ -23,15 +24,18 @@ impl Lobes {
     pub fn add(&mut self, weight: f64, axis: DVec3) {
         self.weight += weight;
         self.first += weight * axis;
-        self.second[0] += weight * axis * axis;
-        self.second[1] += weight * axis * DVec3::new(axis.y, axis.z, axis.x);
+        self.squares[0] += weight * axis.x * axis.x;
+        self.squares[1] += weight * axis.y * axis.y;
+        self.products += weight * axis * DVec3::new(axis.y, axis.z, axis.x);
     }
 
     /// The sum in one direction.
     pub fn at(&self, direction: DVec3) -> f64 {
         let d = direction;
-        let squares = self.second[0].dot(d * d) + 2.0 * self.second[1].dot(d * DVec3::new(d.y, d.z, d.x));
-        3.0 / 32.0 * self.weight + 0.5 * self.first.dot(d) + 15.0 / 32.0 * squares
+        let [xx, yy] = self.squares;
+        let squares = DVec3::new(xx, yy, self.weight - xx - yy).dot(d * d);
+        let products = 2.0 * self.products.dot(d * DVec3::new(d.y, d.z, d.x));
+        3.0 / 32.0 * self.weight + 0.5 * self.first.dot(d) + 15.0 / 32.0 * (squares + products)
     }
 
     /// The sum of all weights.
@@ -44,7 +48,8 @@ impl AddAssign for Lobes {
     fn add_assign(&mut self, other: Self) {
         self.weight += other.weight;
         self.first += other.first;
-        self.second.iter_mut().zip(other.second).for_each(|(sum, other)| *sum += other);
+        self.squares.iter_mut().zip(other.squares).for_each(|(sum, other)| *sum += other);
+        self.products += other.products;
     }
 }
 

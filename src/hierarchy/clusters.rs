@@ -65,7 +65,7 @@ fn build(scene: &Scene, stop: Stop<'_>) -> Hierarchy {
     let mut hierarchy = Hierarchy {
         nodes: Vec::with_capacity(clusters.len() + surfaces.len()),
         vertices: Vec::new(),
-        normals: surfaces.par_iter().map(|surface| surface.polygon.facet().normal).collect(),
+        surfaces: scene.shared_surfaces(),
         surface_nodes: vec![NodeId::ROOT; surfaces.len()],
         cluster_bounds: vec![Aabb::EMPTY; clusters.len()],
         cluster_faces: rayon::iter::repeat_n(Lobes::default(), clusters.len()).collect(),
@@ -88,7 +88,7 @@ fn build(scene: &Scene, stop: Stop<'_>) -> Hierarchy {
             members.extend(surfaces.iter().map(|&surface| (NodeId(parent), surface)));
         }
     }
-    hierarchy.push_surfaces(scene, &members);
+    hierarchy.push_surfaces(&members);
     rayon::join(|| drop(tree), || hierarchy.measure_clusters(&bounds));
     hierarchy
 }
@@ -108,23 +108,14 @@ impl Hierarchy {
     }
 
     /// Appends the nodes of surfaces, each with the cluster above it.
-    fn push_surfaces(&mut self, scene: &Scene, members: &[(NodeId, u32)]) {
-        let corners = |surface: u32| scene.surface(SurfaceId(surface)).polygon.facet().vertices;
-        self.vertices = members.par_iter().flat_map_iter(|&(_, surface)| corners(surface).iter().copied()).collect();
-
-        // Where the vertices of each begin.
-        let mut first_vertices: Vec<usize> = members.par_iter().map(|&(_, surface)| corners(surface).len()).collect();
-        let mut next = 0;
-        for first in &mut first_vertices {
-            next += std::mem::replace(first, next);
-        }
-
+    fn push_surfaces(&mut self, members: &[(NodeId, u32)]) {
         for (&(_, surface), node) in members.iter().zip(self.nodes.len() as u32..) {
             self.surface_nodes[surface as usize] = NodeId(node);
         }
-        let normals = &self.normals;
-        self.nodes.par_extend(members.par_iter().zip(first_vertices).map(|(&(parent, surface), first_vertex)| {
-            Node::of_polygon((parent, surface), first_vertex, Facet::of_part(corners(surface), normals[surface as usize]))
+        let Self { nodes, surfaces, .. } = self;
+        nodes.par_extend(members.par_iter().map(|&(parent, surface)| {
+            let Facet { vertices, normal, .. } = surfaces[surface as usize].polygon.facet();
+            Node::of_polygon((parent, surface), 0, Facet::of_part(vertices, normal))
         }));
     }
 
@@ -154,7 +145,7 @@ impl Hierarchy {
                 faces += self.cluster_faces[child.index()];
             } else {
                 around = around.union(bounds[node.surface as usize]);
-                faces.add(node.area, self.normals[node.surface as usize]);
+                faces.add(node.area, self.normal_of(node.surface));
             }
         }
         let centroid = moment / area;

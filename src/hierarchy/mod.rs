@@ -16,7 +16,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Aabb, Facet, Lobes};
-use crate::scene::SurfaceId;
+use crate::scene::{SurfaceId, Surfaces};
 pub(crate) use cuts::Cut;
 use cuts::Cuts;
 pub use node_id::NodeId;
@@ -32,8 +32,9 @@ pub(crate) struct Node {
     pub child_count: u32,
     /// The surface that the node is or is a piece of; [`Node::NO_SURFACE`] for a cluster.
     pub surface: u32,
-    /// Where its vertices start in the pool, and how many there are; none for a cluster.
+    /// Where the vertices of an element start in the pool; nothing for a surface, whose own they are.
     pub first_vertex: u32,
+    /// How many vertices there are; none for a cluster.
     pub vertex_count: u32,
     /// Area in m^2; for a cluster the sum over its surfaces.
     #[serde(skip)]
@@ -49,7 +50,7 @@ pub(crate) struct Node {
 impl Node {
     const NO_SURFACE: u32 = u32::MAX;
 
-    /// A leaf: a surface, or a piece of one, whose vertices start there in the pool; and the node above it.
+    /// A leaf: a surface, or a piece of one, whose vertices start there in the pool; with the node above it.
     fn of_polygon((parent, surface): (NodeId, u32), first_vertex: usize, facet: Facet<'_>) -> Self {
         let Facet { vertices, area, centroid, radius, .. } = facet;
         let (first_vertex, vertex_count) = (first_vertex as u32, vertices.len() as u32);
@@ -69,11 +70,11 @@ impl Node {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hierarchy {
     nodes: Vec<Node>,
-    /// Vertices of surfaces and elements, each polygon's in a row.
+    /// Vertices of elements, each polygon's in a row.
     vertices: Vec<DVec3>,
-    /// Unit normals by surface.
+    /// Those of the scene.
     #[serde(skip)]
-    normals: Vec<DVec3>,
+    surfaces: Surfaces,
     /// The node of each surface.
     #[serde(skip)]
     surface_nodes: Vec<NodeId>,
@@ -158,7 +159,11 @@ impl Hierarchy {
 
     /// The unit normal of a surface or element. Panics on a cluster, which has none.
     pub(crate) fn normal(&self, node: NodeId) -> DVec3 {
-        self.normals[self.node(node).surface as usize]
+        self.normal_of(self.node(node).surface)
+    }
+
+    fn normal_of(&self, surface: u32) -> DVec3 {
+        self.surfaces[surface as usize].polygon.facet().normal
     }
 
     /// The leaves depth first, so that neighbours in space are mostly neighbours in the list.
@@ -196,9 +201,10 @@ impl Hierarchy {
 
     /// The polygon of a surface or element, counter-clockwise; empty for a cluster.
     pub fn polygon(&self, node: NodeId) -> Vec<[f64; 3]> {
-        let node = self.node(node);
-        let first = node.first_vertex as usize;
-        self.vertices[first..first + node.vertex_count as usize].iter().map(|vertex| vertex.to_array()).collect()
+        if self.is_cluster(node) {
+            return Vec::new();
+        }
+        self.facet(node).vertices.iter().map(|vertex| vertex.to_array()).collect()
     }
 
     pub(crate) fn node(&self, node: NodeId) -> &Node {
@@ -207,29 +213,25 @@ impl Hierarchy {
 
     /// The polygon of a surface or element. Panics on a cluster, which has none.
     pub(crate) fn facet(&self, node: NodeId) -> Facet<'_> {
-        let node = self.node(node);
-        let first = node.first_vertex as usize;
-        Facet {
-            vertices: &self.vertices[first..first + node.vertex_count as usize],
-            normal: self.normals[node.surface as usize],
-            area: node.area,
-            centroid: node.centroid,
-            radius: node.radius,
-        }
+        let &Node { parent, surface, first_vertex, vertex_count, area, centroid, radius, .. } = self.node(node);
+        let Facet { vertices, normal, .. } = self.surfaces[surface as usize].polygon.facet();
+        let vertices =
+            if self.is_cluster(parent) { vertices } else { &self.vertices[first_vertex as usize..][..vertex_count as usize] };
+        Facet { vertices, normal, area, centroid, radius }
     }
 
-    /// Bytes that so many surfaces with so many corners take in so many clusters.
-    pub(crate) fn bytes_of(surfaces: usize, clusters: usize, corners: usize) -> u64 {
-        let of_surface = size_of::<Node>() + size_of::<DVec3>() + size_of::<NodeId>();
+    /// Bytes that so many surfaces take in so many clusters.
+    pub(crate) fn bytes_of(surfaces: usize, clusters: usize) -> u64 {
+        let of_surface = size_of::<Node>() + size_of::<NodeId>();
         let of_cluster = size_of::<Node>() + size_of::<Aabb>() + size_of::<Lobes>();
-        (surfaces * of_surface + clusters * of_cluster + corners * size_of::<DVec3>()) as u64
+        (surfaces * of_surface + clusters * of_cluster) as u64
     }
 
     /// Bytes that the nodes take.
     pub fn memory_bytes(&self) -> u64 {
         let clusters = size_of_val(&self.cluster_bounds[..]) + size_of_val(&self.cluster_faces[..]);
         let cuts = self.cuts.as_ref().map_or(0, Cuts::memory_bytes);
-        let elements = size_of_val(&self.nodes[..]) + size_of_val(&self.vertices[..]) + size_of_val(&self.normals[..]);
+        let elements = size_of_val(&self.nodes[..]) + size_of_val(&self.vertices[..]) + size_of_val(&self.surface_nodes[..]);
         (clusters + elements + cuts) as u64
     }
 }

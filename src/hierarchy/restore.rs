@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::{Hierarchy, Node, NodeId};
 use crate::geometry::{Aabb, Facet, Lobes};
-use crate::scene::{Scene, SurfaceId};
+use crate::scene::Scene;
 
 impl Hierarchy {
     /// Makes anew what is not stored. Checks that ids are in range, parents come before children, children are consecutive and as many as splitting
@@ -17,10 +17,10 @@ impl Hierarchy {
         let clusters = self.nodes.iter().take_while(|node| node.surface == Node::NO_SURFACE).count();
         self.cluster_bounds = vec![Aabb::EMPTY; clusters];
         self.cluster_faces = vec![Lobes::default(); clusters];
-        self.normals = scene.surfaces().iter().map(|surface| surface.polygon.facet().normal).collect();
+        self.surfaces = scene.shared_surfaces();
         self.validate_tree(scene)?;
         self.find_surfaces(scene)?;
-        self.measure_polygons(scene)?;
+        self.measure_polygons()?;
         let bounds: Vec<Aabb> = scene.surfaces().par_iter().map(|surface| surface.polygon.bounds()).collect();
         self.measure_clusters(&bounds);
         Ok(())
@@ -77,20 +77,21 @@ impl Hierarchy {
     }
 
     /// Measures surfaces and elements, and checks that they are where they must be; ids must be right.
-    fn measure_polygons(&mut self, scene: &Scene) -> Result<(), String> {
+    fn measure_polygons(&mut self) -> Result<(), String> {
         let clusters = self.cluster_count();
-        let Self { nodes, vertices, surface_nodes, .. } = self;
+        let Self { nodes, vertices, surfaces, .. } = self;
         nodes.par_iter_mut().enumerate().skip(clusters).try_for_each(|(index, node)| {
             let fault = |what: &str| Err(format!("node {index}: {what}"));
-            let end = (node.first_vertex as usize).saturating_add(node.vertex_count as usize);
-            if node.vertex_count < 3 || end > vertices.len() {
-                return fault("its vertices are out of range");
-            }
-            let vertices = &vertices[node.first_vertex as usize..end];
-            let surface = scene.surface(SurfaceId(node.surface)).polygon.facet();
-            if surface_nodes[node.surface as usize].index() == index && vertices != surface.vertices {
+            let surface = surfaces[node.surface as usize].polygon.facet();
+            let is_whole = node.parent.index() < clusters;
+            if is_whole && (node.first_vertex, node.vertex_count) != (0, surface.vertices.len() as u32) {
                 return fault("it is not the surface of the scene");
             }
+            let end = (node.first_vertex as usize).saturating_add(node.vertex_count as usize);
+            if !is_whole && (node.vertex_count < 3 || end > vertices.len()) {
+                return fault("its vertices are out of range");
+            }
+            let vertices = if is_whole { surface.vertices } else { &vertices[node.first_vertex as usize..end] };
             // An element lies on its surface, but for rounding.
             let reach = surface.radius * (1.0 + 1e-9);
             if !vertices.iter().all(|vertex| vertex.distance(surface.centroid) <= reach) {

@@ -67,7 +67,7 @@ impl Hierarchy {
     fn push_polygon(&mut self, parent: NodeId, surface: u32, vertices: impl IntoIterator<Item = DVec3>) {
         let first_vertex = self.vertices.len();
         self.vertices.extend(vertices);
-        let facet = Facet::of_part(&self.vertices[first_vertex..], self.normals[surface as usize]);
+        let facet = Facet::of_part(&self.vertices[first_vertex..], self.normal_of(surface));
         self.nodes.push(Node::of_polygon((parent, surface), first_vertex, facet));
     }
 }

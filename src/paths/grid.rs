@@ -27,6 +27,8 @@ const MAX_SIDE: f64 = 4096.0;
 /// The cells of one surface, row after row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grid {
+    /// The how many-th grid it is.
+    pub number: u32,
     pub first: u32,
     pub columns: u32,
     pub rows: u32,
@@ -39,7 +41,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    fn around(facet: &Facet<'_>, side: f64, first: u32) -> Self {
+    fn around(facet: &Facet<'_>, side: f64, [number, first]: [u32; 2]) -> Self {
         // Axes along and across the longest edge.
         let count = facet.vertices.len();
         let edge = |k: usize| facet.vertices[if k + 1 == count { 0 } else { k + 1 }] - facet.vertices[k];
@@ -56,6 +58,7 @@ impl Grid {
         let cells = |length: f64| (length / side).round().clamp(1.0, MAX_SIDE);
         let (columns, rows) = (cells(right - left), cells(top - bottom));
         Self {
+            number,
             first,
             columns: columns as u32,
             rows: rows as u32,
@@ -164,10 +167,14 @@ pub(crate) fn cell_count(scene: &Scene, brightness: &Brightness, size: CellSize)
     (cells < NO_CELL as usize).then_some(cells)
 }
 
+/// The number of no grid.
+const NO_GRID: u32 = u32::MAX;
+
 /// The cells of all surfaces.
 pub(crate) struct Grids {
-    /// By surface; `None` where a surface has no cells: it reflects nothing, or is too small.
-    grids: Vec<Option<Grid>>,
+    grids: Vec<(SurfaceId, Grid)>,
+    /// By surface, the number of its grid, or [`NO_GRID`] where a surface has no cells: it reflects nothing, or is too small.
+    numbers: Vec<u32>,
     cells: usize,
 }
 
@@ -196,42 +203,44 @@ impl Grids {
         reflectors.iter().for_each(|of| sides[of.surface.index()] = side / more.sqrt());
 
         // A grid for each, its cells numbered after those before it.
-        let (mut grids, mut cells) = (vec![None; surfaces.len()], 0);
+        let (mut grids, mut numbers, mut cells) = (Vec::with_capacity(order.len()), vec![NO_GRID; surfaces.len()], 0);
         for index in order {
-            let grid = Grid::around(&surfaces[index].polygon.facet(), sides[index], cells as u32);
+            numbers[index] = grids.len() as u32;
+            let grid = Grid::around(&surfaces[index].polygon.facet(), sides[index], [numbers[index], cells as u32]);
             cells += grid.len();
-            grids[index] = Some(grid);
+            grids.push((SurfaceId(index as u32), grid));
         }
-        Self { grids, cells }
+        Self { grids, numbers, cells }
     }
 
     /// The grid of a surface, if it has cells.
+    #[inline]
     pub fn of(&self, surface: SurfaceId) -> Option<&Grid> {
-        self.grids[surface.index()].as_ref()
+        self.grids.get(self.numbers[surface.index()] as usize).map(|(_, grid)| grid)
     }
 
     /// The point at `(u, v)`, each in [0, 1], of the cell that `point` of the surface lies in; it may lie beside the surface.
     /// `None` if the surface has no cells.
     pub fn point_beside(&self, surface: SurfaceId, point: DVec3, u: f64, v: f64) -> Option<DVec3> {
-        let grid = self.grids[surface.index()].as_ref()?;
+        let grid = self.of(surface)?;
         Some(grid.point_in((grid.cell_at(point) - grid.first) as usize, u, v))
     }
 
     /// The place of a point's cell on the Morton curve through the cells of its surface; 0 if that has no cells.
     pub fn along_curve(&self, surface: SurfaceId, point: DVec3) -> u32 {
-        let Some(grid) = &self.grids[surface.index()] else { return 0 };
+        let Some(grid) = self.of(surface) else { return 0 };
         let index = grid.cell_at(point) - grid.first;
         sampling::along_curve(index % grid.columns, index / grid.columns)
     }
 
     /// The mean area in m^2 of a surface's cells. `None` if it has none.
     pub fn cell_area(&self, surface: SurfaceId) -> Option<f64> {
-        self.grids[surface.index()].as_ref().map(Grid::cell_area)
+        self.of(surface).map(Grid::cell_area)
     }
 
     /// The coordinates of a point within its cell, each in [0, 1]. `None` if the surface has no cells.
     pub fn within_cell(&self, surface: SurfaceId, point: DVec3) -> Option<[f64; 2]> {
-        let grid = self.grids[surface.index()].as_ref()?;
+        let grid = self.of(surface)?;
         let from_corner = point - grid.point_in((grid.cell_at(point) - grid.first) as usize, 0.0, 0.0);
         let along = |axis: DVec3, size: f64| (from_corner.dot(axis) / size).clamp(0.0, 1.0);
         Some([along(grid.across, grid.cell[0]), along(grid.along, grid.cell[1])])
@@ -242,8 +251,12 @@ impl Grids {
         self.cells
     }
 
-    /// The surfaces that have cells, with their grids.
-    pub fn grids(&self) -> impl Iterator<Item = (SurfaceId, &Grid)> {
-        self.grids.iter().enumerate().filter_map(|(index, grid)| Some((SurfaceId(index as u32), grid.as_ref()?)))
+    /// The surfaces that have cells, with their grids, in the order of their numbers.
+    pub fn grids(&self) -> impl ExactSizeIterator<Item = (SurfaceId, &Grid)> {
+        self.grids.iter().map(|(surface, grid)| (*surface, grid))
     }
+
+    /// Bytes that a surface takes, and its grid, if it has one.
+    pub const BYTES_OF_SURFACE: usize = size_of::<u32>();
+    pub const BYTES_OF_GRID: usize = size_of::<(SurfaceId, Grid)>();
 }

@@ -12,9 +12,10 @@ use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
 
-use super::grid::Grid;
+use super::grid::{Grid, Grids};
 use crate::geometry::{Aabb, sampling, streams};
 use crate::scene::{Scene, Surface, SurfaceId};
+use crate::transmittance::Rays;
 use crate::visibility::SurfaceBoxes;
 
 /// Squares along each side of a cell: 8 by 8 fill a machine word.
@@ -36,18 +37,18 @@ type Squares = u64;
 /// The open parts of the cells of a scene; each surface's are found when they are first asked for.
 pub(crate) struct OpenParts<'a> {
     scene: &'a Scene,
-    boxes: OnceLock<SurfaceBoxes>,
-    /// By surface: the cells that are not open everywhere, by their index in the grid.
+    rays: &'a Rays<'a>,
+    /// By grid: the cells that are not open everywhere, by their index in the grid.
     parted: Vec<OnceLock<HashMap<u32, Squares>>>,
 }
 
 impl<'a> OpenParts<'a> {
-    /// Bytes that a surface takes, and a cell, if it is not open everywhere: an entry of a table that is half full.
-    pub const BYTES_OF_SURFACE: usize = size_of::<OnceLock<HashMap<u32, Squares>>>();
+    /// Bytes that a grid takes, and a cell, if it is not open everywhere: an entry of a table that is half full.
+    pub const BYTES_OF_GRID: usize = size_of::<OnceLock<HashMap<u32, Squares>>>();
     pub const BYTES_OF_CELL: usize = 2 * (size_of::<(u32, Squares)>() + 1);
 
-    pub fn new(scene: &'a Scene) -> Self {
-        Self { scene, boxes: OnceLock::new(), parted: scene.surfaces().iter().map(|_| OnceLock::new()).collect() }
+    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, grids: &Grids) -> Self {
+        Self { scene, rays, parted: grids.grids().map(|_| OnceLock::new()).collect() }
     }
 
     /// Whether the cell that `point` of a surface lies in has a value there.
@@ -89,9 +90,8 @@ impl<'a> OpenParts<'a> {
 
     /// The cells of a surface that are not open everywhere.
     fn of(&self, surface: SurfaceId, grid: &Grid) -> &HashMap<u32, Squares> {
-        self.parted[surface.index()].get_or_init(|| {
-            let boxes = self.boxes.get_or_init(|| SurfaceBoxes::of(self.scene));
-            let marked = marked_squares(self.scene, boxes, surface, grid);
+        self.parted[grid.number as usize].get_or_init(|| {
+            let marked = marked_squares(self.scene, self.rays.sheets(self.scene), surface, grid);
             let facet = self.scene.surface(surface).polygon.facet();
             let open_part = |(cell, marked): (u32, Squares)| {
                 let centre = |number: u32| {
@@ -235,9 +235,9 @@ fn largest_part(squares: Squares) -> Squares {
 mod tests {
     use super::*;
     use crate::geometry::Polygon;
-    use crate::paths::grid::Grids;
     use crate::paths::{Brightness, CellSize};
     use crate::scene::{Material, Sides};
+    use crate::visibility::{Backend, OccluderMesh, build};
 
     /// Whether the one cell of a unit square has a value at points of its middle line, `y = 0.6`, under another polygon.
     fn open_along(other: [[f64; 3]; 4], xs: &[f64]) -> Vec<bool> {
@@ -247,7 +247,9 @@ mod tests {
         let faces = faces.into_iter().zip(0..).map(|(polygon, face)| (polygon, 0, face)).collect();
         let scene = Scene::new(1, vec![material], faces, Sides::Front).unwrap();
         let grids = Grids::new(&scene, &Brightness::even(&scene), CellSize { side: 1.0, most_surfaces: usize::MAX });
-        let (parts, grid) = (OpenParts::new(&scene), grids.of(SurfaceId(0)).unwrap());
+        let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
+        let rays = Rays::new(&*visibility, &scene);
+        let (parts, grid) = (OpenParts::new(&scene, &rays, &grids), grids.of(SurfaceId(0)).unwrap());
         for seed in 0..32 {
             let point = parts.sampled_point(SurfaceId(0), grid, 0, sampling::hash(seed, 0)).unwrap();
             assert!(parts.contains(SurfaceId(0), grid, point), "{point}");

@@ -109,7 +109,9 @@ mod tests {
         let mut terms = Terms::default();
         let term = |row, product, source, weight| RowTerm { row, product, source, weight };
         terms.append(3, &mut [term(2, 1, 0, 4.0), term(0, 0, 1, 0.5), term(2, 0, 1, 1.0)], &[0, 1]);
-        terms.append(1, &mut [term(0, 1, 1, 2.0)], &[0, 0]);
+        // Of the second trail both products are the first one here, so that these are one term.
+        terms.append(1, &mut [term(0, 1, 1, 1.5), term(0, 0, 1, 0.5)], &[0, 0]);
+        assert_eq!(terms.len(), 4);
         assert!(terms.are_valid(4, 2, 2) && !terms.are_valid(4, 1, 2) && !terms.are_valid(4, 2, 1) && !terms.are_valid(3, 2, 2));
         let (products, sources) = ([1.0, 1.0, 0.5, 0.25], [3.0, 5.0, 7.0, 11.0]);
         let row = |row| {

@@ -11,7 +11,6 @@
 //! cell brings nothing.
 
 use std::f64::consts::PI;
-use std::sync::OnceLock;
 
 use glam::DVec3;
 
@@ -89,8 +88,6 @@ pub(crate) struct LightPaths<'a> {
     lights: Lights<'a>,
     has_sky: bool,
     reflectors: Reflectors<'a>,
-    /// Found once somebody asks for direct light.
-    blockers: OnceLock<Blockers>,
     /// By surface: it sends nothing that paths could bring.
     is_black: Vec<bool>,
 }
@@ -113,18 +110,18 @@ impl<'a> LightPaths<'a> {
             material.reflectance.iter().all(|&rho| rho == 0.0) && (!material.emits() || emitters.contains(surface))
         };
         let is_black = (0..scene.surfaces().len() as u32).map(|surface| is_black(SurfaceId(surface))).collect();
-        let (open_parts, blockers) = (OpenParts::new(scene), OnceLock::new());
+        let open_parts = OpenParts::new(scene, rays, &grids);
         let (lights, has_sky) = (Lights::new(scene, rays), scene.has_sky());
-        Self { scene, rays, grids, open_parts, emitters, lights, has_sky, reflectors, blockers, is_black }
+        Self { scene, rays, grids, open_parts, emitters, lights, has_sky, reflectors, is_black }
     }
 
-    /// Bytes that paths take in a scene with so many cells: grids, open parts with the boxes that tell them, and cells that rays are aimed at.
+    /// Bytes that paths take in a scene with so many cells: grids, open parts, sources of light, and cells that rays are aimed at.
     pub fn bytes_of(scene: &Scene, cells: usize) -> u64 {
-        /// Boxes of a surface while their tree is built, and sources of light with theirs. Measured: 170 bytes.
-        const BOXES: usize = 176;
-        let of_surface =
-            size_of::<Option<Grid>>() + OpenParts::BYTES_OF_SURFACE + BOXES + Blockers::BYTES_OF_SURFACE + size_of::<bool>();
-        (scene.surfaces().len() * of_surface + cells * (OpenParts::BYTES_OF_CELL + size_of::<bool>())) as u64
+        let surfaces = scene.surfaces().len();
+        let of_grid = Grids::BYTES_OF_GRID + OpenParts::BYTES_OF_GRID;
+        let of_cell = OpenParts::BYTES_OF_CELL + size_of::<bool>();
+        let of_surface = Grids::BYTES_OF_SURFACE + size_of::<bool>();
+        (surfaces * of_surface + surfaces.min(cells) * of_grid + cells * of_cell) as u64
     }
 
     /// Next-event estimation: adds the irradiance from emitters and lights at each place, by `count` rays to each kind, and fills `scratch.seen` with what
@@ -149,7 +146,7 @@ impl<'a> LightPaths<'a> {
         if self.emitters.emitters.len() > count as usize {
             return self.add_next_event(places, 1, count, scratch, irradiance);
         }
-        let blockers = self.blockers.get_or_init(|| Blockers::of(self.scene));
+        let blockers = Blockers::of(self.scene, self.rays);
         let direct = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters.emitters };
         scratch.direct.add_irradiance(&direct, places, count, irradiance);
         self.see_reflectors(places, count, scratch);

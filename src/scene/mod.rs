@@ -50,7 +50,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use self::on_threads::on_threads_of_caller;
-use self::surfaces::Surfaces;
+pub(crate) use self::surfaces::Surfaces;
 use crate::geometry::{Aabb, Polygon};
 
 /// Which sides of a face emit and receive. Every face occludes from both.
@@ -241,6 +241,11 @@ impl Scene {
     /// The surfaces.
     pub fn surfaces(&self) -> &[Surface] {
         &self.surfaces
+    }
+
+    /// The surfaces, to keep them beside the scene.
+    pub(crate) fn shared_surfaces(&self) -> Surfaces {
+        self.surfaces.clone()
     }
 
     /// One surface.

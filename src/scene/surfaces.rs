@@ -12,7 +12,7 @@ use crate::geometry::Aabb;
 
 /// Surfaces that copies of a scene share. Stored as a list.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Surfaces {
+pub(crate) struct Surfaces {
     list: Arc<Vec<Surface>>,
     /// Around all of them.
     pub bounds: Aabb,
@@ -38,6 +38,12 @@ impl Surfaces {
     /// The surfaces, taken out, or copied if others share them.
     pub fn take(&mut self) -> Vec<Surface> {
         Arc::unwrap_or_clone(std::mem::take(&mut self.list))
+    }
+}
+
+impl Default for Surfaces {
+    fn default() -> Self {
+        Self { list: Arc::default(), bounds: Aabb::EMPTY }
     }
 }
 

@@ -13,7 +13,7 @@ use super::memory::{CellDemand, Holdings, LINK_AT_WORK};
 use super::options::{Subdivision, Sweep};
 use super::plan::{COARSE_TOLERANCE, Plan};
 use super::report::SolveReport;
-use crate::direct::{Lights, SharedBlockers};
+use crate::direct::Lights;
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::oracle::{Decision, RefinementOracle};
 use crate::links::{Dropped, LinkSet, Pair, RefineContext, RefineEnd, RefineLimits, Refinement};
@@ -21,7 +21,8 @@ use crate::paths::{Brightness, Illumination, Landing, cell_count};
 use crate::progress::{Progress, Stage, Stop};
 use crate::scene::SurfaceId;
 use crate::sweep::{
-    self, ByPlane, Closure, Exposure, LightIrradiance, Radiosity, Reflection, Reflections, sampled_exposed_point, sweep_in_place,
+    self, ByPlane, Closure, Exposure, Irradiance, LightIrradiance, Radiosity, Reflection, Reflections, sampled_exposed_point,
+    sweep_in_place,
 };
 use crate::transmittance::maps::Maps;
 use crate::values::{Gather, Gathered, LinkGather, Over, RayBudget, Scratch};
@@ -43,7 +44,6 @@ pub(super) struct Linked<'a> {
     pub lights: LightIrradiance,
     pub radiosity: Radiosity,
     /// What stands between points and sources.
-    blockers: SharedBlockers,
     /// Where clusters gather and emit.
     pub closure: Option<Closure>,
     /// Whether clusters gather and emit.
@@ -84,7 +84,6 @@ impl<'a> Linked<'a> {
             exposure,
             lights,
             radiosity,
-            blockers: SharedBlockers::default(),
             closure: None,
             clusters,
             cluster_reflectance,
@@ -215,7 +214,9 @@ impl<'a> Linked<'a> {
         let more = at_work.saturating_sub(self.links.memory_bytes());
         self.account(self.job.memory.with_sweeps(self.holdings()) + more);
         self.grow();
-        self.closure = Closure::needed(scene, &self.hierarchy, &self.links, &self.exposure, self.clusters);
+        let Self { hierarchy, links, exposure, radiosity, clusters, .. } = self;
+        self.closure =
+            radiosity.without_lobes(hierarchy, exposure, || Closure::needed(scene, hierarchy, links, exposure, *clusters));
         self.report.time_s.refine += start.elapsed().as_secs_f64();
         end
     }
@@ -239,9 +240,9 @@ impl<'a> Linked<'a> {
     /// Gathers over the links and push-pulls until what is still to come is below the tolerance.
     pub fn sweep(&mut self) {
         self.progress(Stage::Gather);
-        let mut previous = f64::INFINITY;
+        let (mut previous, mut irradiance) = (f64::INFINITY, Irradiance::default());
         for _ in 0..MAX_SWEEPS {
-            let change = self.sweep_once();
+            let change = self.sweep_once(&mut irradiance);
             self.report.counts.iterations += 1;
             self.report.energy.residual = change.largest;
             let to_come = change.estimate_to_come(previous);
@@ -253,14 +254,14 @@ impl<'a> Linked<'a> {
         }
     }
 
-    /// Lets light travel once over the links.
-    fn sweep_once(&mut self) -> sweep::Change {
+    /// Lets light travel once over the links; `irradiance` is memory that is reused.
+    fn sweep_once(&mut self, irradiance: &mut Irradiance) -> sweep::Change {
         let Self { job, hierarchy, links, exposure, lights, closure, radiosity, report, .. } = self;
         let reflection = Reflection { scene: job.scene, closure: closure.as_ref(), lights };
         let start = Instant::now();
         match job.options.links.sweep {
             Sweep::Jacobi => {
-                let irradiance = sweep::gather(hierarchy, links, exposure, radiosity);
+                sweep::gather_into(irradiance, hierarchy, links, exposure, radiosity);
                 let gathered = Instant::now();
                 let change = sweep::push_pull(&reflection, hierarchy, exposure, irradiance, radiosity);
                 report.time_s.push_pull += gathered.elapsed().as_secs_f64();
@@ -334,7 +335,7 @@ impl<'a> Linked<'a> {
     /// The same by another gather.
     fn gather_with<'b>(&'b self, budget: RayBudget, other: impl Fn(LinkGather<'b>) -> LinkGather<'b>) -> Gather<'b> {
         let Self { hierarchy, links, radiosity, exposure, job: Job { scene, rays, .. }, .. } = self;
-        let over = LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays).with_blockers(self.blockers.clone());
+        let over = LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays);
         let over = Over::Links(other(LinkGather::with_direct_light(over)));
         Gather { scene, hierarchy, over, budget }
     }

@@ -157,8 +157,8 @@ impl Solution {
         if stop() {
             return None;
         }
-        let (blockers, (shape, with_lights)) = rayon::join(|| Blockers::of(scene), || mesh_lines::find(self, error, stop));
-        let direct = &DirectLight { scene, rays, blockers: &blockers, emitters: &emitters };
+        let (blockers, (shape, with_lights)) = rayon::join(|| Blockers::of(scene, rays), || mesh_lines::find(self, error, stop));
+        let direct = &DirectLight { scene, rays, blockers, emitters: &emitters };
         let lines = [&shape, with_lights.as_ref().unwrap_or(&shape)];
         let is_wanted = |surface: &SurfaceId| seen.is_none_or(|seen| seen.weight(*surface) > 0.0);
         let reflects = |surface: &SurfaceId| scene.material_of(*surface).reflects();

@@ -4,14 +4,13 @@
 //! resident, by less than twice where scenes are large. Three things take turns, on top of what stays: sweeps, refinement, and solving for cells.
 
 use crate::cells::CellRadiosities;
-use crate::direct::Blockers;
 use crate::error::{ErrorSamples, REPLICATES};
 use crate::geometry::Lobes;
 use crate::hierarchy::Hierarchy;
 use crate::links::LinkSet;
 use crate::paths::LightPaths;
 use crate::scene::{Scene, Surface};
-use crate::visibility::Backend;
+use crate::visibility::{Backend, SurfaceBoxes};
 
 /// The program, its libraries, and what threads reuse: 14 to 20 MB are resident when a dozen surfaces are solved.
 const PROGRAM: u64 = 24_000_000;
@@ -79,7 +78,7 @@ impl CellDemand {
 pub(super) struct MemoryLedger {
     /// Infinite where there is no budget.
     budget: u64,
-    /// The program, the scene, what answers visibility, and what may stand before emitters.
+    /// The program, the scene, what answers visibility, and boxes of surfaces.
     fixed: u64,
     has_lights: bool,
 }
@@ -88,17 +87,16 @@ pub(super) struct MemoryLedger {
 pub(crate) fn least_bytes(scene: &Scene, backend: Backend) -> u64 {
     let surfaces = scene.surfaces().len();
     let clusters = (CLUSTERS * surfaces as f64) as usize;
-    let corners = scene.surfaces().iter().map(|surface| surface.polygon.facet().vertices.len()).sum();
     let ledger = MemoryLedger::new(scene, backend, None);
     let nodes: u64 = ledger.node_bytes(surfaces + clusters, clusters, scene.channels_with_groups()).iter().sum();
-    ledger.fixed + Hierarchy::bytes_of(surfaces, clusters, corners) + nodes + FIRST_LINKS
+    ledger.fixed + Hierarchy::bytes_of(surfaces, clusters) + nodes + FIRST_LINKS
 }
 
 impl MemoryLedger {
     /// Of a scene; where it is solved in other channels, both have the same surfaces in memory.
     pub fn new(scene: &Scene, backend: Backend, budget: Option<u64>) -> Self {
-        let blockers = (scene.surfaces().len() * Blockers::BYTES_OF_SURFACE) as u64;
-        let fixed = PROGRAM + scene_bytes(scene) + sheets(scene) * (READ as u64 + bytes_of_triangle(backend)) + blockers;
+        let boxes = (scene.surfaces().len() * SurfaceBoxes::BYTES_OF_SURFACE) as u64;
+        let fixed = PROGRAM + scene_bytes(scene) + sheets(scene) * (READ as u64 + bytes_of_triangle(backend)) + boxes;
         Self { budget: budget.unwrap_or(u64::MAX), fixed, has_lights: !scene.lights().is_empty() }
     }
 

@@ -10,7 +10,7 @@ use super::report::{ErrorReport, TransportReport};
 use super::solution::Solution;
 use crate::progress::{Observer, Stop};
 use crate::scene::{Material, Scene, SceneError};
-use crate::sweep::{self, Closure, Radiosity, Reflection};
+use crate::sweep::{self, Closure, Irradiance, Radiosity, Reflection};
 
 /// Why a solution cannot be solved again for other materials.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -110,9 +110,10 @@ impl Solution {
         let closure = Closure::needed(scene, hierarchy, links, exposure, self.links_clusters());
         let reflection = Reflection { scene, closure: closure.as_ref(), lights };
         let (mut radiosity, mut previous) = (self.radiosity.clone(), f64::INFINITY);
+        let mut irradiance = Irradiance::default();
         for _ in 0..MAX_SWEEPS {
-            let irradiance = sweep::gather(hierarchy, links, exposure, &radiosity);
-            let change = sweep::push_pull(&reflection, hierarchy, exposure, irradiance, &mut radiosity);
+            sweep::gather_into(&mut irradiance, hierarchy, links, exposure, &radiosity);
+            let change = sweep::push_pull(&reflection, hierarchy, exposure, &mut irradiance, &mut radiosity);
             let to_come = change.estimate_to_come(previous);
             previous = change.largest;
             if to_come <= options.links.sweep_tolerance * change.brightest || !change.largest.is_finite() || stop() {

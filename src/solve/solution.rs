@@ -13,7 +13,7 @@ use super::options::{SolveOptions, Solver};
 use super::transport::Transport;
 use crate::bounds::RadiosityBounds;
 use crate::cells::CellRadiosities;
-use crate::direct::{Blockers, DirectLight, DirectScratch, SharedBlockers};
+use crate::direct::{Blockers, DirectLight, DirectScratch};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::mesh::LitMesh;
@@ -175,11 +175,10 @@ impl Solution {
         let over = match (&self.cell_radiosities, paths) {
             (Some(radiosities), Some(paths)) => Over::Cells(FinalGather { paths, radiosities, bounces: 0 }),
             _ => {
-                // Direct light asks for the blockers: they are found meanwhile.
-                let blockers = SharedBlockers::default();
-                let links = || LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays).with_blockers(blockers.clone());
-                let find_blockers = || (!scene.is_dark()).then(|| blockers.of(scene));
-                let (over, _) = rayon::join(|| LinkGather::with_direct_light(links()), find_blockers);
+                // Direct light asks for the boxes of blockers: they are found meanwhile.
+                let links = || LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays);
+                let find_boxes = || (!scene.is_dark()).then(|| rays.sheets(scene));
+                let (over, _) = rayon::join(|| LinkGather::with_direct_light(links()), find_boxes);
                 Over::Links(over)
             }
         };
@@ -190,8 +189,7 @@ impl Solution {
     /// Radiosities at points by an older method over the links, by point and channel, in W/m^2; NaN where a point lies on no surface.
     pub(crate) fn shade(&self, rays: &Rays<'_>, points: &[SurfacePoint], method: ShadingMethod) -> Vec<f32> {
         let Self { scene, hierarchy, links, radiosity, .. } = self;
-        let blockers = Blockers::of(scene);
-        let light = DirectLight { scene, rays, blockers: &blockers, emitters: &[] };
+        let light = DirectLight { scene, rays, blockers: Blockers::of(scene, rays), emitters: &[] };
         let shading = Shading { scene, hierarchy, links, radiosity, light, method };
         let (channels, tolerance) = (scene.channels(), tolerance(scene));
         let mut values = vec![f32::NAN; points.len() * channels];

@@ -56,13 +56,12 @@ impl Closure {
 
     /// With the factor that `close` gives for a leaf and the sum of its form factors.
     fn by(close: impl Fn(NodeId, f64) -> f64, scene: &Scene, hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure) -> Self {
-        let channels = scene.channels();
-        let emission = Radiosity::emitted(scene, hierarchy, exposure);
-        let emitted = push(hierarchy, gather(hierarchy, links, exposure, &emission), channels);
-        let ones = Radiosity::ones(hierarchy, exposure);
-        let sums = push(hierarchy, gather(hierarchy, links, exposure, &ones), 1);
+        let arriving = |sent: Radiosity| push(hierarchy, gather(hierarchy, links, exposure, &sent), sent.channels());
+        let sums = arriving(Radiosity::ones(hierarchy, exposure));
         let factor = |node: NodeId| if hierarchy.is_leaf(node) { close(node, sums[node.index()]) } else { 1.0 };
-        Self { channels, factors: hierarchy.ids().map(factor).collect(), emitted }
+        let factors = hierarchy.ids().map(factor).collect();
+        drop(sums);
+        Self { channels: scene.channels(), factors, emitted: arriving(Radiosity::emitted(scene, hierarchy, exposure)) }
     }
 
     /// The factor on reflected light at a leaf.

@@ -8,6 +8,7 @@ use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::{Link, LinkSet};
 
 /// The irradiance of every node's exposed part by its own links, by channel.
+#[derive(Default)]
 pub(crate) struct Irradiance {
     /// H of each surface and element, in W/m^2; clusters have none.
     pub(super) values: Vec<f64>,
@@ -21,19 +22,34 @@ pub(crate) struct Irradiance {
 /// A cluster keeps the directions that light comes from. The power of each link is shared out over the cluster's faces by the
 /// cosine to the source, so that all of it arrives.
 pub(crate) fn gather(hierarchy: &Hierarchy, links: &LinkSet, exposure: &Exposure, radiosity: &Radiosity) -> Irradiance {
+    let mut irradiance = Irradiance::default();
+    gather_into(&mut irradiance, hierarchy, links, exposure, radiosity);
+    irradiance
+}
+
+/// The same into memory that is reused from sweep to sweep.
+pub(crate) fn gather_into(
+    irradiance: &mut Irradiance,
+    hierarchy: &Hierarchy,
+    links: &LinkSet,
+    exposure: &Exposure,
+    radiosity: &Radiosity,
+) {
     let channels = radiosity.channels();
     let clusters = hierarchy.cluster_count();
-    let mut values = vec![0.0; channels * hierarchy.len()];
+    let Irradiance { values, lobes } = irradiance;
+    values.resize(channels * hierarchy.len(), 0.0);
     values.par_chunks_mut(channels).with_min_len(256).enumerate().skip(clusters).for_each(|(node, irradiance)| {
         let node = NodeId(node as u32);
+        irradiance.fill(0.0);
         gather_polygon(hierarchy, node, links.of(node), exposure, radiosity, irradiance);
     });
-    let mut lobes = vec![Lobes::default(); channels * clusters];
+    lobes.resize(channels * clusters, Lobes::default());
     lobes.par_chunks_mut(channels).with_min_len(16).enumerate().for_each(|(node, lobes)| {
         let node = NodeId(node as u32);
+        lobes.fill(Lobes::default());
         gather_cluster(hierarchy, node, links.of(node), radiosity, lobes);
     });
-    Irradiance { values, lobes }
 }
 
 /// Adds what a surface or element gathers over `links`.
@@ -69,6 +85,8 @@ pub(super) fn gather_cluster(hierarchy: &Hierarchy, receiver: NodeId, links: &[L
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::geometry::Polygon;
     use crate::scene::{Material, Scene, Sides, SurfaceId};
@@ -96,6 +114,27 @@ mod tests {
             node = parent;
         }
         true
+    }
+
+    #[test]
+    fn what_clusters_show_and_gather_does_not_hang_on_what_was_there_before() {
+        let scene = boxes();
+        let hierarchy = Hierarchy::new(&scene);
+        let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
+        let mut exposure = Exposure::default();
+        exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), 0, &|| false);
+        let radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
+        let mut again = radiosity.clone();
+        assert_eq!(again.without_lobes(&hierarchy, &exposure, || 7), 7);
+        assert_eq!(again, radiosity);
+
+        let links = LinkSet::unrefined(hierarchy.len());
+        let mut used = Irradiance { values: vec![3.0; hierarchy.len()], lobes: vec![Lobes::default(); 1] };
+        used.lobes[0].add(1.0, DVec3::Z);
+        gather_into(&mut used, &hierarchy, &links, &exposure, &radiosity);
+        let clusters = hierarchy.cluster_count();
+        assert!(used.values[clusters..].iter().all(|&h| h == 0.0) && used.lobes.iter().all(|lobes| *lobes == Lobes::default()));
+        assert_eq!((used.values.len(), used.lobes.len()), (hierarchy.len(), clusters));
     }
 
     #[test]

@@ -293,9 +293,9 @@ mod tests {
                 // <R, B>, B by sweeps.
                 let mut radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
                 for _ in 0..400 {
-                    let irradiance = gather(&hierarchy, &links, &exposure, &radiosity);
+                    let mut irradiance = gather(&hierarchy, &links, &exposure, &radiosity);
                     let reflection = Reflection { scene: &scene, closure, lights: &LightIrradiance::default() };
-                    push_pull(&reflection, &hierarchy, &exposure, irradiance, &mut radiosity);
+                    push_pull(&reflection, &hierarchy, &exposure, &mut irradiance, &mut radiosity);
                 }
                 let leaves = || hierarchy.ids().filter(|&node| hierarchy.is_leaf(node));
                 let of_leaf = |leaf: NodeId| &initial[2 * leaf.index()..][..2];

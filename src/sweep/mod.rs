@@ -22,7 +22,7 @@ pub(crate) use defect::Reflections;
 pub(crate) use exposed_points::sampled_exposed_point;
 pub use exposure::Exposure;
 pub(crate) use exposure::{ByPlane, HiddenPoints};
-pub(crate) use gather::{Irradiance, gather};
+pub(crate) use gather::{Irradiance, gather, gather_into};
 pub(crate) use importance::Adjoint;
 pub use importance::Importance;
 pub(crate) use in_place::sweep_in_place;

@@ -7,8 +7,14 @@ use crate::hierarchy::{Hierarchy, NodeId};
 
 /// The push: the irradiance of every surface and element with all that the nodes above it gather, by node and channel. Irradiance
 /// of a cluster arrives at its children by their normals.
-pub(crate) fn push(hierarchy: &Hierarchy, irradiance: Irradiance, channels: usize) -> Vec<f64> {
-    let Irradiance { mut values, mut lobes } = irradiance;
+pub(crate) fn push(hierarchy: &Hierarchy, mut irradiance: Irradiance, channels: usize) -> Vec<f64> {
+    push_in_place(hierarchy, &mut irradiance, channels);
+    irradiance.values
+}
+
+/// The same into the values themselves.
+pub(super) fn push_in_place(hierarchy: &Hierarchy, irradiance: &mut Irradiance, channels: usize) {
+    let Irradiance { values, lobes } = irradiance;
     for level in hierarchy.levels().into_iter().skip(1) {
         let above = |index: usize| hierarchy.node(NodeId((level.start + index) as u32)).parent;
         if level.start < hierarchy.cluster_count() {
@@ -35,5 +41,4 @@ pub(crate) fn push(hierarchy: &Hierarchy, irradiance: Irradiance, channels: usiz
             });
         }
     }
-    values
 }

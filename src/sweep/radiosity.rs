@@ -64,11 +64,31 @@ impl Radiosity {
             }
         });
 
-        let lobes = |count| rayon::iter::repeat_n(Lobes::default(), count).collect();
-        let clusters = hierarchy.cluster_count();
-        let mut radiosity = Self { channels, values, exposed: lobes(clusters), shown: lobes(channels * clusters) };
+        let mut radiosity = Self { channels, values, exposed: Vec::new(), shown: Vec::new() };
+        radiosity.make_room_for_lobes(hierarchy);
         radiosity.pull(hierarchy, exposure);
         radiosity
+    }
+
+    fn make_room_for_lobes(&mut self, hierarchy: &Hierarchy) {
+        let lobes = |count| rayon::iter::repeat_n(Lobes::default(), count).collect();
+        let clusters = hierarchy.cluster_count();
+        (self.exposed, self.shown) = (lobes(clusters), lobes(self.channels * clusters));
+    }
+
+    /// Forgets what clusters show, which takes most of the memory, while `work` has no use for that.
+    pub fn without_lobes<T>(&mut self, hierarchy: &Hierarchy, exposure: &Exposure, work: impl FnOnce() -> T) -> T {
+        (self.exposed, self.shown) = (Vec::new(), Vec::new());
+        let done = work();
+        self.make_room_for_lobes(hierarchy);
+        let clusters = hierarchy.cluster_count();
+        hierarchy
+            .levels()
+            .into_iter()
+            .rev()
+            .filter(|level| level.start < clusters)
+            .for_each(|level| self.pull_lobes(hierarchy, exposure, level));
+        done
     }
 
     /// How many channels each node has.

@@ -4,6 +4,7 @@
 mod clear_pairs;
 pub mod maps;
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -12,7 +13,7 @@ use glam::DVec3;
 
 use crate::scene::{Scene, Surface};
 use crate::team::Share;
-use crate::visibility::{Hit, NO_PLANE, Ray, Segment, Visibility};
+use crate::visibility::{Hit, NO_PLANE, Ray, Segment, SurfaceBoxes, Visibility};
 
 /// Casts rays through a visibility backend, and counts and times them. Segments of which it is proved that nothing occludes them
 /// are not cast.
@@ -26,6 +27,8 @@ pub(crate) struct Rays<'a> {
     segments: Tally,
     first_hits: Tally,
     share: Share<'a>,
+    /// Found when somebody asks for them.
+    sheets: OnceLock<SurfaceBoxes>,
 }
 
 /// Where nothing can occlude anything.
@@ -47,7 +50,8 @@ impl<'a> Rays<'a> {
         let bounds = scene.bounds();
         let (centre, radius) = (bounds.centre(), 0.5 * bounds.diagonal());
         let (segments, first_hits) = (Tally::default(), Tally::default());
-        Self { backend, proof, centre, radius, spared: AtomicU64::new(0), segments, first_hits, share: Share::WHOLE }
+        let (spared, share, sheets) = (AtomicU64::new(0), Share::WHOLE, OnceLock::new());
+        Self { backend, proof, centre, radius, spared, segments, first_hits, share, sheets }
     }
 
     /// The same for a process that casts its share of them.
@@ -58,6 +62,11 @@ impl<'a> Rays<'a> {
     /// Which batches of work that casts many rays this process does.
     pub fn share(&self) -> Share<'a> {
         self.share
+    }
+
+    /// The boxes of the sheets of the scene, whose surfaces are those that rays go through.
+    pub fn sheets(&self, scene: &Scene) -> &SurfaceBoxes {
+        self.sheets.get_or_init(|| SurfaceBoxes::of_sheets(scene))
     }
 
     /// The same, but casts rays even in a scene where nothing can occlude anything.

@@ -24,7 +24,7 @@ use super::budget::RayBudget;
 use super::link_receiver::{Receiver, WhichLights};
 use super::source_piece::SourcePiece;
 use super::variation::Variation;
-use crate::direct::{self, DirectEffort, DirectLight, DirectScratch, Method, SharedBlockers};
+use crate::direct::{self, Blockers, DirectEffort, DirectLight, DirectScratch, Method};
 use crate::form_factor::kernel;
 use crate::geometry::{sampling, streams};
 use crate::hierarchy::{Hierarchy, NodeId};
@@ -59,7 +59,6 @@ pub(crate) struct LinkGather<'a> {
     pub(super) variation: Arc<Variation>,
     exposure: &'a Exposure,
     rays: &'a Rays<'a>,
-    blockers: SharedBlockers,
     /// Where only reflected light is gathered over links: the gather of all light, for rays that end close by.
     whole: Option<Box<LinkGather<'a>>>,
     /// Emitters whose light is added beside that of links.
@@ -111,7 +110,7 @@ impl<'a> LinkGather<'a> {
         exposure: &'a Exposure,
         rays: &'a Rays<'a>,
     ) -> Self {
-        let (variation, blockers) = (Arc::new(Variation::new(hierarchy, radiosity)), SharedBlockers::default());
+        let variation = Arc::new(Variation::new(hierarchy, radiosity));
         let (radiosity, emitters) = (Cow::Borrowed(radiosity), Vec::new());
         Self {
             scene,
@@ -121,7 +120,6 @@ impl<'a> LinkGather<'a> {
             variation,
             exposure,
             rays,
-            blockers,
             whole: None,
             emitters,
             is_apart: false,
@@ -129,16 +127,11 @@ impl<'a> LinkGather<'a> {
         }
     }
 
-    /// The same with blockers that others share.
-    pub fn with_blockers(self, blockers: SharedBlockers) -> Self {
-        Self { blockers, ..self }
-    }
-
     /// The same of reflected light alone.
     pub fn of_reflected(whole: Self) -> Self {
         let Self { scene, hierarchy, links, exposure, rays, .. } = whole;
         // Exitance is the same all over a surface, so reflected light varies as all light does.
-        let (variation, blockers) = (whole.variation.clone(), whole.blockers.clone());
+        let variation = whole.variation.clone();
         let radiosity = Cow::Owned(whole.radiosity.without_exitance(scene, hierarchy, exposure));
         let (whole, emitters) = (Some(Box::new(whole)), Vec::new());
         Self {
@@ -149,7 +142,6 @@ impl<'a> LinkGather<'a> {
             variation,
             exposure,
             rays,
-            blockers,
             whole,
             emitters,
             is_apart: false,
@@ -264,7 +256,7 @@ impl<'a> LinkGather<'a> {
         if self.emitters.is_empty() && !has_lights {
             return;
         }
-        let blockers = self.blockers.of(self.scene);
+        let blockers = Blockers::of(self.scene, self.rays);
         let light = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters };
         let rays = (DIRECT_RAYS * f64::from(budget.rays)).ceil() as u32;
         let &Receiver { point, normal, plane, seed, lights, .. } = receiver;

@@ -30,10 +30,10 @@ pub(super) fn bounce(linked: &mut Linked<'_>, plan: &Plan) -> RefineEnd {
         ended = link_and_refine(linked, &mut links, plan);
         let gathering = Instant::now();
         linked.links = links.link_set(&linked.hierarchy);
-        let irradiance = sweep::gather(&linked.hierarchy, &linked.links, &linked.exposure, &linked.radiosity);
+        let mut irradiance = sweep::gather(&linked.hierarchy, &linked.links, &linked.exposure, &linked.radiosity);
         let pushing = Instant::now();
         let reflection = Reflection { scene: linked.job.scene, closure: None, lights: &linked.lights };
-        let change = sweep::push_pull(&reflection, &linked.hierarchy, &linked.exposure, irradiance, &mut linked.radiosity);
+        let change = sweep::push_pull(&reflection, &linked.hierarchy, &linked.exposure, &mut irradiance, &mut linked.radiosity);
         linked.report.time_s.gather += (pushing - gathering).as_secs_f64();
         linked.report.time_s.push_pull += pushing.elapsed().as_secs_f64();
         linked.report.energy.residual = change.largest;
