@@ -117,11 +117,14 @@ impl<'a> LightPaths<'a> {
 
     /// Bytes that paths take in a scene with so many cells: grids, open parts, sources of light, and cells that rays are aimed at.
     pub fn bytes_of(scene: &Scene, cells: usize) -> u64 {
+        /// An emitter, what it is while the light tree is built, and its part of the nodes.
+        const OF_EMITTER: usize = 192;
         let surfaces = scene.surfaces().len();
+        let emitters = scene.surfaces().iter().filter(|surface| scene.materials()[surface.material as usize].emits()).count();
         let of_grid = Grids::BYTES_OF_GRID + OpenParts::BYTES_OF_GRID;
         let of_cell = OpenParts::BYTES_OF_CELL + size_of::<bool>();
         let of_surface = Grids::BYTES_OF_SURFACE + size_of::<bool>();
-        (surfaces * of_surface + surfaces.min(cells) * of_grid + cells * of_cell) as u64
+        (surfaces * of_surface + surfaces.min(cells) * of_grid + cells * of_cell + emitters * OF_EMITTER) as u64
     }
 
     /// Next-event estimation: adds the irradiance from emitters and lights at each place, by `count` rays to each kind, and fills `scratch.seen` with what
