@@ -107,17 +107,27 @@
   geometry.setAttribute("shown", new THREE.BufferAttribute(Float32Array.from(shown), 1));
   geometry.setIndex(new THREE.BufferAttribute(index, 1));
   const ramp = Array.from({ length: 65 }, (_, k) => helix(k / 64)).map(([r, g, b]) => new THREE.Vector3(r, g, b));
-  const material = new THREE.ShaderMaterial({
-    uniforms: { factor: { value: 1 }, scale: { value: 0 }, isolines: { value: 0 }, texel: { value: 0 }, ramp: { value: ramp } },
-    polygonOffset: true,
-    polygonOffsetFactor: 1,
-    polygonOffsetUnits: 1,
-    vertexShader: patchlightShaders.vertex,
-    fragmentShader: patchlightShaders.fragment,
-  });
+  const uniforms = { factor: { value: 1 }, scale: { value: 0 }, isolines: { value: 0 }, texel: { value: 0 }, ramp: { value: ramp } };
+  const { vertex: vertexShader, fragment: fragmentShader } = patchlightShaders;
+  const shaded = (polygonOffsetFactor) =>
+    new THREE.ShaderMaterial({ uniforms, vertexShader, fragmentShader, polygonOffset: true, polygonOffsetFactor, polygonOffsetUnits: 1 + polygonOffsetFactor });
+  const [material, behind] = [shaded(0), shaded(1)];
   const scene = new THREE.Scene();
-  const mesh = new THREE.Mesh(geometry, material);
-  scene.add(mesh);
+  const mesh = new THREE.Mesh(geometry, material); // what clicks meet
+
+  // What is covered is dark. It is drawn farther back, by what its depth changes over a pixel: else it shows along the edges of what covers it.
+  const isLit = (node) => colours[3 * node] + colours[3 * node + 1] + colours[3 * node + 2] > 0;
+  const drawn = [[], []];
+  for (let t = 0; t < index.length; t += 3) {
+    const [a, b, c] = [index[t], index[t + 1], index[t + 2]];
+    drawn[Number(isLit(a) || isLit(b) || isLit(c))].push(a, b, c);
+  }
+  drawn.forEach((corners, lit) => {
+    const part = new THREE.BufferGeometry();
+    ["position", "radiance", "shown"].forEach((name) => part.setAttribute(name, geometry.getAttribute(name)));
+    part.setIndex(corners);
+    scene.add(new THREE.Mesh(part, lit ? material : behind));
+  });
   const planes = patchlightPlanes(data.planes, planeValues, new THREE.ShaderMaterial({
     uniforms: { ...material.uniforms, scale: { value: 1 }, isolines: { value: 0 } },
     vertexShader: patchlightShaders.vertex,
@@ -193,6 +203,7 @@
     material.uniforms.texel.value = state.show === "texels" ? state.texel : 0;
     if (state.lines && !lines) scene.add((lines = edges.lines(0xff7800, 0.45)));
     if (lines) lines.visible = state.lines;
+    material.polygonOffsetFactor = state.lines || state.curves ? 1 : 0; // lines lie before surfaces, however these slope
     material.uniforms.isolines.value = state.isolines ? 1 : 0;
     backs.visible = state.backs;
     byId("show").value = state.show;
