@@ -57,17 +57,7 @@ impl Terms {
 
     /// Adds a row to sums by channel; `products` and `sources` are by number and channel.
     pub fn add_row(&self, row: usize, products: &[f64], sources: &[f64], sums: &mut [f64]) {
-        match sums.len() {
-            1 => self.add_channels::<1>(row, products, sources, sums),
-            3 => self.add_channels::<3>(row, products, sources, sums),
-            _ => self.add_channels::<0>(row, products, sources, sums),
-        }
-    }
-
-    /// `CHANNELS` is how many there are, or 0 where that is not known beforehand.
-    fn add_channels<const CHANNELS: usize>(&self, row: usize, products: &[f64], sources: &[f64], sums: &mut [f64]) {
-        let channels = if CHANNELS == 0 { sums.len() } else { CHANNELS };
-        let sums = &mut sums[..channels];
+        let channels = sums.len();
         for (product, source, weight) in self.row(row) {
             let product = &products[product as usize * channels..][..channels];
             let source = &sources[source as usize * channels..][..channels];

@@ -108,6 +108,16 @@ mod tests {
         Scene::new(1, vec![grey], faces, Sides::Front).unwrap()
     }
 
+    /// A scene's hierarchy, what of it is exposed, and what it emits.
+    fn shining(scene: &Scene) -> (Hierarchy, Exposure, Radiosity) {
+        let hierarchy = Hierarchy::new(scene);
+        let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(scene)).unwrap();
+        let mut exposure = Exposure::default();
+        exposure.grow(scene, &hierarchy, &Rays::new(&*visibility, scene), 0, &|| false);
+        let radiosity = Radiosity::emitted(scene, &hierarchy, &exposure);
+        (hierarchy, exposure, radiosity)
+    }
+
     fn is_below(hierarchy: &Hierarchy, mut node: NodeId, cluster: NodeId) -> bool {
         while node != cluster {
             let Some(parent) = hierarchy.parent(node) else { return false };
@@ -118,12 +128,7 @@ mod tests {
 
     #[test]
     fn what_clusters_show_and_gather_does_not_hang_on_what_was_there_before() {
-        let scene = boxes();
-        let hierarchy = Hierarchy::new(&scene);
-        let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
-        let mut exposure = Exposure::default();
-        exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), 0, &|| false);
-        let radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
+        let (hierarchy, exposure, radiosity) = shining(&boxes());
         let mut again = radiosity.clone();
         assert_eq!(again.without_lobes(&hierarchy, &exposure, || 7), 7);
         assert_eq!(again, radiosity);
@@ -140,11 +145,7 @@ mod tests {
     #[test]
     fn all_power_of_a_link_to_a_cluster_arrives_at_its_exposed_faces() {
         let scene = boxes();
-        let hierarchy = Hierarchy::new(&scene);
-        let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
-        let mut exposure = Exposure::default();
-        exposure.grow(&scene, &hierarchy, &Rays::new(&*visibility, &scene), 0, &|| false);
-        let radiosity = Radiosity::emitted(&scene, &hierarchy, &exposure);
+        let (hierarchy, exposure, radiosity) = shining(&scene);
 
         let (mut checked, mut clear) = (0, 0);
         for receiver in hierarchy.ids().filter(|&node| hierarchy.is_cluster(node)) {
