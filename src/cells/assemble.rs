@@ -157,7 +157,7 @@ impl<'a> Positions<'a> {
         let Self { paths, count, .. } = *self;
         let of_place = |place: &Place| directions(paths, place, count as u64, seed);
         let directions: Vec<Directions> = self.places.iter().map(of_place).collect();
-        let course = Course { count: count as u32, bounces: 0, little: LITTLE };
+        let course = Course { count: count as u32, bounces: 0, little: LITTLE, vertex_rays: 1 };
         paths.follow_towards(&self.places, &directions, &course, scratch);
     }
 

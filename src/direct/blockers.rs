@@ -6,10 +6,11 @@
 
 use glam::DVec3;
 
+use super::view::View;
 use crate::geometry::{Aabb, Facet};
 use crate::scene::{Scene, Surface, SurfaceId};
 use crate::transmittance::Rays;
-use crate::visibility::{HalfSpace, SurfaceBoxes, contact_tolerance};
+use crate::visibility::{HalfSpace, Ray, SurfaceBoxes, contact_tolerance};
 
 /// A convex polygon that occludes from both sides.
 #[derive(Clone, Copy)]
@@ -55,6 +56,7 @@ impl<'a> Blocker<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Blockers<'a> {
     scene: &'a Scene,
+    rays: &'a Rays<'a>,
     sheets: &'a SurfaceBoxes,
     /// [`OccluderMesh::contact_tolerance`](crate::visibility::OccluderMesh::contact_tolerance).
     pub(crate) contact: f64,
@@ -62,12 +64,21 @@ pub(crate) struct Blockers<'a> {
 
 impl<'a> Blockers<'a> {
     /// All surfaces of a scene; of a sheet with two sides only the first.
-    pub fn of(scene: &'a Scene, rays: &'a Rays<'_>) -> Self {
-        Self { scene, sheets: rays.sheets(scene), contact: contact_tolerance(&scene.bounds()) }
+    pub fn of(scene: &'a Scene, rays: &'a Rays<'a>) -> Self {
+        Self { scene, rays, sheets: rays.sheets(scene), contact: contact_tolerance(&scene.bounds()) }
     }
 
     pub(super) fn get(&self, surface: SurfaceId) -> Blocker<'a> {
         Blocker(self.scene.surface(surface))
+    }
+
+    /// The first blocker that a ray from the point meets in front of the source.
+    pub(super) fn first_met(&self, view: &View<'_>, direction: DVec3) -> Option<Blocker<'a>> {
+        let ray = Ray { origin: view.point.to_array(), direction: direction.to_array(), origin_plane: view.plane };
+        let hit = self.rays.first_hit(ray)?;
+        let blocker = self.get(SurfaceId(hit.surface));
+        let to_source = view.source.height(view.point) / -view.source.normal.dot(direction);
+        (hit.distance < to_source && blocker.plane() != view.source_plane).then_some(blocker)
     }
 
     /// Calls `visit` with each blocker whose box may touch `bounds` and lies wholly outside none of the half-spaces, until it says that this is

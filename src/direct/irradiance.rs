@@ -26,11 +26,7 @@ use super::visible_part::VisiblePart;
 use crate::form_factor::point_to_polygon;
 use crate::geometry::{Facet, sampling, streams};
 use crate::scene::{Emitter, Scene};
-use crate::transmittance::Rays;
-
-/// Work on the visible part, in corners held against planes, that takes as long as a ray: some 2 ns each, and 0.12 us. What both cost is told by
-/// `cargo bench --bench direct`; a wrong figure costs time, not light.
-const STEPS_PER_RAY: f64 = 60.0;
+use crate::transmittance::{Rays, STEPS_PER_RAY};
 
 /// What an exact part is worth, in the rays that it spares: see above.
 const WORTH: f64 = 1.0 + 2.0 / 3.0;
@@ -81,6 +77,10 @@ pub(crate) struct DirectScratch {
     part: VisiblePart,
     undecided: UndecidedRays,
     lights: LightRays,
+    /// What the last point would get of emitters with nothing in between, in their brightest channels, in W/m^2.
+    pub unoccluded: f64,
+    /// Work on exact parts so far.
+    pub steps: u64,
 }
 
 /// Sums by channel.
@@ -103,6 +103,7 @@ impl DirectLight<'_> {
         let mut seen = std::mem::take(&mut scratch.seen);
         let total = self.see_unoccluded(receiver, &mut seen);
         scratch.undecided.restart();
+        scratch.unoccluded = total;
 
         // Emitters with a ray or more of their own; of others, where nothing can stand between.
         let own = |seen: &Seen| f64::from(effort.rays.max(1)) * seen.unoccluded / total;
@@ -206,10 +207,11 @@ impl DirectLight<'_> {
         let view = self.view_of(receiver, seen.emitter);
         let most_steps = match method {
             Method::Exact => return self.visible_form_factor(receiver, view.source, view.source_plane, scratch),
-            Method::Cheaper => (own * WORTH * STEPS_PER_RAY) as u64,
+            Method::Cheaper => (own * WORTH * STEPS_PER_RAY as f64) as u64,
             Method::Rays => 0,
         };
         let visible = scratch.part.find(&view, &self.blockers, most_steps);
+        scratch.steps += scratch.part.steps();
         if visible.is_decided {
             return visible.form_factor;
         }

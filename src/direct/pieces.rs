@@ -9,10 +9,11 @@
 //! by that angle, and the form factor of what is left by as much for each cut: the cosine-weighted solid angle over pi of a strip of
 //! width w is at most w.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::outline::{Outline, SLIVER};
 use crate::form_factor::from_directions;
+use crate::geometry::Frame;
 
 /// Pieces of a source, each a range of corners; memory that is reused.
 #[derive(Default)]
@@ -52,6 +53,46 @@ impl Pieces {
     /// The form factor of all pieces, none of which reaches below the horizon.
     pub fn form_factor(&self, normal: DVec3) -> f64 {
         self.iter().map(|corners| from_directions(corners, normal)).sum::<f64>().min(1.0)
+    }
+
+    /// A unit direction through the middle of the piece that takes most of the view.
+    pub fn middle_of_largest(&self) -> Option<DVec3> {
+        let size = |corners: &[DVec3]| {
+            let fan = corners[1..].windows(2).map(|pair| (pair[0] - corners[0]).cross(pair[1] - corners[0]));
+            fan.sum::<DVec3>().length_squared()
+        };
+        let largest = self.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        Some(largest.iter().sum::<DVec3>().normalize_or_zero())
+    }
+
+    /// The least convex cone around all pieces of a source with this normal, by its edges: directions, counter-clockwise seen from the source's front.
+    /// `None` if nothing is left.
+    pub fn cone(&self, normal: DVec3) -> Option<Vec<DVec3>> {
+        // Where the edges meet a plane in front of the source, sorted; then both chains around these points (Andrew 1979).
+        let frame = Frame::around(normal);
+        let on_plane = |corner: &DVec3| {
+            let depth = -normal.dot(*corner);
+            (DVec2::new(frame.tangent.dot(*corner), frame.bitangent.dot(*corner)) / depth, *corner)
+        };
+        let mut points: Vec<(DVec2, DVec3)> = self.iter().flatten().map(on_plane).collect();
+        points.sort_unstable_by(|(a, _), (b, _)| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+        points.dedup_by(|(a, _), (b, _)| a == b);
+        let chain = |points: &mut dyn Iterator<Item = &(DVec2, DVec3)>| {
+            let mut chain: Vec<(DVec2, DVec3)> = Vec::new();
+            for &(point, corner) in points {
+                while let [.., (a, _), (b, _)] = chain[..]
+                    && (b - a).perp_dot(point - b) <= 0.0
+                {
+                    chain.pop();
+                }
+                chain.push((point, corner));
+            }
+            chain.pop();
+            chain
+        };
+        let (lower, upper) = (chain(&mut points.iter()), chain(&mut points.iter().rev()));
+        let cone: Vec<DVec3> = lower.into_iter().chain(upper).map(|(_, corner)| corner).collect();
+        (cone.len() > 2).then_some(cone)
     }
 
     /// Keeps what lies on the side of a plane that its unit normal points to.

@@ -2,6 +2,9 @@
 //!
 //! From the source, cut to what is above the horizon, the outlines of all blockers are taken one after the other, the largest first. The work may
 //! be limited; then the pieces are what the blockers so far leave, and the rest is undecided.
+//!
+//! Where many blockers may stand between, few hide most of the source as a rule, and all others behind them. So there, rays through the middles of what is left
+//! find some first; what stands between is then looked for in the cone around what these leave.
 
 use glam::DVec3;
 
@@ -10,6 +13,16 @@ use super::candidates::Candidates;
 use super::outline::Outline;
 use super::pieces::Pieces;
 use super::view::View;
+use crate::transmittance::STEPS_PER_RAY;
+
+/// Rays that look for blockers, at most.
+const MOST_RAYS: u32 = 4;
+
+/// Steps that take as long as such a ray: it is cast alone, and for its first hit.
+const STEPS_OF_RAY: u64 = 2 * STEPS_PER_RAY;
+
+/// To look for what stands between without rays may take so many steps first.
+const STEPS_BEFORE_RAYS: u64 = 4 * STEPS_OF_RAY;
 
 /// What a point sees of a source; memory that is reused.
 #[derive(Default)]
@@ -35,9 +48,19 @@ impl VisiblePart {
         pieces.restart(view.source.vertices.iter().map(|&v| v - view.point));
         pieces.keep_inside(view.normal);
         let Some(cone) = pieces.iter().next() else { return Visible { form_factor: 0.0, is_decided: true } };
-        candidates.find(view, cone, blockers, outline, most_steps);
-        pieces.steps = candidates.steps;
-        let are_all_found = candidates.steps <= most_steps;
+        candidates.find(view, cone, blockers, outline, most_steps.min(STEPS_BEFORE_RAYS));
+        pieces.steps += candidates.steps;
+        let mut are_all_found = candidates.steps <= most_steps.min(STEPS_BEFORE_RAYS);
+
+        // Where that costs more than a ray: what rays meet is taken out, and the rest is looked for in front of what this leaves.
+        if !are_all_found && most_steps > STEPS_BEFORE_RAYS {
+            take_out_first_hits(view, blockers, pieces, outline);
+            let Some(cone) = pieces.cone(view.source.normal) else { return Visible { form_factor: 0.0, is_decided: true } };
+            let left = most_steps.saturating_sub(pieces.steps);
+            candidates.find(view, &cone, blockers, outline, left);
+            pieces.steps += candidates.steps;
+            are_all_found = candidates.steps <= left;
+        }
 
         // Take out one blocker after the other.
         let (count, mut taken) = (candidates.len(), 0);
@@ -54,9 +77,27 @@ impl VisiblePart {
         Visible { form_factor: pieces.form_factor(view.normal), is_decided }
     }
 
+    /// Work that it took to find them, in corners that were held against planes.
+    pub fn steps(&self) -> u64 {
+        self.pieces.steps
+    }
+
     /// The pieces that were found last, by unit directions to their corners.
     pub fn pieces(&self) -> impl ExactSizeIterator<Item = &[DVec3]> + Clone {
         self.pieces.iter()
+    }
+}
+
+/// Takes out blockers that rays meet through the middle of the largest piece, until one meets none.
+fn take_out_first_hits(view: &View<'_>, blockers: &Blockers<'_>, pieces: &mut Pieces, outline: &mut Outline) {
+    for _ in 0..MOST_RAYS {
+        let Some(middle) = pieces.middle_of_largest() else { return };
+        pieces.steps += STEPS_OF_RAY;
+        let Some(blocker) = blockers.first_met(view, middle) else { return };
+        if !outline.trace(view, blocker, blockers.contact) {
+            return;
+        }
+        pieces.subtract(outline);
     }
 }
 
@@ -129,6 +170,32 @@ mod tests {
             hidden_somewhat += u32::from(hidden > 1e-3);
         }
         assert!(hidden_somewhat > 300, "{hidden_somewhat}");
+    }
+
+    /// Deep between two of many plates: they alone hide what is hidden, and rays find them first.
+    #[test]
+    fn of_many_plates_the_nearest_decide() {
+        let source = ceiling();
+        let plate = |k: u32| {
+            let x = 0.01 * f64::from(k);
+            Polygon::new(&[[x, -1.0, -0.5], [x, 2.0, -0.5], [x, 2.0, 0.0], [x, -1.0, 0.0]]).unwrap()
+        };
+        let found = |seed: u64, plates: &mut dyn Iterator<Item = u32>| {
+            let number = (99.0 * random(seed, 0)) as u32;
+            let point = DVec3::new(0.01 * (f64::from(number) + 0.5), random(seed, 1), -0.4 - 0.1 * random(seed, 2));
+            let plates = plates.map(|k| if k < 2 { plate(number + k) } else { plate(k - 2) });
+            let scene = scene(&source, plates);
+            let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
+            let rays = Rays::new(&*visibility, &scene);
+            let visible = VisiblePart::default().find(&view(point, &source), &Blockers::of(&scene, &rays), u64::MAX);
+            assert!(visible.is_decided);
+            (visible.form_factor, rays.first_hit_rays().count())
+        };
+        for seed in 0..50 {
+            let ((all, rays), (nearest, none)) = (found(seed, &mut (2..103)), found(seed, &mut (0..2)));
+            assert!(all > 0.0 && (all - nearest).abs() < 1e-11, "seed {seed}: {all}, {nearest}");
+            assert!(rays > 0 && none == 0, "seed {seed}: {rays} rays, and {none}");
+        }
     }
 
     #[test]

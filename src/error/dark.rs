@@ -26,6 +26,7 @@ use rayon::prelude::*;
 use super::estimate::{ErrorEstimate, ErrorSamples, EstimateLit};
 use super::norm::{Lit, least_light, lit_points, median_light};
 use super::replicates::{ErrorSample, REPLICATES, ReplicateGather, Replication, Searched};
+use super::residual::ResidualGather;
 use crate::geometry::{sampling, streams};
 use crate::paths::{PathScratch, Place};
 use crate::progress::Stop;
@@ -182,7 +183,9 @@ fn searched_from(place: Place, least: f64, with: &Replication<'_>, scratch: &mut
 fn long_paths<'a>(gather: &ReplicateGather<'a>) -> FinalGather<'a> {
     match gather {
         ReplicateGather::Truth(gather) => FinalGather { bounces: BOUNCES, ..*gather },
-        ReplicateGather::Residual(gather) => FinalGather { paths: gather.paths, radiosities: gather.onward, bounces: BOUNCES },
+        &ReplicateGather::Residual(ResidualGather { paths, onward: radiosities, vertex_rays, .. }) => {
+            FinalGather { paths, radiosities, bounces: BOUNCES, vertex_rays }
+        }
     }
 }
 

@@ -111,14 +111,6 @@ pub(crate) const TWICE: usize = 2;
 /// The noise of values over links is sampled at one of so many points.
 pub(super) const AGAIN: usize = 4;
 
-/// A prediction of the noise of values and replicates, relative to the light.
-pub(crate) struct Pilot {
-    /// The variance of values with the rays that were tried.
-    pub noise_sq: f64,
-    /// The standard deviation of the measured square by replicates of one ray on average; it falls as one over the number of rays.
-    pub replicate_doubt: f64,
-}
-
 /// The parts of the error of values, relative to the light.
 pub(crate) struct ErrorParts {
     /// What is off without the noise of values. Its square is unbiased; 0 where that came out negative.
@@ -129,7 +121,7 @@ pub(crate) struct ErrorParts {
 
 /// Samples of the error in one norm. Replicates are kept while values change; points and rays are added as they are needed.
 pub(crate) struct ErrorSamples {
-    norm: ErrorNorm,
+    pub(super) norm: ErrorNorm,
     pub(super) samples: Vec<ErrorSample>,
     /// By sample, the value that a user gets there; two independent ones where they are taken twice, else equal ones.
     pub(super) values: Vec<[Gathered; 2]>,
@@ -214,36 +206,6 @@ impl ErrorSamples {
         });
         share.exchange(&mut self.samples[first..]);
         !stop()
-    }
-
-    /// Predicts the noise of values, by values of few rays, and of replicates, by pilot rays. `None` if stopped, or if nothing is
-    /// reflected.
-    pub fn pilot(&self, gather: &Gather<'_>, stop: Stop<'_>) -> Option<Pilot> {
-        let samples: Vec<&ErrorSample> = self.samples.iter().step_by(TWICE).collect();
-        let places: Vec<Place> = samples.iter().map(|sample| sample.place).collect();
-        let values = values_at(&places, gather, gather.budget, stop)?;
-        let again = values_at(&places, gather, by_other_rays(gather.budget), stop)?;
-
-        // The light, and the noise of values, by the differences of two.
-        let (mut lit, mut variances) = (Vec::new(), Vec::new());
-        for (sample, (values, again)) in samples.iter().zip(values.iter().zip(&again)) {
-            let exitance = &gather.scene.material_of(sample.place.surface).exitance[Judging::of(gather).channels()];
-            let channels =
-                || values.radiosity.iter().zip(&again.radiosity).zip(exitance).map(|((value, again), e)| (value - e, again - e));
-            let light_sq: f64 = channels().map(|(value, again)| value * again).sum();
-            let (area, light) = (sample.stands_for / samples.len() as f64, light_sq.max(0.0).sqrt());
-            lit.push(Lit { light_sq, ..Lit::of(area, light) });
-            variances.push(channels().map(|(value, again)| 0.5 * (value - again).powi(2)).sum::<f64>());
-        }
-        let weights = NormWeights::new(self.norm, &lit)?.by_point;
-
-        // Of replicates.
-        let shares = RayShares::new(&self.samples);
-        let of_replicates =
-            |(sample, weight): (&&ErrorSample, &f64)| variance_by_noise(0.0, weight * sample.noise / shares.of(sample));
-        let replicate_doubt = (samples.iter().zip(&weights).map(of_replicates).sum::<f64>() / TWICE as f64).sqrt();
-        let noise_sq = weights.iter().zip(variances).map(|(weight, variance)| weight * variance).sum();
-        Some(Pilot { noise_sq, replicate_doubt })
     }
 
     /// Takes more rays, until each replicate has `rays` on average. `false` if stopped before it is done.

@@ -15,18 +15,20 @@ mod groups;
 mod moments;
 mod norm;
 mod pairs;
+mod pilot;
 mod points;
 mod replicates;
 mod residual;
 mod stored_samples;
 
 pub(crate) use claim::{CONFIDENCE, Doubts, SIGMAS, claim, doubt_for_claim, largest_sq_for_claim, upper_limit};
-pub(crate) use estimate::{ErrorEstimate, ErrorFigure, ErrorParts, ErrorSamples, Pilot, TWICE};
+pub(crate) use estimate::{ErrorEstimate, ErrorFigure, ErrorParts, ErrorSamples, TWICE};
 pub(crate) use groups::{GroupErrors, KnownErrors};
 pub(crate) use moments::Moments;
 #[cfg(test)]
 pub(crate) use moments::Scatter;
 pub(crate) use norm::ErrorNorm;
+pub(crate) use pilot::Pilot;
 pub(crate) use replicates::{REPLICATES, ReplicateGather, Replication};
 pub(crate) use residual::ResidualGather;
 pub(crate) use stored_samples::{SampleRecorder, StoredSamples};

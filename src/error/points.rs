@@ -187,7 +187,7 @@ mod tests {
         let resolution = Resolution { size: CellSize { side: 0.03, most_surfaces: usize::MAX }, rays: 16 };
         let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], resolution.size, &|| false);
         let [of_values, onward] = [1, 2].map(|seed| CellRadiosities::solve(&paths, &resolution, seed, &|| false).unwrap());
-        let gather = ResidualGather { paths: &paths, of_values: &of_values, onward: &onward };
+        let gather = ResidualGather { paths: &paths, of_values: &of_values, onward: &onward, vertex_rays: 1 };
         let reflected = |place: &Place| gather.estimate_reflected(place);
         let around = Surroundings { scene: &scene, hierarchy: &hierarchy, radiosity: &radiosity };
 

@@ -11,7 +11,7 @@
 //! in expectation over all random numbers but those of the cells. The noise of the values' own gathers is no part of it.
 
 use crate::cells::CellRadiosities;
-use crate::paths::{LightPaths, NO_CELL, PathScratch, Place};
+use crate::paths::{Course, LightPaths, NO_CELL, PathScratch, Place};
 use crate::values::{BATCH, FinalGather, emitter_rays};
 
 /// Gathers residuals at points.
@@ -21,6 +21,8 @@ pub(crate) struct ResidualGather<'a> {
     pub of_values: &'a CellRadiosities,
     /// Independent cell radiosities, used where the additional bounce ends.
     pub onward: &'a CellRadiosities,
+    /// See [`Course`].
+    pub vertex_rays: u32,
 }
 
 impl ResidualGather<'_> {
@@ -53,7 +55,7 @@ impl ResidualGather<'_> {
     fn add_of_paths(&self, places: &[Place], count: u32, scratch: &mut PathScratch, residual: &mut [f64]) {
         let channels = self.paths.scene.channels();
         let share = 1.0 / f64::from(count);
-        self.paths.follow(places, count, 1, scratch);
+        self.paths.follow(places, &Course::of_values(count, 1, self.vertex_rays), scratch);
         let ends = &scratch.ends;
         let mut add = |share: f64, radiosities: &CellRadiosities, weights: &[f64], path: usize, cell: u32| {
             let place = path / count as usize;
@@ -98,7 +100,7 @@ impl ResidualGather<'_> {
         let channels = self.paths.scene.channels();
         self.paths.see_reflectors(places, count, scratch);
         let seen = std::mem::take(&mut scratch.seen);
-        let onward = FinalGather { paths: self.paths, radiosities: self.onward, bounces: 0 };
+        let onward = FinalGather { paths: self.paths, radiosities: self.onward, bounces: 0, vertex_rays: self.vertex_rays };
         let sent = onward.sampled_sent(places, &seen, scratch);
         for (seen, sent) in seen.iter().zip(sent.chunks(channels)) {
             let residual = &mut residual[seen.by * channels..][..channels];
@@ -133,16 +135,20 @@ mod tests {
         let rays = Rays::new(&*visibility, &scene);
         let tall_box = SurfaceId(scene.surfaces().len() as u32 - 1);
         let resolution = Resolution { size: CellSize { side: 0.1, most_surfaces: usize::MAX }, rays: 4 };
-        for has_reflector in [false, true] {
+        for (has_reflector, vertex_rays) in [(false, 1), (true, 1), (false, 32)] {
             let mut brightness = Brightness::even(&scene);
             if has_reflector {
                 brightness.reflectors = vec![Reflector { surface: tall_box, brightness: 1e3 }];
             }
             let paths = LightPaths::new(&scene, &rays, &brightness, &[], resolution.size, &|| false);
             let [of_values, onward] = [1, 2].map(|seed| CellRadiosities::solve(&paths, &resolution, seed, &|| false).unwrap());
-            let [value, truth] =
-                [(&of_values, 0), (&onward, 1)].map(|(radiosities, bounces)| FinalGather { paths: &paths, radiosities, bounces });
-            let residual = ResidualGather { paths: &paths, of_values: &of_values, onward: &onward };
+            let [value, truth] = [(&of_values, 0), (&onward, 1)].map(|(radiosities, bounces)| FinalGather {
+                paths: &paths,
+                radiosities,
+                bounces,
+                vertex_rays,
+            });
+            let residual = ResidualGather { paths: &paths, of_values: &of_values, onward: &onward, vertex_rays };
 
             let (mut scratch, channels, mut most) = (PathScratch::default(), scene.channels(), 0.0_f64);
             for surface in (0..scene.surfaces().len() as u32).map(SurfaceId) {

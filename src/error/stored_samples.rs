@@ -15,7 +15,8 @@ use super::replicates::{ErrorSample, REPLICATES, Searched};
 use crate::cells::{CellRadiosities, RowMaterials};
 use crate::geometry::{sampling, streams};
 use crate::paths::{
-    Brought, LightPaths, NO_CELL, PathScratch, PathTerm, Place, ProductNumbers, RowTerm, Terms, Trail, UNREFLECTED, place_at,
+    Brought, Course, LightPaths, NO_CELL, PathScratch, PathTerm, Place, ProductNumbers, RowTerm, Terms, Trail, UNREFLECTED,
+    place_at,
 };
 use crate::progress::Stop;
 use crate::scene::{EmissionApart, Scene, SurfaceId};
@@ -115,7 +116,7 @@ impl SampleRecorder<'_> {
 
         // Indirect light: a value's path ends where it first may, the longer one goes on.
         let share = 1.0 / f64::from(rays);
-        self.paths.follow(&[place], rays, 1, scratch);
+        self.paths.follow(&[place], &Course::of_values(rays, 1, 1), scratch);
         let ends = &scratch.ends;
         for continuation in ends.continued.iter().filter(|continuation| continuation.shortcut != NO_CELL) {
             push(UNREFLECTED, of_values(Brought::End(continuation.shortcut)), share);

@@ -10,6 +10,9 @@ pub(super) struct DirectSums {
     scratch: DirectScratch,
     irradiance: Vec<f64>,
     variance: Vec<f64>,
+    /// By place of the last call: the variance that a single next-event ray has, relative to the square of the irradiance. It finds all that the place would get with
+    /// nothing in between, U, or nothing, and on average the irradiance H: U / H - 1.
+    pub next_event: Vec<f64>,
 }
 
 impl DirectSums {
@@ -22,6 +25,7 @@ impl DirectSums {
         irradiance: &mut BatchSums<'_>,
     ) {
         let effort = DirectEffort { rays: count, method: Method::Cheaper };
+        self.next_event.clear();
         for (number, place) in places.iter().enumerate() {
             for sums in [&mut self.irradiance, &mut self.variance] {
                 sums.clear();
@@ -29,10 +33,55 @@ impl DirectSums {
             }
             let receiver = place.receiver(direct.scene);
             direct.add_irradiance(&receiver, effort, &mut self.scratch, &mut self.irradiance, &mut self.variance);
+            let brightest = self.irradiance.iter().copied().fold(0.0, f64::max);
+            self.next_event.push(if brightest > 0.0 { (self.scratch.unoccluded / brightest - 1.0).max(0.0) } else { 0.0 });
             direct.add_lights(&receiver, count, &mut self.scratch, &mut self.irradiance, &mut self.variance);
             for (channel, (&h, &variance)) in self.irradiance.iter().zip(&self.variance).enumerate() {
                 irradiance.add(number, channel, h, variance);
             }
         }
+        direct.rays.note_exact(std::mem::take(&mut self.scratch.steps));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::direct::{Blockers, Receiver};
+    use crate::geometry::{Polygon, sampling};
+    use crate::paths::emitters::Emitters;
+    use crate::paths::next_event::EmitterRays;
+    use crate::scene::{Material, Scene, Sides};
+    use crate::transmittance::Rays;
+    use crate::visibility::{Backend, NO_PLANE, OccluderMesh, build};
+
+    /// A small emitter, nine tenths of it hidden: a ray finds a tenth of the time ten times the light.
+    #[test]
+    fn the_variance_of_next_event_rays_is_foreseen() {
+        let square =
+            |z: f64, [low, high]: [f64; 2]| Polygon::new(&[[low, 0.0, z], [low, 0.1, z], [high, 0.1, z], [high, 0.0, z]]).unwrap();
+        let material = |exitance: f64| Material { name: String::new(), reflectance: vec![0.5], exitance: vec![exitance] };
+        let faces = vec![(square(2.0, [0.0, 0.1]), 1, 0), (square(1.0, [0.005, 0.2]), 0, 1)];
+        let scene = Scene::new(1, vec![material(0.0), material(100.0)], faces, Sides::Front).unwrap();
+        let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+        let rays = Rays::new(&*visibility, &scene);
+        let emitters = Emitters::new(&scene, &rays);
+        let direct =
+            DirectLight { scene: &scene, rays: &rays, blockers: Blockers::of(&scene, &rays), emitters: &emitters.emitters };
+        let place = |seed| Receiver { point: DVec3::new(0.0, 0.05, 0.0), normal: DVec3::Z, plane: NO_PLANE, seed };
+
+        let (mut sums, mut exact) = (DirectSums::default(), [0.0]);
+        sums.add_irradiance(&direct, &[place(0)], 32, &mut BatchSums::whole(1, &mut exact));
+        let count = 20_000;
+        let places: Vec<Receiver> = (0..count).map(|seed| place(sampling::hash(1, seed))).collect();
+        let mut sampled = vec![0.0; places.len()];
+        emitters.add_sampled_irradiance(&places, 1, 1, &mut EmitterRays::default(), &mut BatchSums::whole(1, &mut sampled));
+        let mean = sampled.iter().sum::<f64>() / count as f64;
+        let variance = sampled.iter().map(|h| (h - mean).powi(2)).sum::<f64>() / count as f64;
+        assert!((mean / exact[0] - 1.0).abs() < 0.1, "{mean} for {exact:?}");
+        let (foreseen, found) = (sums.next_event[0], variance / exact[0].powi(2));
+        assert!((foreseen / found - 1.0).abs() < 0.1, "{foreseen} for {found}");
     }
 }

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! which is w B on average, whatever C is; the closer C is to B, the less noise that adds (Arvo and Kirk 1990, with the cell as control
-//! variate). Where the cell has no value, C is 0.
+//! variate). Where the cell has no value, C is 0; and between plates so narrow that emitters are looked for exactly, where a cell's value is the mean of a bright
+//! edge and of what lies deep in the dark.
 
 use glam::DVec3;
 
@@ -36,6 +37,8 @@ pub(crate) struct Ends {
     /// By continuation and channel: it brings `constant + weight * B`, B being the radiosity of the cell where it ends.
     pub constant: Vec<f64>,
     pub weight: Vec<f64>,
+    /// By continuation and channel, where emitters are looked for exactly: how much more its variance would be by next-event rays.
+    pub next_event: Vec<f64>,
     /// Other cells that continuations bring light of, those of reflectors seen on the way and of Russian roulette: the number of the
     /// continuation, and the cell.
     pub seen: Vec<(usize, u32)>,
@@ -99,6 +102,7 @@ impl Ends {
         self.point.resize(paths, DVec3::ZERO);
         self.form_factor.resize(paths, 0.0);
         self.continued.clear();
+        self.next_event.clear();
         self.seen.clear();
         self.seen_weight.clear();
         self.trail.iter_mut().for_each(Trail::clear);

@@ -5,6 +5,7 @@
 
 mod around;
 mod batch_sums;
+mod course;
 mod direct_sums;
 mod emission;
 mod emitters;
@@ -25,6 +26,7 @@ mod trace;
 mod trail;
 
 pub(crate) use batch_sums::{BATCHES, BatchSums};
+pub(crate) use course::Course;
 pub(crate) use ends::{Continuation, Ends, NO_SURFACE};
 pub(crate) use grid::{CellSize, Grid, NO_CELL, Resolution, cell_count};
 pub(crate) use particles::{Illumination, Landing};
@@ -35,5 +37,5 @@ pub(crate) use reflectors::Brightness;
 #[cfg(test)]
 pub(crate) use reflectors::Reflector;
 pub(crate) use terms::{RowTerm, Terms};
-pub(crate) use trace::{Course, LightPaths, PathScratch};
+pub(crate) use trace::{LightPaths, PathScratch};
 pub(crate) use trail::{ProductNumbers, Products, Trail, UNREFLECTED};

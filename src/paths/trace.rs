@@ -15,6 +15,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::batch_sums::BatchSums;
+use super::course::Course;
 use super::direct_sums::DirectSums;
 use super::emitters::Emitters;
 use super::ends::{Arrival, Continuation, Ends};
@@ -40,10 +41,6 @@ const SMALL_FROM: f64 = 2.0;
 /// path in a million so long.
 const MAX_BOUNCES: u32 = 2048;
 
-/// A path of a value goes on with a chance of its weight. At most 1; the less, the longer paths get, and the less noisy: at equal noise 1 takes the
-/// least time, by some 10%, in rooms of many reflectances.
-const LITTLE: f64 = 1.0;
-
 /// Next-event rays to reflectors for each one to emitters. Empirical.
 const REFLECTOR_RAYS: f64 = 0.5;
 
@@ -67,15 +64,6 @@ pub(crate) struct PathScratch {
     reflector_rays: ReflectorRays,
     /// Paths that have left the scene at their first rays: their continuations, and directions.
     into_sky: Vec<(usize, DVec3)>,
-}
-
-/// How many paths leave each place, and when they end.
-pub(crate) struct Course {
-    pub count: u32,
-    /// The least number of bounces.
-    pub bounces: u32,
-    /// Paths with less weight go on at random.
-    pub little: f64,
 }
 
 /// Casts light paths through a scene.
@@ -145,14 +133,21 @@ impl<'a> LightPaths<'a> {
     /// Adds the direct irradiance from emitters and lights at each place, and fills `scratch.seen` with what is seen of reflectors, by as many rays as
     /// [`Self::add_next_event`] takes: emitters are seen exactly where that is worth it.
     pub fn add_direct(&self, places: &[impl Receives], count: u32, scratch: &mut PathScratch, irradiance: &mut BatchSums<'_>) {
-        // To look at all emitters costs less than the rays where there are as many of these.
-        if self.emitters.emitters.len() > count as usize {
+        if !self.may_see_exactly(count) {
             return self.add_next_event(places, 1, count, scratch, irradiance);
         }
-        let blockers = Blockers::of(self.scene, self.rays);
-        let direct = DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters.emitters };
-        scratch.direct.add_irradiance(&direct, places, count, irradiance);
+        scratch.direct.add_irradiance(&self.direct_light(), places, count, irradiance);
         self.see_reflectors(places, count, scratch);
+    }
+
+    /// Whether to look at all emitters costs less than so many rays.
+    pub fn may_see_exactly(&self, rays: u32) -> bool {
+        self.emitters.emitters.len() <= rays as usize
+    }
+
+    fn direct_light(&self) -> DirectLight<'_> {
+        let blockers = Blockers::of(self.scene, self.rays);
+        DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters.emitters }
     }
 
     /// Adds the irradiance from lights at each place, by `count` rays or one for each light, whichever is less; that of the sky comes by paths.
@@ -205,22 +200,15 @@ impl<'a> LightPaths<'a> {
         (!self.emitters.contains(surface)).then(|| &self.scene.material_of(surface).exitance[..])
     }
 
-    /// Follows `count` paths from each place, each with at least `bounces` bounces; fills `scratch.ends`.
-    pub fn follow<P: Receives>(&self, places: &[P], count: u32, bounces: u32, scratch: &mut PathScratch) {
+    /// Follows paths from each place; fills `scratch.ends`.
+    pub fn follow<P: Receives>(&self, places: &[P], course: &Course, scratch: &mut PathScratch) {
         let alone = |place: &P| Directions { seed: place.receiver(self.scene).seed, first: 0 };
-        let course = Course { count, bounces, little: LITTLE };
-        self.follow_towards(places, &places.iter().map(alone).collect::<Vec<_>>(), &course, scratch);
+        self.follow_towards(places, &places.iter().map(alone).collect::<Vec<_>>(), course, scratch);
     }
 
-    /// The same on a given course, with the first directions of each place's paths given.
-    pub fn follow_towards(
-        &self,
-        places: &[impl Receives],
-        directions: &[Directions],
-        &Course { count, bounces, little }: &Course,
-        scratch: &mut PathScratch,
-    ) {
-        self.leave(places, directions, count, bounces > 0, scratch);
+    /// The same, with the first directions of each place's paths given.
+    pub fn follow_towards(&self, places: &[impl Receives], directions: &[Directions], course: &Course, scratch: &mut PathScratch) {
+        self.leave(places, directions, course.count, course.bounces > 0, scratch);
 
         // Bounce by bounce: direct light where the paths are, then the next ray.
         let channels = self.scene.channels();
@@ -238,8 +226,8 @@ impl<'a> LightPaths<'a> {
             if scratch.heads.is_empty() {
                 break;
             }
-            self.reflect(scratch);
-            self.go_on(scratch, little, bounce < bounces);
+            self.reflect(course.vertex_rays, scratch);
+            self.go_on(course, bounce < course.bounces, scratch);
         }
     }
 
@@ -299,27 +287,38 @@ impl<'a> LightPaths<'a> {
     }
 
     /// Adds the direct light at the points where paths go on, and multiplies their weights by the reflectances there.
-    fn reflect(&self, scratch: &mut PathScratch) {
-        let PathScratch { ends, heads, continuation_of, irradiance, emitter_rays, light_rays, reflector_rays, seen, .. } = scratch;
+    fn reflect(&self, vertex_rays: u32, scratch: &mut PathScratch) {
+        let PathScratch {
+            ends, heads, continuation_of, irradiance, emitter_rays, light_rays, direct, reflector_rays, seen, ..
+        } = scratch;
         let channels = self.scene.channels();
 
         // Emitters and lights.
         irradiance.clear();
         irradiance.resize(heads.len() * channels, 0.0);
         let mut sums = BatchSums::whole(channels, irradiance);
-        self.emitters.add_sampled_irradiance(heads, 1, 1, emitter_rays, &mut sums);
-        self.add_lights(heads, 1, light_rays, &mut sums);
-        for ((head, &continuation), irradiance) in heads.iter().zip(&*continuation_of).zip(irradiance.chunks(channels)) {
-            let material = self.scene.material_of(head.surface);
-            let exitance = self.unsampled_exitance(head.surface);
+        if vertex_rays > 1 {
+            direct.add_irradiance(&self.direct_light(), heads, vertex_rays, &mut sums);
+            ends.next_event.resize(ends.continued.len() * channels, 0.0);
+        } else {
+            self.emitters.add_sampled_irradiance(heads, 1, 1, emitter_rays, &mut sums);
+            self.add_lights(heads, 1, light_rays, &mut sums);
+        }
+        for (head, (&continuation, irradiance)) in continuation_of.iter().zip(irradiance.chunks(channels)).enumerate() {
+            let surface = heads[head].surface;
+            let material = self.scene.material_of(surface);
+            let exitance = self.unsampled_exitance(surface);
             for channel in 0..channels {
                 let own = exitance.map_or(0.0, |exitance| exitance[channel]);
                 let (rho, index) = (material.reflectance[channel], continuation * channels + channel);
                 ends.constant[index] += ends.weight[index] * (own + rho * irradiance[channel]);
                 ends.weight[index] *= rho;
+                if vertex_rays > 1 {
+                    ends.next_event[index] += direct.next_event[head] * (ends.weight[index] * irradiance[channel]).powi(2);
+                }
             }
             if let Some(trail) = &mut ends.trail {
-                let number = self.scene.surface(head.surface).material;
+                let number = self.scene.surface(surface).material;
                 trail.reflect(continuation, number, exitance.is_some(), irradiance);
             }
         }
@@ -336,10 +335,10 @@ impl<'a> LightPaths<'a> {
     }
 
     /// Casts the next ray of each continuation, which ends in a small cell; else it goes on, by Russian roulette if it has less than
-    /// `little` weight left. With `beyond` no path may end yet.
-    fn go_on(&self, scratch: &mut PathScratch, little: f64, beyond: bool) {
+    /// little weight left. With `beyond` no path may end yet.
+    fn go_on(&self, course: &Course, beyond: bool, scratch: &mut PathScratch) {
         let PathScratch { ends, rays, hits, heads, continuation_of, .. } = scratch;
-        let little = if beyond { f64::MIN_POSITIVE } else { little };
+        let little = if beyond { f64::MIN_POSITIVE } else { course.little };
         rays.clear();
         heads.iter().for_each(|head| rays.extend(cosine_rays(&head.receiver(self.scene), 0..1)));
         self.rays.first_hits(rays, hits);
@@ -363,7 +362,8 @@ impl<'a> LightPaths<'a> {
                 Arrival::Cell(cell, ..) => ends.continued[continuation].cell = cell,
                 Arrival::Onward(point, surface, _) => {
                     let draw = sampling::unit(sampling::hash(heads[index].seed, streams::ROULETTE));
-                    if !ends.goes_on(continuation, self.cell_at(surface, point), channels, little, draw) {
+                    let cell = if course.is_in_slots() { None } else { self.cell_at(surface, point) };
+                    if !ends.goes_on(continuation, cell, channels, little, draw) {
                         continue;
                     }
                     heads[left] = Place { point, surface, seed: sampling::hash(heads[index].seed, streams::NEXT_BOUNCE) };

@@ -96,11 +96,11 @@ impl<'a> Way<'a> for CellsWay<'a> {
         judge.estimate_error(
             linked,
             plan,
-            |cells, number| {
+            |cells, number, vertex_rays| {
                 let (paths, onward) = (&*cells.paths, &cells.radiosities[number]);
-                ReplicateGather::Residual(ResidualGather { paths, of_values: &own.radiosities[0], onward })
+                ReplicateGather::Residual(ResidualGather { paths, of_values: &own.radiosities[0], onward, vertex_rays })
             },
-            |rays| user_gather(linked, own, rays),
+            |rays, vertex_rays| user_gather(linked, own, [rays, vertex_rays]),
         );
         note_error(linked, JudgedPart::OverCells, judge.error.as_ref(), plan.point_rays());
         if judge.error.is_some() {
@@ -113,12 +113,12 @@ impl<'a> Way<'a> for CellsWay<'a> {
     fn plan_next(&mut self, error: &ErrorEstimate) -> NextStep {
         let Self { linked, plan, cells, judge, judged, .. } = self;
         let (Some(own), stop) = (cells, linked.job.stop()) else { return NextStep::Exhausted };
-        let noise = plan.begin_step(error, |rays| judge.sampled_value_noise(&user_gather(linked, own, rays), &stop));
+        let noise = plan.begin_step(error, |rays: [u32; 2]| judge.sampled_value_noise(&user_gather(linked, own, rays), &stop));
         let step = next_step(plan, error, noise, &Instead { refine: f64::INFINITY, take_cells: f64::INFINITY });
-        let rays = plan.point_rays();
+        let rays = plan.rays();
         *judged = match step {
             NextStep::GoodEnough | NextStep::Exhausted => None,
-            _ => judge.judged(rays, &user_gather(linked, own, rays), &stop).map(|judged| (judged, Some(own.clone()))),
+            _ => judge.judged(rays[0], &user_gather(linked, own, rays), &stop).map(|judged| (judged, Some(own.clone()))),
         };
         plan.apply(step);
         if step.changes_values() {
@@ -141,9 +141,9 @@ impl<'a> Way<'a> for CellsWay<'a> {
         let (error, point_rays, known, cells) = match judged {
             Some((Judged { error, point_rays, known }, cells)) => (Some(error), point_rays, known, cells),
             None => {
-                let (rays, stop) = (plan.point_rays(), linked.job.stop());
+                let (rays, stop) = (plan.rays(), linked.job.stop());
                 let known = cells.as_ref().and_then(|own| judge.known_errors(&user_gather(&linked, own, rays), &stop));
-                (judge.error, rays, known, cells)
+                (judge.error, plan.point_rays(), known, cells)
             }
         };
         let is_final = is_last && cells.is_some() && judge.error.is_some();
@@ -154,7 +154,8 @@ impl<'a> Way<'a> for CellsWay<'a> {
             Ok(SolvedCells { radiosities: [radiosities], .. }) => radiosities,
             Err(shared) => shared.radiosities[0].clone(),
         });
-        finish(linked, Outcome { known, error, stopped_by, point_rays, resolution, radiosities, transport })
+        let [_, vertex_rays] = plan.rays();
+        finish(linked, Outcome { known, error, stopped_by, point_rays, vertex_rays, resolution, radiosities, transport })
     }
 }
 
@@ -181,9 +182,9 @@ fn kept_transport(
     (transport, ended)
 }
 
-/// Gathers the values that a user would get now.
-fn user_gather<'b>(linked: &'b Linked<'_>, cells: &'b SolvedCells<'_, 1>, rays: u32) -> Gather<'b> {
-    let over = Over::Cells(FinalGather { paths: &cells.paths, radiosities: &cells.radiosities[0], bounces: 0 });
+/// Gathers the values that a user would get now, by so many rays from a point, and from where paths go on.
+fn user_gather<'b>(linked: &'b Linked<'_>, cells: &'b SolvedCells<'_, 1>, [rays, vertex_rays]: [u32; 2]) -> Gather<'b> {
+    let over = Over::Cells(FinalGather { paths: &cells.paths, radiosities: &cells.radiosities[0], bounces: 0, vertex_rays });
     let budget = RayBudget::of_values(rays, linked.job.options.seed);
     Gather { scene: linked.job.scene, hierarchy: &linked.hierarchy, over, budget }
 }

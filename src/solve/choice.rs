@@ -125,7 +125,7 @@ fn try_both(linked: &Linked<'_>, cells: &Plan) -> Option<Tried> {
     let gathers = cells
         .radiosities
         .each_ref()
-        .map(|radiosities| ReplicateGather::Truth(FinalGather { paths: &cells.paths, radiosities, bounces: 0 }));
+        .map(|radiosities| ReplicateGather::Truth(FinalGather { paths: &cells.paths, radiosities, bounces: 0, vertex_rays: 1 }));
     let seed = sampling::hash(job.options.seed, streams::PILOT_POINTS);
     let with = Replication {
         scene: job.scene,
@@ -138,7 +138,8 @@ fn try_both(linked: &Linked<'_>, cells: &Plan) -> Option<Tried> {
     let mut samples = ErrorSamples::new(job.options.norm.into());
     let taken = samples.add_points(POINTS, 1, &with, &stop) && samples.take_replicates(REPLICATE_RAYS, &with, &stop);
     let budget = RayBudget::of_values(VALUE_RAYS, job.options.seed);
-    let over_cells = Over::Cells(FinalGather { paths: &cells.paths, radiosities: &cells.radiosities[0], bounces: 0 });
+    let over_cells =
+        Over::Cells(FinalGather { paths: &cells.paths, radiosities: &cells.radiosities[0], bounces: 0, vertex_rays: 1 });
     let over_cells = Gather { scene: job.scene, hierarchy: &linked.hierarchy, over: over_cells, budget };
     let found = || Some((samples.sampled_parts(&linked.gather(budget), &stop)?, samples.pilot(&over_cells, &stop)?));
     let (over_links, of_cells) = taken.then(found).flatten()?;

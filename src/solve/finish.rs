@@ -19,6 +19,7 @@ pub(super) struct Outcome {
     pub error: Option<ErrorEstimate>,
     pub stopped_by: StoppedBy,
     pub point_rays: u32,
+    pub vertex_rays: u32,
     pub resolution: Resolution,
     /// Where values end in cells.
     pub radiosities: Option<CellRadiosities>,
@@ -31,7 +32,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     let energy = energy(&linked);
     let skipped = linked.skipped();
     let scene = linked.job.scene.clone();
-    let Outcome { error, stopped_by, point_rays, resolution, radiosities, known, transport } = outcome;
+    let Outcome { error, stopped_by, point_rays, vertex_rays, resolution, radiosities, known, transport } = outcome;
     let mut report = SolveReport { energy, stopped_by, converged: stopped_by == StoppedBy::Error, ..linked.report };
 
     let reflected = energy.sent - (energy.emitted - energy.of_lights);
@@ -68,6 +69,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
         lights: linked.lights,
         radiosity: linked.radiosity,
         point_rays,
+        vertex_rays,
         resolution,
         cell_radiosities: radiosities,
         error_bars,

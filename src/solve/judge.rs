@@ -14,7 +14,8 @@ use crate::error::{
 use crate::geometry::{sampling, streams};
 use crate::paths::{LightPaths, ProductNumbers, Resolution};
 use crate::progress::{Stage, Stop};
-use crate::values::Gather;
+use crate::transmittance::Rays;
+use crate::values::{Gather, Over};
 
 /// Values that were judged, to go back to where the time ends before better ones are judged as well.
 #[derive(Clone)]
@@ -23,6 +24,16 @@ pub(super) struct Judged {
     pub point_rays: u32,
     pub known: Option<KnownErrors>,
 }
+
+/// Where emitters are looked for exactly from where paths go on, that may cost as much as so many rays to them. Deep between plates, exact parts take as long as
+/// some twenty rays.
+const VERTEX_RAYS: u32 = 32;
+
+/// That is done if it makes values so many times cheaper: what they take is foreseen to some 50%.
+const GAIN: f64 = 1.5;
+
+/// What a first hit of a path costs in rays to emitters, with all that is done about it, by the profiler.
+const WORK_OF_FIRST_HIT: f64 = 6.0;
 
 /// Samples of the error, the cells in which the paths of their replicates end, and what was estimated last.
 pub(super) struct Judge<'a> {
@@ -66,34 +77,41 @@ impl<'a> Judge<'a> {
         &'b mut self,
         linked: &'b Linked<'a>,
         plan: &mut Plan,
-        replicate: impl Fn(&'b SolvedCells<'a, REPLICATES>, usize) -> ReplicateGather<'b>,
-        gather: impl Fn(u32) -> Gather<'b>,
+        replicate: impl Fn(&'b SolvedCells<'a, REPLICATES>, usize, u32) -> ReplicateGather<'b>,
+        gather: impl Fn(u32, u32) -> Gather<'b>,
     ) {
         let Self { cells, samples, error } = self;
         *error = None;
         let job = linked.job;
         let Some(cells) = cells.as_ref().filter(|_| !job.is_late()) else { return };
         let stop = linked.stop_telling(Stage::Error, 3 * plan.error_points());
-        let with = Replication {
+        let replication = |plan: &Plan| Replication {
             scene: job.scene,
             hierarchy: &linked.hierarchy,
             radiosity: &linked.radiosity,
-            gathers: std::array::from_fn(|number| replicate(cells, number)),
+            gathers: std::array::from_fn(|number| replicate(cells, number, plan.rays()[1])),
             seed: sampling::hash(job.options.seed, streams::ERROR),
             most_paths: plan.most_paths_for_error(),
         };
+        let mut with = replication(plan);
         let is_spread = samples.add_points(plan.error_points(), plan.replicate_pilot_rays(), &with, &stop);
         if is_spread && (plan.wants_pilot() || (plan.is_first() && job.leaves_time_to_values())) {
             let (start, tried) = (Instant::now(), plan.pilot_rays());
-            let pilot: Option<Pilot> = samples.pilot(&gather(tried), &stop);
+            let pilot: Option<Pilot> = samples.pilot(&gather(tried, 1), &stop);
             if let Some(pilot) = pilot.filter(|_| plan.wants_pilot()) {
+                let exact = gather(tried, VERTEX_RAYS);
+                if plan.is_noisy(&pilot) && seeing_exactly_pays(samples, plan, &pilot, &exact, job.rays, &stop) {
+                    plan.see_exactly(VERTEX_RAYS);
+                    with = replication(plan);
+                }
                 plan.fit_rays(&pilot);
             }
             let most = job.most_rays_in_time(start.elapsed().as_secs_f64() / (f64::from(tried) * plan.error_points() as f64));
             most.into_iter().for_each(|most| plan.limit_point_rays(most));
         }
         if is_spread && samples.take_replicates(plan.replicate_rays(), &with, &stop) {
-            *error = samples.estimate(&gather(plan.point_rays()), &with, &stop);
+            let [rays, vertex_rays] = plan.rays();
+            *error = samples.estimate(&gather(rays, vertex_rays), &with, &stop);
             job.leave_time_for_values(samples.seconds_of_value);
         }
 
@@ -130,6 +148,35 @@ impl<'a> Judge<'a> {
     pub fn sampled_value_noise(&self, gather: &Gather<'_>, stop: Stop<'_>) -> f64 {
         self.samples.sampled_value_noise(gather, stop)
     }
+}
+
+/// Whether values take less if paths look for emitters exactly: by what next-event rays would add to their noise, and the work of both ways.
+fn seeing_exactly_pays(
+    samples: &ErrorSamples,
+    plan: &Plan,
+    pilot: &Pilot,
+    exact: &Gather<'_>,
+    rays: &Rays<'_>,
+    stop: Stop<'_>,
+) -> bool {
+    let Over::Cells(gather) = &exact.over else { return false };
+    if !plan.may_see_exactly() || !gather.paths.may_see_exactly(VERTEX_RAYS) {
+        return false;
+    }
+    let counts = || {
+        let [segments, first_hits] = rays.cast_by_all();
+        [segments as f64, first_hits as f64, rays.exact_parts_by_all()]
+    };
+    let before = counts();
+    let Some(noise_sq) = samples.next_event_noise(pilot, gather, exact.budget.rays, stop) else { return false };
+    let after = counts();
+
+    // From each place but the last of a path a ray goes on, and one to an emitter.
+    let [segments, first_hits, exact_parts] = std::array::from_fn(|number| after[number] - before[number]);
+    let work_exact = WORK_OF_FIRST_HIT * first_hits + segments + exact_parts;
+    let work = (WORK_OF_FIRST_HIT + 1.0) * first_hits;
+    let [paths, paths_exact] = [noise_sq, 0.0].map(|next_event_sq| plan.rays_for(pilot, next_event_sq));
+    paths * work > GAIN * paths_exact * work_exact
 }
 
 /// Notes an error of values that take so many rays each, where it was estimated.

@@ -86,11 +86,11 @@ impl<'a> Way<'a> for LinksWay<'a> {
         judge.estimate_error(
             linked,
             plan,
-            |cells, number| {
+            |cells, number, vertex_rays| {
                 let (paths, radiosities) = (&*cells.paths, &cells.radiosities[number]);
-                ReplicateGather::Truth(FinalGather { paths, radiosities, bounces })
+                ReplicateGather::Truth(FinalGather { paths, radiosities, bounces, vertex_rays })
             },
-            |rays| user_gather(linked, rays),
+            |rays, _| user_gather(linked, rays),
         );
         note_error(linked, JudgedPart::OverLinks, judge.error.as_ref(), plan.point_rays());
         if judge.error.is_some() {
@@ -104,7 +104,7 @@ impl<'a> Way<'a> for LinksWay<'a> {
         let Self { linked, plan, judge, .. } = self;
         let start = Instant::now();
         let stop = linked.job.stop();
-        let noise = plan.begin_step(error, |rays| judge.sampled_value_noise(&user_gather(linked, rays), &stop));
+        let noise = plan.begin_step(error, |[rays, _]| judge.sampled_value_noise(&user_gather(linked, rays), &stop));
         let step = next_step(&self.plan, error, noise, &self.instead(error));
         let Self { linked, plan, judge, judged, .. } = self;
         *judged = match step {
@@ -142,7 +142,16 @@ impl<'a> Way<'a> for LinksWay<'a> {
         };
         finish(
             linked,
-            Outcome { known, error, stopped_by, point_rays, resolution: plan.resolution(), radiosities: None, transport: None },
+            Outcome {
+                known,
+                error,
+                stopped_by,
+                point_rays,
+                vertex_rays: plan.rays()[1],
+                resolution: plan.resolution(),
+                radiosities: None,
+                transport: None,
+            },
         )
     }
 }

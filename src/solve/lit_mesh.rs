@@ -142,7 +142,9 @@ impl Solution {
         let paths = self.light_paths(rays, stop);
         let whole = LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays);
         let indirect = match (&self.cell_radiosities, &paths) {
-            (Some(radiosities), Some(paths)) => IndirectGather::Cells(FinalGather { paths, radiosities, bounces: 0 }),
+            (Some(radiosities), Some(paths)) => {
+                IndirectGather::Cells(FinalGather { paths, radiosities, bounces: 0, vertex_rays: self.vertex_rays })
+            }
             _ => IndirectGather::Links(LinkGather::of_reflected(whole)),
         };
 

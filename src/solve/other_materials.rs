@@ -93,6 +93,7 @@ impl Solution {
             lights: self.lights.clone(),
             radiosity,
             point_rays: self.point_rays,
+            vertex_rays: self.vertex_rays,
             resolution: self.resolution,
             cell_radiosities: Some(cells),
             error_bars: None,

@@ -20,6 +20,7 @@ pub(super) struct Plan {
     pub over_cells: bool,
     tolerance: f64,
     pub point_rays: u32,
+    vertex_rays: u32,
     pub resolution: Resolution,
     pub error_points: usize,
     pub replicate_rays: u32,
@@ -113,6 +114,7 @@ impl Plan {
             scale,
             over_cells,
             tolerance: options.links.tolerance.unwrap_or(tolerance),
+            vertex_rays: 1,
             point_rays: options.point_rays.unwrap_or_else(|| law.point_rays(over_cells)),
             resolution: Resolution { size: CellSize { side, most_surfaces: 0 }, rays: law.position_rays(positions, 0) },
             error_points: *ERROR_POINTS.start(),
@@ -218,14 +220,45 @@ impl Plan {
         (self.replicate_rays / PILOT_PART).clamp(LEAST_PILOT_RAYS, MOST_PILOT_RAYS)
     }
 
+    /// The noise that is left to values.
+    fn allowed_noise_sq(&self) -> f64 {
+        NOISE_PART * self.law.noise_for_values() * self.law.error.powi(2)
+    }
+
     /// Fits rays to points to the noise that so many of them were found to leave.
     pub fn fit_point_rays(&mut self, noise_sq: f64, tried: u32) {
         if self.may_take_more_rays() && !self.is_fitted {
-            let allowed = NOISE_PART * self.law.noise_for_values() * self.law.error.powi(2);
-            let (wanted, planned) = (f64::from(tried) * Law::rays_factor(allowed / noise_sq), f64::from(self.point_rays));
+            let wanted = f64::from(tried) * Law::rays_factor(self.allowed_noise_sq() / noise_sq);
+            let planned = f64::from(self.point_rays);
             self.point_rays = wanted.clamp(planned / FEWER, planned * MORE).min(f64::from(MAX_POINT_RAYS)) as u32;
             self.is_fitted = true;
         }
+    }
+
+    /// Rays of values from a point, and to emitters from where paths go on.
+    pub fn rays(&self) -> [u32; 2] {
+        [self.point_rays, self.vertex_rays]
+    }
+
+    /// The paths that a value takes, where `next_event_sq` comes to the noise that a pilot found: without limits.
+    pub fn rays_for(&self, pilot: &Pilot, next_event_sq: f64) -> f64 {
+        let allowed = self.allowed_noise_sq();
+        f64::from(self.pilot_rays()) * (Law::rays_factor(allowed / pilot.noise_sq) + next_event_sq / allowed)
+    }
+
+    /// Whether values are much noisier than was foreseen.
+    pub fn is_noisy(&self, pilot: &Pilot) -> bool {
+        self.rays_for(pilot, 0.0) > FEWER * f64::from(self.point_rays)
+    }
+
+    /// Whether emitters may be looked for exactly from where paths go on. What paths bring is stored as next-event rays find it.
+    pub fn may_see_exactly(&self) -> bool {
+        !self.options.keep_transport
+    }
+
+    /// Looks for emitters exactly from where paths go on, as far as that costs no more than so many rays.
+    pub fn see_exactly(&mut self, vertex_rays: u32) {
+        self.vertex_rays = vertex_rays;
     }
 
     /// Whether a pilot is wanted: of values over cells, before there is an estimate of the error, which tells more.
@@ -271,7 +304,7 @@ impl Plan {
     }
 
     /// Counts an error that is not good enough, and tells the noise of values as they are: known with the error, or `sampled` for so many rays.
-    pub fn begin_step(&mut self, error: &ErrorEstimate, sampled: impl FnOnce(u32) -> f64) -> f64 {
+    pub fn begin_step(&mut self, error: &ErrorEstimate, sampled: impl FnOnce([u32; 2]) -> f64) -> f64 {
         if error.claimed <= self.requested() {
             return 0.0;
         }
@@ -279,7 +312,7 @@ impl Plan {
         if self.has_estimated_enough() {
             return 0.0;
         }
-        let rays = self.point_rays;
+        let rays = self.rays();
         let noise = *self.value_noise.get_or_insert_with(|| error.value_noise.unwrap_or_else(|| sampled(rays)));
         self.other_sq = (error.measured.powi(2) - noise.powi(2)).max(0.0);
         noise

@@ -38,6 +38,8 @@ pub struct Solution {
     pub(crate) lights: LightIrradiance,
     pub(crate) radiosity: Radiosity,
     pub(crate) point_rays: u32,
+    /// Rays to emitters from where a path goes on.
+    pub(crate) vertex_rays: u32,
     /// How finely cell radiosities are found, and these, where values end in cells.
     pub(crate) resolution: Resolution,
     pub(crate) cell_radiosities: Option<CellRadiosities>,
@@ -66,6 +68,7 @@ pub(crate) struct StoredSolution {
     lights: LightIrradiance,
     radiosity: Radiosity,
     point_rays: u32,
+    vertex_rays: u32,
     resolution: Resolution,
     cell_radiosities: Option<CellRadiosities>,
     error_bars: Option<ErrorBars>,
@@ -173,7 +176,9 @@ impl Solution {
     pub(crate) fn gather_at_points<'a>(&'a self, rays: &'a Rays<'a>, paths: Option<&'a LightPaths<'a>>) -> Gather<'a> {
         let Self { scene, hierarchy, links, radiosity, exposure, .. } = self;
         let over = match (&self.cell_radiosities, paths) {
-            (Some(radiosities), Some(paths)) => Over::Cells(FinalGather { paths, radiosities, bounces: 0 }),
+            (Some(radiosities), Some(paths)) => {
+                Over::Cells(FinalGather { paths, radiosities, bounces: 0, vertex_rays: self.vertex_rays })
+            }
             _ => {
                 // Direct light asks for the boxes of blockers: they are found meanwhile.
                 let links = || LinkGather::new(scene, hierarchy, links, radiosity, exposure, rays);
@@ -282,8 +287,8 @@ impl Solution {
         if self.transport.as_ref().is_some_and(|transport| !transport.tells_brightness(&self.scene)) {
             return Err("the stored transport does not fit the scene".to_owned());
         }
-        if self.point_rays == 0 || self.point_rays > 1 << 20 {
-            return Err("the number of rays to a point is out of range".to_owned());
+        if [self.point_rays, self.vertex_rays].iter().any(|rays| !(1..=1 << 20).contains(rays)) {
+            return Err("the number of rays to a point, or from where paths go on, is out of range".to_owned());
         }
         let resolution = &self.resolution;
         if !resolution.is_valid(&self.scene) {

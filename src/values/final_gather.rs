@@ -5,7 +5,9 @@
 
 use crate::cells::CellRadiosities;
 use crate::geometry::{sampling, streams};
-use crate::paths::{BatchSums, Continuation, Ends, LightPaths, NO_CELL, NO_SURFACE, PathScratch, Place, Receives, SeenCell};
+use crate::paths::{
+    BatchSums, Continuation, Course, Ends, LightPaths, NO_CELL, NO_SURFACE, PathScratch, Place, Receives, SeenCell,
+};
 use crate::scene::SurfaceId;
 
 /// Next-event rays for each path. Empirical.
@@ -25,6 +27,8 @@ pub(crate) struct FinalGather<'a> {
     pub radiosities: &'a CellRadiosities,
     /// The least number of bounces before a path ends in a cell: 0 for values, more where their error is estimated.
     pub bounces: u32,
+    /// See [`Course`].
+    pub vertex_rays: u32,
 }
 
 /// About how many paths are followed together: their rays fit into the processor's cache.
@@ -146,7 +150,7 @@ impl FinalGather<'_> {
     ) {
         let channels = self.paths.scene.channels();
         let (count, share) = (count as usize, 1.0 / f64::from(count));
-        self.paths.follow(places, count as u32, self.bounces, scratch);
+        self.paths.follow(places, &Course::of_values(count as u32, self.bounces, self.vertex_rays), scratch);
         let PathScratch { ends, order, .. } = &*scratch;
         self.note_met_emitters(&ends.surface, count, irradiance);
         note_sky(ends, count, irradiance);
@@ -181,6 +185,15 @@ impl FinalGather<'_> {
             let Some(by_cells_sq) = irradiance.by_cells_sq(path / count) else { break };
             let of_cell = share * ends.form_factor[path];
             by_cells_sq.iter_mut().enumerate().for_each(|(channel, sum)| *sum += of_cell * sent(cell, channel).powi(2));
+        }
+    }
+
+    /// Adds how much more the variance of the irradiance at a place by `rays` paths would be if these saw emitters by next-event rays, by channel; emitters are
+    /// looked for exactly.
+    pub fn add_next_event_variance(&self, place: &Place, rays: u32, scratch: &mut PathScratch, variance: &mut [f64]) {
+        self.paths.follow(&[*place], &Course::of_values(rays, self.bounces, self.vertex_rays), scratch);
+        for of_path in scratch.ends.next_event.chunks(variance.len()) {
+            variance.iter_mut().zip(of_path).for_each(|(sum, of_path)| *sum += of_path / f64::from(rays).powi(2));
         }
     }
 

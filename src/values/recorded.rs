@@ -2,7 +2,7 @@
 
 use super::final_gather::emitter_rays;
 use crate::geometry::{sampling, streams};
-use crate::paths::{BatchSums, Brought, LightPaths, PathScratch, Place, SeenCell, UNREFLECTED};
+use crate::paths::{BatchSums, Brought, Course, LightPaths, PathScratch, Place, SeenCell, UNREFLECTED};
 use crate::scene::EmissionApart;
 
 /// Records gathers of paths whose scene keeps emission apart. Their trails are kept in the scratch memory, which must have one.
@@ -57,7 +57,7 @@ impl GatherRecorder<'_> {
         if let Some(trail) = &mut scratch.ends.trail {
             trail.begin.clone_from(&begin);
         }
-        self.paths.follow(places, rays, 0, scratch);
+        self.paths.follow(places, &Course::of_values(rays, 0, 1), scratch);
         scratch.ends.for_each_term(count, |term| visit(term.path / count, term.product, term.what, share * term.weight));
         if let Some(trail) = &mut scratch.ends.trail {
             trail.begin.clear();
