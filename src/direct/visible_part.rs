@@ -52,7 +52,7 @@ impl VisiblePart {
         pieces.steps += candidates.steps;
         let mut are_all_found = candidates.steps <= most_steps.min(STEPS_BEFORE_RAYS);
 
-        // Where that costs more than a ray: what rays meet is taken out, and the rest is looked for in front of what this leaves.
+        // Where that is not enough: what rays meet is taken out, and the rest is looked for in front of what this leaves.
         if !are_all_found && most_steps > STEPS_BEFORE_RAYS {
             take_out_first_hits(view, blockers, pieces, outline);
             let Some(cone) = pieces.cone(view.source.normal) else { return Visible { form_factor: 0.0, is_decided: true } };
