@@ -100,11 +100,13 @@ impl<'a> Judge<'a> {
             let pilot: Option<Pilot> = samples.pilot(&gather(tried, 1), &stop);
             if let Some(pilot) = pilot.filter(|_| plan.wants_pilot()) {
                 let exact = gather(tried, VERTEX_RAYS);
-                if plan.is_noisy(&pilot) && seeing_exactly_pays(samples, plan, &pilot, &exact, job.rays, &stop) {
-                    plan.see_exactly(VERTEX_RAYS);
+                let pays = seeing_exactly_pays(samples, plan, &pilot, &exact, job.rays, &stop);
+                let wanted = plan.rays_for(&pilot, 0.0);
+                plan.fit_rays(&pilot);
+                if pays {
+                    plan.see_exactly(VERTEX_RAYS, wanted);
                     with = replication(plan);
                 }
-                plan.fit_rays(&pilot);
             }
             let most = job.most_rays_in_time(start.elapsed().as_secs_f64() / (f64::from(tried) * plan.error_points() as f64));
             most.into_iter().for_each(|most| plan.limit_point_rays(most));
@@ -160,7 +162,7 @@ fn seeing_exactly_pays(
     stop: Stop<'_>,
 ) -> bool {
     let Over::Cells(gather) = &exact.over else { return false };
-    if !plan.may_see_exactly() || !gather.paths.may_see_exactly(VERTEX_RAYS) {
+    if !plan.may_see_exactly(pilot) || !gather.paths.may_see_exactly(VERTEX_RAYS) {
         return false;
     }
     let counts = || {

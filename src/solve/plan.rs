@@ -246,19 +246,19 @@ impl Plan {
         f64::from(self.pilot_rays()) * (Law::rays_factor(allowed / pilot.noise_sq) + next_event_sq / allowed)
     }
 
-    /// Whether values are much noisier than was foreseen.
-    pub fn is_noisy(&self, pilot: &Pilot) -> bool {
-        self.rays_for(pilot, 0.0) > FEWER * f64::from(self.point_rays)
+    /// Whether emitters may be looked for exactly from where paths go on: where values are much noisier than was foreseen. What paths bring is stored as
+    /// next-event rays find it.
+    pub fn may_see_exactly(&self, pilot: &Pilot) -> bool {
+        !self.options.keep_transport && self.rays_for(pilot, 0.0) > FEWER * f64::from(self.point_rays)
     }
 
-    /// Whether emitters may be looked for exactly from where paths go on. What paths bring is stored as next-event rays find it.
-    pub fn may_see_exactly(&self) -> bool {
-        !self.options.keep_transport
-    }
-
-    /// Looks for emitters exactly from where paths go on, as far as that costs no more than so many rays.
-    pub fn see_exactly(&mut self, vertex_rays: u32) {
+    /// Looks for emitters exactly from where paths go on, as far as that costs no more than so many rays. Values have all the rays that the pilot asked for:
+    /// what is left of their noise is rare bright paths, of which fewer would not even tell.
+    pub fn see_exactly(&mut self, vertex_rays: u32, point_rays: f64) {
         self.vertex_rays = vertex_rays;
+        if self.may_take_more_rays() {
+            self.point_rays = point_rays.min(f64::from(MAX_POINT_RAYS)) as u32;
+        }
     }
 
     /// Whether a pilot is wanted: of values over cells, before there is an estimate of the error, which tells more.
