@@ -22,8 +22,8 @@ impl Course {
         Self { count, bounces, little: LITTLE, vertex_rays }
     }
 
-    /// Whether light varies so much over what paths meet that emitters are looked for exactly: then cells take no part in Russian roulette.
-    pub(super) fn is_in_slots(&self) -> bool {
+    /// Whether emitters are looked for exactly. Light varies much over what paths meet then, so that cells take no part in Russian roulette.
+    pub(super) fn sees_exactly(&self) -> bool {
         self.vertex_rays > 1
     }
 }

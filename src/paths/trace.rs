@@ -226,7 +226,7 @@ impl<'a> LightPaths<'a> {
             if scratch.heads.is_empty() {
                 break;
             }
-            self.reflect(course.vertex_rays, scratch);
+            self.reflect(course, scratch);
             self.go_on(course, bounce < course.bounces, scratch);
         }
     }
@@ -287,7 +287,7 @@ impl<'a> LightPaths<'a> {
     }
 
     /// Adds the direct light at the points where paths go on, and multiplies their weights by the reflectances there.
-    fn reflect(&self, vertex_rays: u32, scratch: &mut PathScratch) {
+    fn reflect(&self, course: &Course, scratch: &mut PathScratch) {
         let PathScratch {
             ends, heads, continuation_of, irradiance, emitter_rays, light_rays, direct, reflector_rays, seen, ..
         } = scratch;
@@ -297,8 +297,8 @@ impl<'a> LightPaths<'a> {
         irradiance.clear();
         irradiance.resize(heads.len() * channels, 0.0);
         let mut sums = BatchSums::whole(channels, irradiance);
-        if vertex_rays > 1 {
-            direct.add_irradiance(&self.direct_light(), heads, vertex_rays, &mut sums);
+        if course.sees_exactly() {
+            direct.add_irradiance(&self.direct_light(), heads, course.vertex_rays, &mut sums);
             ends.next_event.resize(ends.continued.len() * channels, 0.0);
         } else {
             self.emitters.add_sampled_irradiance(heads, 1, 1, emitter_rays, &mut sums);
@@ -313,7 +313,7 @@ impl<'a> LightPaths<'a> {
                 let (rho, index) = (material.reflectance[channel], continuation * channels + channel);
                 ends.constant[index] += ends.weight[index] * (own + rho * irradiance[channel]);
                 ends.weight[index] *= rho;
-                if vertex_rays > 1 {
+                if course.sees_exactly() {
                     ends.next_event[index] += direct.next_event[head] * (ends.weight[index] * irradiance[channel]).powi(2);
                 }
             }
@@ -362,7 +362,7 @@ impl<'a> LightPaths<'a> {
                 Arrival::Cell(cell, ..) => ends.continued[continuation].cell = cell,
                 Arrival::Onward(point, surface, _) => {
                     let draw = sampling::unit(sampling::hash(heads[index].seed, streams::ROULETTE));
-                    let cell = if course.is_in_slots() { None } else { self.cell_at(surface, point) };
+                    let cell = if course.sees_exactly() { None } else { self.cell_at(surface, point) };
                     if !ends.goes_on(continuation, cell, channels, little, draw) {
                         continue;
                     }
