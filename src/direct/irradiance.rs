@@ -20,6 +20,7 @@
 use super::blockers::Blockers;
 use super::lights::{LightRays, Lights};
 use super::receiver::Receiver;
+use super::towards::DrawnTowards;
 use super::undecided::UndecidedRays;
 use super::view::View;
 use super::visible_part::VisiblePart;
@@ -81,6 +82,8 @@ pub(crate) struct DirectScratch {
     pub unoccluded: f64,
     /// Work on exact parts so far.
     pub steps: u64,
+    /// Directions in which the light of the last point comes.
+    pub towards: DrawnTowards,
 }
 
 /// Sums by channel.
@@ -101,7 +104,8 @@ impl DirectLight<'_> {
     ) {
         let mut sums = Sums { irradiance, variance };
         let mut seen = std::mem::take(&mut scratch.seen);
-        let total = self.see_unoccluded(receiver, &mut seen);
+        scratch.towards.restart(receiver.seed);
+        let total = self.see_unoccluded(receiver, &mut seen, &mut scratch.towards);
         scratch.undecided.restart();
         scratch.unoccluded = total;
 
@@ -182,7 +186,7 @@ impl DirectLight<'_> {
     }
 
     /// Lists the emitters that the point would see with nothing in between; gives what they would bring together.
-    fn see_unoccluded(&self, receiver: &Receiver, seen: &mut Vec<Seen>) -> f64 {
+    fn see_unoccluded(&self, receiver: &Receiver, seen: &mut Vec<Seen>, towards: &mut DrawnTowards) -> f64 {
         seen.clear();
         let mut total = 0.0;
         for (emitter, of) in self.emitters.iter().enumerate() {
@@ -192,8 +196,10 @@ impl DirectLight<'_> {
             let form_factor = point_to_polygon(receiver.point, receiver.normal, &of.facet(self.scene));
             let brightest = self.scene.material_of(of.surface).exitance.iter().copied().fold(0.0, f64::max);
             if form_factor > 0.0 {
-                seen.push(Seen { emitter, form_factor, unoccluded: form_factor * brightest });
-                total += form_factor * brightest;
+                let unoccluded = form_factor * brightest;
+                towards.offer_hidden(unoccluded, of.facet(self.scene).vertices.iter().map(|&corner| corner - receiver.point));
+                seen.push(Seen { emitter, form_factor, unoccluded });
+                total += unoccluded;
             }
         }
         total
@@ -201,10 +207,11 @@ impl DirectLight<'_> {
 
     /// The form factor of an emitter as far as it is exact; what is undecided gets rays, about `own`.
     fn decide(&self, receiver: &Receiver, seen: &Seen, (method, own): (Method, f64), scratch: &mut DirectScratch) -> f64 {
+        let view = self.view_of(receiver, seen.emitter);
         if self.is_clear(receiver, seen.emitter) {
+            scratch.towards.offer_whole(seen.unoccluded, view.source.vertices.iter().map(|&corner| corner - view.point));
             return seen.form_factor;
         }
-        let view = self.view_of(receiver, seen.emitter);
         let most_steps = match method {
             Method::Exact => return self.visible_form_factor(receiver, view.source, view.source_plane, scratch),
             Method::Cheaper => (own * WORTH * STEPS_PER_RAY as f64) as u64,
@@ -212,6 +219,8 @@ impl DirectLight<'_> {
         };
         let visible = scratch.part.find(&view, &self.blockers, most_steps);
         scratch.steps += scratch.part.steps();
+        let brings = seen.unoccluded * visible.form_factor / seen.form_factor;
+        scratch.towards.offer_seen(brings, scratch.part.pieces());
         if visible.is_decided {
             return visible.form_factor;
         }

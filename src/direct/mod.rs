@@ -15,6 +15,7 @@ mod lights;
 mod outline;
 mod pieces;
 mod receiver;
+mod towards;
 mod undecided;
 mod view;
 mod visible_part;
@@ -32,6 +33,7 @@ pub use irradiance::{DirectEffort, Method};
 pub(crate) use irradiance::{DirectLight, DirectScratch};
 pub(crate) use lights::{LightRays, Lights};
 pub(crate) use receiver::Receiver;
+pub(crate) use towards::Towards;
 
 /// Direct irradiance at points.
 #[derive(Clone, Debug, PartialEq)]

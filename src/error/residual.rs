@@ -69,6 +69,7 @@ impl ResidualGather<'_> {
         let whole = vec![1.0; channels];
         for (continuation, weights) in ends.continued.iter().zip(ends.weight.chunks(channels)) {
             if continuation.shortcut != NO_CELL {
+                let share = share * ends.first_weight[continuation.path];
                 add(share, self.of_values, &whole, continuation.path, continuation.shortcut);
             } else if continuation.cell != NO_CELL {
                 add(share, self.of_values, weights, continuation.path, continuation.cell);

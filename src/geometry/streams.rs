@@ -93,6 +93,10 @@ pub(crate) const CONTROL_GATHERS: u64 = kind(9);
 pub(crate) const REPLICATE_PILOT: u64 = kind(10);
 /// Whether a path of little weight goes on.
 pub(crate) const ROULETTE: u64 = kind(11);
+/// Directions towards emitters around which rays are sent.
+pub(crate) const TOWARDS: u64 = kind(103);
+/// Rays around these; add the number of the direction.
+pub(crate) const GUIDED: u64 = kind(104);
 /// Paths that look for light at a point of the error estimate; add the round.
 pub(crate) const SEARCH: u64 = kind(102);
 

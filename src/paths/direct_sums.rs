@@ -1,8 +1,12 @@
 //! Direct light with its own variance, as sums over batches.
 
 use super::batch_sums::BatchSums;
+use super::guide::Guides;
 use super::place::Receives;
-use crate::direct::{DirectEffort, DirectLight, DirectScratch, Method};
+use crate::direct::{DirectEffort, DirectLight, DirectScratch, Method, Receiver};
+
+/// Directions around which the first rays of a place are guided: along a slot of its own length some see all of its edges.
+const AXES: usize = 16;
 
 /// Direct irradiance at a place; memory that is reused.
 #[derive(Default)]
@@ -13,6 +17,8 @@ pub(super) struct DirectSums {
     /// By place of the last call: the variance that a single next-event ray has, relative to the square of the irradiance. It finds all that the place would get with
     /// nothing in between, U, or nothing, and on average the irradiance H: U / H - 1.
     pub next_event: Vec<f64>,
+    /// By place of the last call that finds them: how rays leave it.
+    pub guides: Guides,
 }
 
 impl DirectSums {
@@ -24,22 +30,66 @@ impl DirectSums {
         count: u32,
         irradiance: &mut BatchSums<'_>,
     ) {
-        let effort = DirectEffort { rays: count, method: Method::Cheaper };
+        self.scratch.towards.want(0);
+        for (number, place) in places.iter().enumerate() {
+            self.find(direct, &place.receiver(direct.scene), count);
+            self.add(number, irradiance);
+        }
+        self.note_steps(direct);
+    }
+
+    /// The same, which finds as well how a ray leaves each place, and what a next-event ray would vary by.
+    pub fn add_irradiance_and_guide(
+        &mut self,
+        direct: &DirectLight<'_>,
+        places: &[impl Receives],
+        count: u32,
+        irradiance: &mut BatchSums<'_>,
+    ) {
+        self.scratch.towards.want(1);
+        self.guides.clear();
         self.next_event.clear();
         for (number, place) in places.iter().enumerate() {
-            for sums in [&mut self.irradiance, &mut self.variance] {
-                sums.clear();
-                sums.resize(irradiance.channels(), 0.0);
-            }
-            let receiver = place.receiver(direct.scene);
-            direct.add_irradiance(&receiver, effort, &mut self.scratch, &mut self.irradiance, &mut self.variance);
-            let brightest = self.irradiance.iter().copied().fold(0.0, f64::max);
-            self.next_event.push(if brightest > 0.0 { (self.scratch.unoccluded / brightest - 1.0).max(0.0) } else { 0.0 });
-            direct.add_lights(&receiver, count, &mut self.scratch, &mut self.irradiance, &mut self.variance);
-            for (channel, (&h, &variance)) in self.irradiance.iter().zip(&self.variance).enumerate() {
-                irradiance.add(number, channel, h, variance);
-            }
+            let of_emitters = self.find(direct, &place.receiver(direct.scene), count);
+            self.next_event.push(if of_emitters > 0.0 { (self.scratch.unoccluded / of_emitters - 1.0).max(0.0) } else { 0.0 });
+            self.guides.push(self.scratch.towards.drawn());
+            self.add(number, irradiance);
         }
+        self.note_steps(direct);
+    }
+
+    /// Finds how rays leave each place.
+    pub fn guide(&mut self, direct: &DirectLight<'_>, places: &[impl Receives], count: u32) {
+        self.scratch.towards.want(AXES);
+        self.guides.clear();
+        for place in places {
+            self.find(direct, &place.receiver(direct.scene), count);
+            self.guides.push(self.scratch.towards.drawn());
+        }
+        self.note_steps(direct);
+    }
+
+    /// Finds the direct irradiance at a place; gives that of emitters in the brightest channel.
+    fn find(&mut self, direct: &DirectLight<'_>, receiver: &Receiver, count: u32) -> f64 {
+        for sums in [&mut self.irradiance, &mut self.variance] {
+            sums.clear();
+            sums.resize(direct.scene.channels(), 0.0);
+        }
+        let effort = DirectEffort { rays: count, method: Method::Cheaper };
+        direct.add_irradiance(receiver, effort, &mut self.scratch, &mut self.irradiance, &mut self.variance);
+        let of_emitters = self.irradiance.iter().copied().fold(0.0, f64::max);
+        direct.add_lights(receiver, count, &mut self.scratch, &mut self.irradiance, &mut self.variance);
+        of_emitters
+    }
+
+    /// Adds what was found last.
+    fn add(&self, number: usize, irradiance: &mut BatchSums<'_>) {
+        for (channel, (&h, &variance)) in self.irradiance.iter().zip(&self.variance).enumerate() {
+            irradiance.add(number, channel, h, variance);
+        }
+    }
+
+    fn note_steps(&mut self, direct: &DirectLight<'_>) {
         direct.rays.note_exact(std::mem::take(&mut self.scratch.steps));
     }
 }
@@ -49,7 +99,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::direct::{Blockers, Receiver};
+    use crate::direct::Blockers;
     use crate::geometry::{Polygon, sampling};
     use crate::paths::emitters::Emitters;
     use crate::paths::next_event::EmitterRays;
@@ -73,7 +123,7 @@ mod tests {
         let place = |seed| Receiver { point: DVec3::new(0.0, 0.05, 0.0), normal: DVec3::Z, plane: NO_PLANE, seed };
 
         let (mut sums, mut exact) = (DirectSums::default(), [0.0]);
-        sums.add_irradiance(&direct, &[place(0)], 32, &mut BatchSums::whole(1, &mut exact));
+        sums.add_irradiance_and_guide(&direct, &[place(0)], 32, &mut BatchSums::whole(1, &mut exact));
         let count = 20_000;
         let places: Vec<Receiver> = (0..count).map(|seed| place(sampling::hash(1, seed))).collect();
         let mut sampled = vec![0.0; places.len()];

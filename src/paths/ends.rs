@@ -32,11 +32,15 @@ pub(crate) struct Ends {
     /// By path, the point in that cell, and the form factor of the cell, about.
     pub point: Vec<DVec3>,
     pub form_factor: Vec<f64>,
+    /// By path, the weight of its first ray: 1 if that is not guided.
+    pub first_weight: Vec<f64>,
     /// The paths that went on, in their order.
     pub continued: Vec<Continuation>,
     /// By continuation and channel: it brings `constant + weight * B`, B being the radiosity of the cell where it ends.
     pub constant: Vec<f64>,
     pub weight: Vec<f64>,
+    /// By continuation, the weight of its rays, which is in that.
+    pub guided: Vec<f64>,
     /// By continuation and channel, where emitters are looked for exactly: how much more its variance would be by next-event rays.
     pub next_event: Vec<f64>,
     /// Other cells that continuations bring light of, those of reflectors seen on the way and of Russian roulette: the number of the
@@ -75,8 +79,10 @@ impl Ends {
     /// Whether a continuation that arrives in `cell`, if that has a value there, goes on, by a random number in [0, 1): with a weight below `little` it
     /// ends, or goes on with that weight.
     pub(super) fn goes_on(&mut self, continuation: usize, cell: Option<u32>, channels: usize, little: f64, draw: f64) -> bool {
+        // Guided rays have little weight where there is much light.
         let weights = &mut self.weight[continuation * channels..][..channels];
-        let chance = (weights.iter().copied().fold(0.0, f64::max) / little).min(1.0);
+        let left = weights.iter().copied().fold(0.0, f64::max) / self.guided[continuation];
+        let chance = (left / little).min(1.0);
         if draw >= chance {
             self.continued[continuation].cell = cell.unwrap_or(NO_CELL);
             return false;
@@ -93,6 +99,12 @@ impl Ends {
         true
     }
 
+    /// Multiplies the weight of a continuation by that of its next ray.
+    pub(super) fn weigh(&mut self, continuation: usize, channels: usize, weight: f64) {
+        self.guided[continuation] *= weight;
+        self.weight[continuation * channels..][..channels].iter_mut().for_each(|left| *left *= weight);
+    }
+
     /// Forgets everything, and makes room for so many paths.
     pub(super) fn clear(&mut self, paths: usize) {
         self.cell.clear();
@@ -101,6 +113,8 @@ impl Ends {
         self.surface.resize(paths, NO_SURFACE);
         self.point.resize(paths, DVec3::ZERO);
         self.form_factor.resize(paths, 0.0);
+        self.first_weight.clear();
+        self.first_weight.resize(paths, 1.0);
         self.continued.clear();
         self.next_event.clear();
         self.seen.clear();

@@ -10,23 +10,21 @@
 //! Next-event rays bring the light of emitters and lights, and of bright reflectors by cells that are small; so a path that arrives in such a
 //! cell brings nothing.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 
 use super::batch_sums::BatchSums;
 use super::course::Course;
 use super::direct_sums::DirectSums;
 use super::emitters::Emitters;
-use super::ends::{Arrival, Continuation, Ends};
-use super::grid::{CellSize, Grid, Grids, NO_CELL};
+use super::ends::{Arrival, Ends};
+use super::grid::{CellSize, Grid, Grids};
 use super::next_event::EmitterRays;
 use super::open_parts::OpenParts;
 use super::particles::Landing;
 use super::place::{Directions, Place, Receives, cosine_rays};
 use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
 use super::reflectors::Brightness;
-use crate::direct::{Blockers, DirectLight, LightRays, Lights, Receiver};
+use crate::direct::{Blockers, DirectLight, LightRays, Lights};
 use crate::geometry::{sampling, streams};
 use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
@@ -52,18 +50,18 @@ pub(crate) struct PathScratch {
     pub seen: Vec<SeenCell>,
     /// The numbers of the paths of a place in the order in which they are cast.
     pub order: Vec<u32>,
-    rays: Vec<Ray>,
-    hits: Vec<Option<Hit>>,
+    pub(super) rays: Vec<Ray>,
+    pub(super) hits: Vec<Option<Hit>>,
     /// Where paths go on, and the number of each one's continuation.
-    heads: Vec<Place>,
-    continuation_of: Vec<usize>,
+    pub(super) heads: Vec<Place>,
+    pub(super) continuation_of: Vec<usize>,
     irradiance: Vec<f64>,
     emitter_rays: EmitterRays,
     light_rays: LightRays,
-    direct: DirectSums,
+    pub(super) direct: DirectSums,
     reflector_rays: ReflectorRays,
     /// Paths that have left the scene at their first rays: their continuations, and directions.
-    into_sky: Vec<(usize, DVec3)>,
+    pub(super) into_sky: Vec<(usize, DVec3)>,
 }
 
 /// Casts light paths through a scene.
@@ -145,7 +143,7 @@ impl<'a> LightPaths<'a> {
         self.emitters.emitters.len() <= rays as usize
     }
 
-    fn direct_light(&self) -> DirectLight<'_> {
+    pub(super) fn direct_light(&self) -> DirectLight<'_> {
         let blockers = Blockers::of(self.scene, self.rays);
         DirectLight { scene: self.scene, rays: self.rays, blockers, emitters: &self.emitters.emitters }
     }
@@ -208,7 +206,7 @@ impl<'a> LightPaths<'a> {
 
     /// The same, with the first directions of each place's paths given.
     pub fn follow_towards(&self, places: &[impl Receives], directions: &[Directions], course: &Course, scratch: &mut PathScratch) {
-        self.leave(places, directions, course.count, course.bounces > 0, scratch);
+        self.leave(places, directions, course, scratch);
 
         // Bounce by bounce: direct light where the paths are, then the next ray.
         let channels = self.scene.channels();
@@ -216,10 +214,15 @@ impl<'a> LightPaths<'a> {
         ends.constant.clear();
         ends.constant.resize(ends.continued.len() * channels, 0.0);
         ends.weight.clear();
-        ends.weight.resize(ends.continued.len() * channels, 1.0);
+        ends.guided.clear();
+        for of in &ends.continued {
+            let weight = ends.first_weight[of.path];
+            ends.weight.extend(std::iter::repeat_n(weight, channels));
+            ends.guided.push(weight);
+        }
         for (continuation, direction) in scratch.into_sky.drain(..) {
             let constant = &mut ends.constant[continuation * channels..][..channels];
-            self.scene.add_sky_radiosity(direction, 1.0, constant);
+            self.scene.add_sky_radiosity(direction, ends.guided[continuation], constant);
             ends.trail.iter_mut().for_each(|trail| trail.collect(continuation, constant));
         }
         for bounce in 1..=MAX_BOUNCES {
@@ -229,61 +232,6 @@ impl<'a> LightPaths<'a> {
             self.reflect(course, scratch);
             self.go_on(course, bounce < course.bounces, scratch);
         }
-    }
-
-    /// Casts the first rays of all paths. With `beyond` no path may end yet.
-    fn leave(&self, places: &[impl Receives], directions: &[Directions], count: u32, beyond: bool, scratch: &mut PathScratch) {
-        let PathScratch { ends, order, rays, heads, continuation_of, into_sky, .. } = scratch;
-        ends.clear(places.len() * count as usize);
-        heads.clear();
-        continuation_of.clear();
-
-        // Neighbouring directions one after the other: rays cost less then.
-        if order.len() != count as usize {
-            *order = sampling::neighbours_in_order(count);
-        }
-        rays.clear();
-        for (place, &Directions { seed, first }) in places.iter().zip(directions) {
-            let receiver = Receiver { seed, ..place.receiver(self.scene) };
-            rays.extend(cosine_rays(&receiver, order.iter().map(|ray| first + ray)));
-        }
-        self.rays.first_hits(rays, &mut scratch.hits);
-
-        // Paths end where they arrive, or go on from there.
-        for (path, (ray, hit)) in rays.iter().zip(&scratch.hits).enumerate() {
-            match self.arrival(&places[path / count as usize], ray, *hit, beyond) {
-                Arrival::Nothing => {}
-                Arrival::Sky(direction) => {
-                    into_sky.push((ends.continued.len(), direction));
-                    ends.trail.iter_mut().for_each(|trail| trail.goes_on(path / count as usize));
-                    ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: NO_CELL, is_of_sky: true });
-                }
-                Arrival::Cell(cell, point, surface) => {
-                    let from = &places[path / count as usize];
-                    (ends.cell[path], ends.point[path], ends.surface[path]) = (cell, point, surface.0);
-                    ends.form_factor[path] = hit.map_or(0.0, |hit| self.form_factor(&from.receiver(self.scene), ray, hit));
-                }
-                Arrival::Onward(point, surface, small) => {
-                    let (place, ray) = (path / count as usize, path % count as usize);
-                    ends.trail.iter_mut().for_each(|trail| trail.goes_on(place));
-                    ends.surface[path] = surface.0;
-                    let seed = sampling::hash(places[place].receiver(self.scene).seed, streams::PATHS_ONWARD + ray as u64);
-                    heads.push(Place { point, surface, seed });
-                    continuation_of.push(ends.continued.len());
-                    ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: small.unwrap_or(NO_CELL), is_of_sky: false });
-                }
-            }
-        }
-    }
-
-    /// The form factor of the cell where a ray from a place arrives, about: by the kernel there.
-    fn form_factor(&self, from: &Receiver, ray: &Ray, hit: Hit) -> f64 {
-        let surface = SurfaceId(hit.surface);
-        let direction = DVec3::from(ray.direction);
-        let normal = self.scene.surface(surface).polygon.facet().normal;
-        let cosines = from.normal.dot(direction).abs() * normal.dot(direction).abs();
-        let area = self.grids.of(surface).map_or(0.0, |grid| grid.size().powi(2));
-        (cosines * area / (PI * hit.distance.powi(2))).min(1.0)
     }
 
     /// Adds the direct light at the points where paths go on, and multiplies their weights by the reflectances there.
@@ -298,7 +246,7 @@ impl<'a> LightPaths<'a> {
         irradiance.resize(heads.len() * channels, 0.0);
         let mut sums = BatchSums::whole(channels, irradiance);
         if course.sees_exactly() {
-            direct.add_irradiance(&self.direct_light(), heads, course.vertex_rays, &mut sums);
+            direct.add_irradiance_and_guide(&self.direct_light(), heads, course.vertex_rays, &mut sums);
             ends.next_event.resize(ends.continued.len() * channels, 0.0);
         } else {
             self.emitters.add_sampled_irradiance(heads, 1, 1, emitter_rays, &mut sums);
@@ -314,7 +262,9 @@ impl<'a> LightPaths<'a> {
                 ends.constant[index] += ends.weight[index] * (own + rho * irradiance[channel]);
                 ends.weight[index] *= rho;
                 if course.sees_exactly() {
-                    ends.next_event[index] += direct.next_event[head] * (ends.weight[index] * irradiance[channel]).powi(2);
+                    // As if no ray had been guided.
+                    let brought_sq = (ends.weight[index] * irradiance[channel]).powi(2) / ends.guided[continuation];
+                    ends.next_event[index] += direct.next_event[head] * brought_sq;
                 }
             }
             if let Some(trail) = &mut ends.trail {
@@ -337,14 +287,23 @@ impl<'a> LightPaths<'a> {
     /// Casts the next ray of each continuation, which ends in a small cell; else it goes on, by Russian roulette if it has less than
     /// little weight left. With `beyond` no path may end yet.
     fn go_on(&self, course: &Course, beyond: bool, scratch: &mut PathScratch) {
-        let PathScratch { ends, rays, hits, heads, continuation_of, .. } = scratch;
+        let PathScratch { ends, rays, hits, heads, continuation_of, direct, .. } = scratch;
         let little = if beyond { f64::MIN_POSITIVE } else { course.little };
+        let channels = self.scene.channels();
         rays.clear();
-        heads.iter().for_each(|head| rays.extend(cosine_rays(&head.receiver(self.scene), 0..1)));
+        for (number, (head, &continuation)) in heads.iter().zip(&*continuation_of).enumerate() {
+            let receiver = head.receiver(self.scene);
+            if !course.sees_exactly() {
+                rays.extend(cosine_rays(&receiver, 0..1));
+                continue;
+            }
+            let (ray, weight) = direct.guides.of(number).ray(&receiver, 0);
+            rays.push(ray);
+            ends.weigh(continuation, channels, weight);
+        }
         self.rays.first_hits(rays, hits);
 
         // Those that do not end stay in the lists, moved to the front.
-        let channels = self.scene.channels();
         let (mut left, mut brought) = (0, vec![0.0; channels]);
         for (index, (ray, hit)) in rays.iter().zip(&*hits).enumerate() {
             let continuation = continuation_of[index];
@@ -377,7 +336,7 @@ impl<'a> LightPaths<'a> {
     }
 
     /// What a ray from a place finds. With `beyond` no path may end yet.
-    fn arrival(&self, from: &impl Receives, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
+    pub(super) fn arrival(&self, from: &impl Receives, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
         let direction = DVec3::from(ray.direction);
         let Some(hit) = hit else { return if self.has_sky { Arrival::Sky(direction) } else { Arrival::Nothing } };
         let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { return Arrival::Nothing };

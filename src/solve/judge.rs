@@ -94,19 +94,21 @@ impl<'a> Judge<'a> {
             most_paths: plan.most_paths_for_error(),
         };
         let mut with = replication(plan);
-        let is_spread = samples.add_points(plan.error_points(), plan.replicate_pilot_rays(), &with, &stop);
+        let mut is_spread = samples.add_points(plan.error_points(), plan.replicate_pilot_rays(), &with, &stop);
         if is_spread && (plan.wants_pilot() || (plan.is_first() && job.leaves_time_to_values())) {
             let (start, tried) = (Instant::now(), plan.pilot_rays());
-            let pilot: Option<Pilot> = samples.pilot(&gather(tried, 1), &stop);
-            if let Some(pilot) = pilot.filter(|_| plan.wants_pilot()) {
+            let mut pilot: Option<Pilot> = samples.pilot(&gather(tried, 1), &stop);
+            if let Some(plain) = pilot.as_ref().filter(|_| plan.wants_pilot()) {
                 let exact = gather(tried, VERTEX_RAYS);
-                let pays = seeing_exactly_pays(samples, plan, &pilot, &exact, job.rays, &stop);
-                let wanted = plan.rays_for(&pilot, 0.0);
-                plan.fit_rays(&pilot);
-                if pays {
-                    plan.see_exactly(VERTEX_RAYS, wanted);
+                if seeing_exactly_pays(samples, plan, plain, &exact, job.rays, &stop) {
+                    // Replicates are noisy elsewhere then.
+                    plan.see_exactly(VERTEX_RAYS);
                     with = replication(plan);
+                    samples.clear();
+                    is_spread = samples.add_points(plan.error_points(), plan.replicate_pilot_rays(), &with, &stop);
+                    pilot = samples.pilot(&exact, &stop);
                 }
+                pilot.iter().for_each(|pilot| plan.fit_rays(pilot));
             }
             let most = job.most_rays_in_time(start.elapsed().as_secs_f64() / (f64::from(tried) * plan.error_points() as f64));
             most.into_iter().for_each(|most| plan.limit_point_rays(most));
@@ -172,12 +174,13 @@ fn seeing_exactly_pays(
     let before = counts();
     let Some(noise_sq) = samples.next_event_noise(pilot, gather, exact.budget.rays, stop) else { return false };
     let after = counts();
+    let Some(pilot_exact) = samples.pilot(exact, stop) else { return false };
 
     // From each place but the last of a path a ray goes on, and one to an emitter.
     let [segments, first_hits, exact_parts] = std::array::from_fn(|number| after[number] - before[number]);
     let work_exact = WORK_OF_FIRST_HIT * first_hits + segments + exact_parts;
     let work = (WORK_OF_FIRST_HIT + 1.0) * first_hits;
-    let [paths, paths_exact] = [noise_sq, 0.0].map(|next_event_sq| plan.rays_for(pilot, next_event_sq));
+    let (paths, paths_exact) = (plan.rays_for(pilot, noise_sq), plan.rays_for(&pilot_exact, 0.0));
     paths * work > GAIN * paths_exact * work_exact
 }
 

@@ -252,13 +252,9 @@ impl Plan {
         !self.options.keep_transport && self.rays_for(pilot, 0.0) > FEWER * f64::from(self.point_rays)
     }
 
-    /// Looks for emitters exactly from where paths go on, as far as that costs no more than so many rays. Values have all the rays that the pilot asked for:
-    /// what is left of their noise is rare bright paths, of which fewer would not even tell.
-    pub fn see_exactly(&mut self, vertex_rays: u32, point_rays: f64) {
+    /// Looks for emitters exactly from where paths go on, as far as that costs no more than so many rays.
+    pub fn see_exactly(&mut self, vertex_rays: u32) {
         self.vertex_rays = vertex_rays;
-        if self.may_take_more_rays() {
-            self.point_rays = point_rays.min(f64::from(MAX_POINT_RAYS)) as u32;
-        }
     }
 
     /// Whether a pilot is wanted: of values over cells, before there is an estimate of the error, which tells more.

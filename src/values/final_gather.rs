@@ -152,7 +152,7 @@ impl FinalGather<'_> {
         let (count, share) = (count as usize, 1.0 / f64::from(count));
         self.paths.follow(places, &Course::of_values(count as u32, self.bounces, self.vertex_rays), scratch);
         let PathScratch { ends, order, .. } = &*scratch;
-        self.note_met_emitters(&ends.surface, count, irradiance);
+        self.note_met_emitters(ends, count, irradiance);
         note_sky(ends, count, irradiance);
         let mut of_path = |path: usize, add: &dyn Fn(usize) -> f64| {
             let irradiance = irradiance.in_runs(path / count, order[path % count] as usize, count);
@@ -162,7 +162,7 @@ impl FinalGather<'_> {
 
         // Paths that end where their first rays arrive.
         for (path, &cell) in ends.cell.iter().enumerate().filter(|(_, cell)| **cell != NO_CELL) {
-            of_path(path, &|channel| sent(cell, channel));
+            of_path(path, &|channel| ends.first_weight[path] * sent(cell, channel));
         }
 
         // Paths that went on: the direct light on the way, and the cell at the end.
@@ -183,7 +183,7 @@ impl FinalGather<'_> {
         // The squares of what each cell brings, sampled by the paths that end there.
         for (path, &cell) in ends.cell.iter().enumerate().filter(|(_, cell)| **cell != NO_CELL) {
             let Some(by_cells_sq) = irradiance.by_cells_sq(path / count) else { break };
-            let of_cell = share * ends.form_factor[path];
+            let of_cell = share * ends.first_weight[path] * ends.form_factor[path];
             by_cells_sq.iter_mut().enumerate().for_each(|(channel, sum)| *sum += of_cell * sent(cell, channel).powi(2));
         }
     }
@@ -207,12 +207,13 @@ impl FinalGather<'_> {
         }
     }
 
-    /// Notes what paths bring of emitters that they meet first: `count` paths from each place arrive at `surfaces`.
-    fn note_met_emitters(&self, surfaces: &[u32], count: usize, irradiance: &mut BatchSums<'_>) {
-        for (path, &surface) in surfaces.iter().enumerate().filter(|(_, surface)| **surface != NO_SURFACE) {
+    /// Notes what paths bring of emitters that they meet first; `count` of them leave each place.
+    fn note_met_emitters(&self, ends: &Ends, count: usize, irradiance: &mut BatchSums<'_>) {
+        for (path, &surface) in ends.surface.iter().enumerate().filter(|(_, surface)| **surface != NO_SURFACE) {
             let Some(straight) = irradiance.straight(path / count) else { break };
             if let Some(exitance) = self.paths.unsampled_exitance(SurfaceId(surface)) {
-                straight.iter_mut().zip(exitance).for_each(|(h, e)| *h += e / count as f64);
+                let share = ends.first_weight[path] / count as f64;
+                straight.iter_mut().zip(exitance).for_each(|(h, e)| *h += share * e);
             }
         }
     }
