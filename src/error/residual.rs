@@ -127,7 +127,7 @@ mod tests {
     use crate::transmittance::Rays;
     use crate::visibility::{Backend, OccluderMesh, build};
 
-    /// With few cells values have large errors, and the residual must equal these, with bright reflectors or without.
+    /// With few cells values have large errors, and the residual must equal these, with bright reflectors or without. Guided rays find the same.
     #[test]
     fn the_residual_is_the_difference_of_values_and_truth() {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.obj");
@@ -136,7 +136,8 @@ mod tests {
         let rays = Rays::new(&*visibility, &scene);
         let tall_box = SurfaceId(scene.surfaces().len() as u32 - 1);
         let resolution = Resolution { size: CellSize { side: 0.1, most_surfaces: usize::MAX }, rays: 4 };
-        for (has_reflector, vertex_rays) in [(false, 1), (true, 1), (false, 32)] {
+        let mut unguided = Vec::new();
+        for (has_reflector, vertex_rays) in [(true, 1), (false, 1), (false, 32)] {
             let mut brightness = Brightness::even(&scene);
             if has_reflector {
                 brightness.reflectors = vec![Reflector { surface: tall_box, brightness: 1e3 }];
@@ -152,6 +153,7 @@ mod tests {
             let residual = ResidualGather { paths: &paths, of_values: &of_values, onward: &onward, vertex_rays };
 
             let (mut scratch, channels, mut most) = (PathScratch::default(), scene.channels(), 0.0_f64);
+            let mut all_found = Vec::new();
             for surface in (0..scene.surfaces().len() as u32).map(SurfaceId) {
                 let point = scene.surface(surface).polygon.facet().point_at(0.3, 0.7);
                 let place = |seed| Place { point, surface, seed: sampling::hash(5, seed) };
@@ -163,8 +165,15 @@ mod tests {
                     let [value, truth, residual] = found.each_ref().map(|found| found[channel]);
                     assert!((value - truth - residual).abs() < 0.02 * truth, "{surface:?}: {value} - {truth} is not {residual}");
                     most = most.max(residual.abs() / truth);
+                    all_found.extend([value, truth]);
                 }
             }
+            if vertex_rays > 1 {
+                let off = |(&found, &unguided): (&f64, &f64)| (found / unguided - 1.0).abs();
+                let most_off = all_found.iter().zip(&unguided).map(off).fold(0.0, f64::max);
+                assert!(most_off < 0.02, "{most_off}");
+            }
+            unguided = all_found;
             assert!(most > 0.03, "values are wrong by {most} at most, too little to tell");
         }
     }

@@ -5,7 +5,7 @@ use super::guide::Guides;
 use super::place::Receives;
 use crate::direct::{DirectEffort, DirectLight, DirectScratch, Method, Receiver};
 
-/// Directions around which the first rays of a place are guided: along a slot of its own length some see all of its edges.
+/// Directions around which the first rays of a place are guided: so many that some are near all edges of a slot that is long as seen from there.
 const AXES: usize = 16;
 
 /// Direct irradiance at a place; memory that is reused.

@@ -81,11 +81,12 @@ impl Guide<'_> {
             return (ray(by_cosine(index)), 1.0);
         }
 
-        // Of each few in a row one is guided, the first one at random; either kind goes through a sequence of its own.
-        let turn = (sampling::hash(seed, streams::GUIDED) % u64::from(EVERY)) as u32 + index;
+        // Of each few in a row one is guided, around each axis in turn, beginning anywhere; each kind goes through a sequence of its own.
+        let (count, begin) = (self.axes.len() as u32, sampling::hash(seed, streams::GUIDED));
+        let turn = (begin % u64::from(EVERY)) as u32 + index;
         let number = turn / EVERY;
         let direction = if turn % EVERY == EVERY - 1 {
-            let count = self.axes.len() as u32;
+            let number = (begin / u64::from(EVERY) % u64::from(count)) as u32 + number;
             let axis = number % count;
             let [u, v] = sampling::shifted_sobol_2d(sampling::hash(seed, streams::GUIDED + 1 + u64::from(axis)))(number / count);
             above(self.axes[axis as usize].sampled(u, v), normal)

@@ -106,7 +106,7 @@ impl<'a> Judge<'a> {
                     with = replication(plan);
                     samples.clear();
                     is_spread = samples.add_points(plan.error_points(), plan.replicate_pilot_rays(), &with, &stop);
-                    pilot = samples.pilot(&exact, &stop);
+                    pilot = samples.pilot(&gather(plan.pilot_rays(), VERTEX_RAYS), &stop);
                 }
                 pilot.iter().for_each(|pilot| plan.fit_rays(pilot));
             }

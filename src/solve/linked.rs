@@ -376,7 +376,7 @@ impl<'a> Linked<'a> {
     /// The cells that a plan asks for; `None` if they are more than can be counted.
     pub fn cell_demand(&self, plan: &Plan) -> Option<CellDemand> {
         let (resolution, replicates) = (plan.resolution(), plan.replicate_resolution());
-        let are_of_values = plan.has_cells();
+        let are_of_values = plan.over_cells;
         let rays = if are_of_values { resolution.rays.max(replicates.rays) } else { replicates.rays };
         let cells = cell_count(self.job.scene, &self.brightness(), resolution.size)?;
         Some(CellDemand { cells, channels: self.job.kept_channels, rays, are_of_values, error_points: plan.error_points() })

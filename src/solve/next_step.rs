@@ -62,7 +62,7 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64, in
 
     // The least work for its chance.
     let noise = if plan.has_found_cells_in_vain() { value_noise.max(error.measured) } else { value_noise };
-    let doubtful = Doubtful::new(error, noise, plan.has_cells());
+    let doubtful = Doubtful::new(error, noise, plan.over_cells);
     let chance = |choice: &Choice| doubtful.chance(choice, requested);
     let index = |choice: &Choice| plan.work_of(choice) / chance(choice);
     let likely = choices(plan).filter(|choice| *choice != Choice::NOTHING && chance(choice) >= LEAST_CHANCE);
@@ -76,8 +76,8 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64, in
         Some(_) => return refine_or_take_cells(plan, error, better_links, over_cells),
         None => {
             let worst = doubtful.worst(requested);
-            let otherwise = Choice { finds_cells: plan.has_cells(), ..Choice::NOTHING };
-            let is_dear = plan.has_cells() && plan.work_of(&worst) > plan.work_of(&otherwise);
+            let otherwise = Choice { finds_cells: plan.over_cells, ..Choice::NOTHING };
+            let is_dear = plan.over_cells && plan.work_of(&worst) > plan.work_of(&otherwise);
             if worst.keeps_values() && (is_dear || !plan.may_know_closer(&worst)) { otherwise } else { worst }
         }
     };

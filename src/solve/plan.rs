@@ -59,6 +59,9 @@ const PILOT_PART: u32 = 8;
 const LEAST_PILOT_RAYS: u32 = 12;
 const MOST_PILOT_RAYS: u32 = 48;
 
+/// Where a part of the rays is guided fewer would leave out most of the directions around which they are: then noise is more than the law tells.
+const LEAST_GUIDED_PILOT_RAYS: u32 = 32;
+
 /// By what a pilot finds, rays become so many times fewer or more than the law says, at most.
 const FEWER: f64 = 2.0;
 const MORE: f64 = 4.0;
@@ -212,7 +215,8 @@ impl Plan {
 
     /// Rays of values that tell how noisy those with more will be.
     pub fn pilot_rays(&self) -> u32 {
-        (self.point_rays / PILOT_PART).max(LEAST_PILOT_RAYS)
+        let least = if self.is_guided() { LEAST_GUIDED_PILOT_RAYS } else { LEAST_PILOT_RAYS };
+        (self.point_rays / PILOT_PART).max(least)
     }
 
     /// Rays of each point that tell how many replicates should take there.
@@ -230,7 +234,8 @@ impl Plan {
         if self.may_take_more_rays() && !self.is_fitted {
             let wanted = f64::from(tried) * Law::rays_factor(self.allowed_noise_sq() / noise_sq);
             let planned = f64::from(self.point_rays);
-            self.point_rays = wanted.clamp(planned / FEWER, planned * MORE).min(f64::from(MAX_POINT_RAYS)) as u32;
+            let least = if self.is_guided() { f64::from(tried) } else { planned / FEWER };
+            self.point_rays = wanted.min(planned * MORE).max(least).min(f64::from(MAX_POINT_RAYS)) as u32;
             self.is_fitted = true;
         }
     }
@@ -255,6 +260,11 @@ impl Plan {
     /// Looks for emitters exactly from where paths go on, as far as that costs no more than so many rays.
     pub fn see_exactly(&mut self, vertex_rays: u32) {
         self.vertex_rays = vertex_rays;
+    }
+
+    /// Whether emitters are looked for exactly from where paths go on, and rays are guided by what is seen of them.
+    fn is_guided(&self) -> bool {
+        self.vertex_rays > 1
     }
 
     /// Whether a pilot is wanted: of values over cells, before there is an estimate of the error, which tells more.
@@ -328,11 +338,6 @@ impl Plan {
     /// The most rays that a value may take, times the square of the error that is asked for.
     pub fn most_paths_for_error(&self) -> f64 {
         f64::from(MAX_POINT_RAYS) * self.requested().powi(2)
-    }
-
-    /// Whether values end in cells.
-    pub fn has_cells(&self) -> bool {
-        self.over_cells
     }
 
     /// Whether cells may be found more finely: those of values, or of replicates alone.
