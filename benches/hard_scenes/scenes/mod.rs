@@ -1,6 +1,7 @@
 //! The scenes, each hard in one way. In metres and W/m^2; reflectances differ a little by channel.
 
 mod around;
+mod blinds;
 mod bookcase;
 mod comb;
 mod furnace;
@@ -48,6 +49,12 @@ fn with_gaps() -> Vec<HardScene> {
         new("comb_20mm", || comb::comb(0.02), "the same, 20 mm apart", "light falls off steeply along every plate"),
         new("comb_50mm", || comb::comb(0.05), "the same, 50 mm apart", "light reaches the feet of the plates, hardly"),
         new("louvres", louvres::louvres, "a room behind a window with 41 slats 5 cm apart", "a room full of stripes of light"),
+        new(
+            "blinds",
+            blinds::blinds,
+            "a room behind 35 vertical slats, 8.5 cm apart",
+            "cells as wide as a slat are brighter than what the room sees of it",
+        ),
         new("bookcase", bookcase::bookcase, "250 books 1 to 30 mm apart", "much area lies in narrow gaps"),
         new("black_shell", around::black_shell, "two rooms in a closed black box", "half of the area is black"),
         new(
