@@ -22,7 +22,8 @@ impl Course {
         Self { count, bounces, little: LITTLE, vertex_rays }
     }
 
-    /// Whether emitters are looked for exactly, and a part of the rays is guided by what is seen of them. Light varies much over what paths meet then, so that cells take no part in Russian roulette.
+    /// Whether emitters are looked for exactly, and a part of the rays is guided by what is seen of them. Light varies much over what paths meet
+    /// then, so that cells take no part in Russian roulette.
     pub(super) fn sees_exactly(&self) -> bool {
         self.vertex_rays > 1
     }

@@ -1,13 +1,13 @@
 //! Path guiding: rays around where emitters are seen.
 //!
-//! What stands beside an emitter in the view is bright as a rule, and small: the edges of a slot through which it is seen, the end of a tube, a shade.
-//! Hardly a cosine-distributed ray arrives there. So a part of the rays from a place leaves around directions towards emitters, at an angle that is as likely
-//! between one and two degrees as between ten and twenty.
+//! What stands beside an emitter in the view is bright as a rule, and small: the edges of a slot through which it is seen, the end of a tube,
+//! a shade. Hardly a cosine-distributed ray arrives there. So a part of the rays from a place leaves around directions towards emitters, at an
+//! angle that is as likely between one and two degrees as between ten and twenty.
 //!
 //! # Multiple importance sampling
 //! Directions have the density `p = (1 - PART) cos / pi + PART q`, with q the mean of what goes around each of some directions, and rays the weight
-//! `cos / pi / p`, whatever these directions are (the balance heuristic: Veach, Guibas 1995). It is at most `1 / (1 - PART)`, so what guides nowhere costs little
-//! (Hesterberg 1995).
+//! `cos / pi / p`, whatever these directions are (the balance heuristic: Veach, Guibas 1995). It is at most `1 / (1 - PART)`, so what guides
+//! nowhere costs little (Hesterberg 1995).
 
 use std::f64::consts::{PI, TAU};
 
