@@ -2,8 +2,8 @@
 //!
 //! A path leaves a place in a cosine-distributed direction, or one that is guided by what is seen of emitters (`guide`). Where its ray
 //! arrives it ends in the cell there, if the cell is small as seen from where the ray started, and has a value at that point ([`OpenParts`]).
-//! Else one value would be too coarse: the path goes on from the point itself, with one next-event ray and one more ray. Paths of little weight go on at random, so that what
-//! they bring is right on average however often they go on ([`Ends::goes_on`]).
+//! Else one value would be too coarse: the path goes on from the point itself, with one next-event ray and one more ray. Paths of little
+//! weight go on at random, so that what they bring is right on average however often they go on ([`Ends::goes_on`]).
 //!
 //! A path that leaves the scene brings the light of the sky there.
 //!
