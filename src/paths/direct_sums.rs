@@ -14,7 +14,7 @@ pub(super) struct DirectSums {
     scratch: DirectScratch,
     irradiance: Vec<f64>,
     variance: Vec<f64>,
-    /// By place of the last call: the variance that a single next-event ray has, relative to the square of the irradiance. It finds all that the place would get with
+    /// By place of the last call that finds them: the variance that a single next-event ray has, relative to the square of the irradiance. It finds all that the place would get with
     /// nothing in between, U, or nothing, and on average the irradiance H: U / H - 1.
     pub next_event: Vec<f64>,
     /// By place of the last call that finds them: how rays leave it.
