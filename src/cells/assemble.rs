@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::equations::{BATCH, Equations, ReflectorTerms};
 use super::view_points::{Arrival, bytes_of_view_points, view_point_count, view_points};
 use crate::geometry::{sampling, streams};
-use crate::paths::{BatchSums, Course, Directions, Ends, LightPaths, NO_CELL, PathScratch, Place};
+use crate::paths::{BatchSums, Course, Directions, Ends, LightPaths, NO_CELL, PathScratch, Place, SeenOnTheWay};
 use crate::progress::Stop;
 
 /// A path of an equation goes on at random from this weight on. Terms of Russian roulette may be negative, but by less than this: sweeps converge.
@@ -157,7 +157,7 @@ impl<'a> Positions<'a> {
         let Self { paths, count, .. } = *self;
         let of_place = |place: &Place| directions(paths, place, count as u64, seed);
         let directions: Vec<Directions> = self.places.iter().map(of_place).collect();
-        let course = Course { count: count as u32, bounces: 0, little: LITTLE, vertex_rays: 1 };
+        let course = Course { count: count as u32, bounces: 0, past_values: false, little: LITTLE, vertex_rays: 1 };
         paths.follow_towards(&self.places, &directions, &course, scratch);
     }
 
@@ -222,7 +222,7 @@ impl<'a> Positions<'a> {
     fn reflector_terms(&self, ends: &Ends) -> ReflectorTerms {
         let channels = self.paths.scene.channels();
         let mut terms = ReflectorTerms::default();
-        for (&(continuation, cell), weights) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
+        for (&SeenOnTheWay { continuation, cell, .. }, weights) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
             let position = ends.continued[continuation].path / self.count;
             let reflectance = &self.paths.scene.material_of(self.places[position].surface).reflectance;
             terms.add(self.cells[position], cell, weights.iter().map(|weight| weight / self.count as f64), reflectance);

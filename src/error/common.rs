@@ -18,6 +18,14 @@ use super::replicates::{ErrorSample, REPLICATES};
 /// another.
 const MOST_POINTS: usize = 8;
 
+/// What a mean square is at least, it is found larger than by so many deviations: Student's t with seven degrees of freedom, 97.5%.
+const SURE: f64 = 2.36;
+const _: () = assert!(REPLICATES - 1 == 7);
+
+/// Adds what the replicates found at a point, by channel, with the root of its weight.
+trait Visit: Fn(usize, &mut dyn FnMut(usize, f64, [f64; REPLICATES])) {}
+impl<V: Fn(usize, &mut dyn FnMut(usize, f64, [f64; REPLICATES]))> Visit for V {}
+
 /// Where a point lies, and which way it faces.
 type Coordinates = [f64; 6];
 
@@ -29,6 +37,23 @@ impl ErrorSamples {
             let residuals = compared(&self.samples[index], judging, &self.values[index], channels.clone());
             residuals.enumerate().for_each(|(channel, compared)| add(channel, weights[index].sqrt(), compared.residuals));
         })
+    }
+
+    /// The root mean square of what cells on unresolved surfaces make values wrong by, as far as that is alike at points of a neighbourhood: at least so
+    /// much, to [`SURE`]. `weights` are of squares.
+    pub(super) fn least_by_unresolved(&self, judging: Judging<'_>, weights: &[f64], channels: Range<usize>) -> f64 {
+        let mut all = PairProducts::default();
+        for points in neighbourhoods(&self.coordinates(judging)) {
+            all.add_all(&square_of_mean(&points, &|index: usize, add: &mut dyn FnMut(usize, f64, [f64; REPLICATES])| {
+                let sample = &self.samples[index];
+                let reflectance = &judging.scene.material_of(sample.place.surface).reflectance;
+                for (number, channel) in channels.clone().enumerate() {
+                    let found = sample.of_unresolved.each_ref().map(|found| reflectance[channel] * found[channel]);
+                    add(number, weights[index].sqrt(), found);
+                }
+            }));
+        }
+        at_least(&all)
     }
 
     /// Of each point. Two that face opposite ways are twice as far apart as a point is from the middle of all, on average.
@@ -67,23 +92,34 @@ fn neighbourhoods(coordinates: &[Coordinates]) -> Vec<Vec<usize>> {
 
 /// The variance over draws of the replicates of the sum of squares of what neighbourhoods have on average, less what each of them has by itself.
 /// `visit` adds what the replicates found at a point, by channel, with the root of its weight.
-fn variance_between(neighbourhoods: &[Vec<usize>], visit: impl Fn(usize, &mut dyn FnMut(usize, f64, [f64; REPLICATES]))) -> f64 {
+fn variance_between(neighbourhoods: &[Vec<usize>], visit: impl Visit) -> f64 {
     let (mut all, mut by_themselves) = (PairProducts::default(), 0.0);
     for points in neighbourhoods {
-        // The sums over its points: their square, over how many there are, is that of the mean times as many.
-        let mut sums: Vec<[f64; REPLICATES]> = Vec::new();
-        for &point in points {
-            visit(point, &mut |channel, root_weight, found| {
-                sums.resize(sums.len().max(channel + 1), [0.0; REPLICATES]);
-                sums[channel].iter_mut().zip(found).for_each(|(sum, found)| *sum += root_weight * found);
-            });
-        }
-        let mut products = PairProducts::default();
-        sums.into_iter().for_each(|found| products.add(1.0 / points.len() as f64, found));
+        let products = square_of_mean(points, &visit);
         by_themselves += products.variance();
         all.add_all(&products);
     }
     (all.variance() - by_themselves).max(0.0)
+}
+
+/// What the root of a mean square is at least.
+fn at_least(square: &PairProducts) -> f64 {
+    (square.all - SURE * square.variance().sqrt()).max(0.0).sqrt()
+}
+
+/// The square of the mean over the points of a neighbourhood, times as many as they are.
+fn square_of_mean(points: &[usize], visit: &impl Visit) -> PairProducts {
+    // The sums over its points: their square, over how many there are.
+    let mut sums: Vec<[f64; REPLICATES]> = Vec::new();
+    for &point in points {
+        visit(point, &mut |channel, root_weight, found| {
+            sums.resize(sums.len().max(channel + 1), [0.0; REPLICATES]);
+            sums[channel].iter_mut().zip(found).for_each(|(sum, found)| *sum += root_weight * found);
+        });
+    }
+    let mut products = PairProducts::default();
+    sums.into_iter().for_each(|found| products.add(1.0 / points.len() as f64, found));
+    products
 }
 
 #[cfg(test)]
@@ -160,5 +196,25 @@ mod tests {
         // By the noise of rays alone nothing is.
         let [found, _, of_rays] = trials(0.0, 0.05);
         assert!(found < 0.1 * of_rays, "{found} for {of_rays}");
+    }
+
+    #[test]
+    fn what_is_alike_nearby_is_at_least_as_large_as_is_told() {
+        const TRIALS: u64 = 4_000;
+        let neighbourhoods = neighbourhoods(&coordinates());
+        let (off, mut told, mut too_large) = (0.01, 0.0, 0);
+        for trial in 0..TRIALS {
+            let mut all = PairProducts::default();
+            for points in &neighbourhoods {
+                all.add_all(&square_of_mean(points, &|point: usize, add: &mut dyn FnMut(usize, f64, [f64; REPLICATES])| {
+                    let noise_of = |k: usize| 0.05 * normal(hash(hash(trial, point as u64), k as u64));
+                    add(0, (POINTS as f64).sqrt().recip(), std::array::from_fn(|k| off + noise_of(k)));
+                }));
+            }
+            told += at_least(&all) / TRIALS as f64;
+            too_large += u32::from(at_least(&all) > off);
+        }
+        // Noise of a point is five times what is to be told.
+        assert!(told > 0.5 * off && f64::from(too_large) < 0.04 * TRIALS as f64, "{told}, {too_large} too large");
     }
 }

@@ -69,6 +69,8 @@ pub(crate) struct ErrorEstimate {
     pub ray_share: f64,
     /// The part of the error that is noise of the values' gathers; known where values are taken twice.
     pub value_noise: Option<f64>,
+    /// By how much cells on unresolved surfaces make values wrong, at least; where values go over cells.
+    pub by_unresolved: f64,
     /// The part of the area of reflecting surfaces where light was found, 0 to 1.
     pub lit: f64,
     /// Whether light comes to more area by paths so rare that it cannot be told how much: all that is told leaves that area out.
@@ -85,6 +87,7 @@ impl ErrorEstimate {
         doubts: Doubts { replicates: 0.0, common: 0.0, noise: 0.0, skewness: 0.0 },
         ray_share: 0.0,
         value_noise: None,
+        by_unresolved: 0.0,
         lit: 0.0,
         is_elsewhere: false,
     };
@@ -143,7 +146,7 @@ impl ErrorSamples {
         const ALLOCATION: usize = 24;
         let numbers = channels * size_of::<f64>() + ALLOCATION;
         let values = 2 * (size_of::<Gathered>() + 3 * numbers);
-        (size_of::<ErrorSample>() + REPLICATES * numbers + values + 2 * size_of::<Lit>() + 16 * size_of::<ErrorPoint>()) as u64
+        (size_of::<ErrorSample>() + 2 * REPLICATES * numbers + values + 2 * size_of::<Lit>() + 16 * size_of::<ErrorPoint>()) as u64
     }
 
     /// How many rays all replicates have taken.
@@ -189,6 +192,7 @@ impl ErrorSamples {
             place,
             stands_for,
             found: std::array::from_fn(|_| vec![0.0; channels]),
+            of_unresolved: std::array::from_fn(|_| vec![0.0; channels]),
             rays: 0,
             noise: 0.0,
             noisiness: weights.as_ref().map_or(1.0, |weights| weights.by_point[number]),
@@ -213,7 +217,7 @@ impl ErrorSamples {
         let (channels, share) = (with.scene.channels(), with.gathers[0].share());
         let shares = RayShares::new(&self.samples);
         self.samples.par_iter_mut().enumerate().for_each_init(
-            || (PathScratch::default(), vec![0.0; channels]),
+            || (PathScratch::default(), vec![0.0; 2 * channels]),
             |(scratch, found), (number, sample)| {
                 if share.has(number) && !stop() {
                     let wanted = (f64::from(rays) * shares.of(sample)).ceil() as u32;
@@ -280,7 +284,7 @@ impl ErrorSamples {
         // replicates find much light, products are small, but not the scatter of replicates: as much as if all points were as noisy counts at least.
         let of_noise = variance_by_noise(0.0, noise_of_rays).sqrt() / (self.samples.len() as f64).sqrt();
         let of_replicates = replicates.deviation_of_sum().max(of_noise);
-        let common = FEW_REPLICATES * self.common_variance(judging, weights, channels).sqrt();
+        let common = FEW_REPLICATES * self.common_variance(judging, weights, channels.clone()).sqrt();
         let scatter = both.scatter_of_sum().at_least(of_replicates).beside(common);
         let ray_share = if of_replicates > 0.0 { (ray_variance / of_replicates.powi(2)).clamp(0.0, 1.0) } else { 0.0 };
         ErrorEstimate {
@@ -288,6 +292,7 @@ impl ErrorSamples {
             claimed: claim(both.sum, scatter),
             doubts: Doubts { replicates: of_replicates, common, noise: noise.deviation_of_sum(), skewness: scatter.skewness },
             ray_share,
+            by_unresolved: if judging.is_taken_twice { self.least_by_unresolved(judging, weights, channels) } else { 0.0 },
             value_noise: judging.is_taken_twice.then(|| noise.sum.sqrt()),
             ..ErrorEstimate::default()
         }

@@ -11,7 +11,7 @@ use crate::sweep::Radiosity;
 use crate::team::Share;
 use crate::values::FinalGather;
 
-use super::residual::ResidualGather;
+use super::residual::{ResidualGather, Residuals};
 
 /// How many there are. All pairs count, so more of them with fewer rays each know as much of the error; and they tell how much they have in
 /// common at all points, with one degree of freedom less than they are. At least three; the more, the less evenly the rays of
@@ -50,6 +50,8 @@ pub(super) struct ErrorSample {
     pub stands_for: f64,
     /// By replicate: the mean of what its rays found, in W/m^2 by channel.
     pub found: [Vec<f64>; REPLICATES],
+    /// What its own cells on unresolved surfaces bring of that: see [`residual`](super::residual).
+    pub of_unresolved: [Vec<f64>; REPLICATES],
     /// Rays of each replicate so far.
     pub rays: u32,
     /// The mean square of what a single ray finds, in W^2/m^4.
@@ -83,22 +85,23 @@ impl ReplicateGather<'_> {
         let of_ray = |ray| Place { seed: sampling::hash(place.seed, streams::REPLICATE_PILOT + ray), ..place };
         let rays: Vec<Place> = (0..u64::from(count)).map(of_ray).collect();
         let mut found = vec![0.0; rays.len() * channels];
-        gather.sampled_residual(&rays, 1, scratch, &mut found);
+        let mut of_unresolved = vec![0.0; found.len()];
+        gather.sampled_residual(&rays, 1, scratch, &mut Residuals { all: &mut found, of_unresolved: &mut of_unresolved });
         let reflectance = &scene.material_of(place.surface).reflectance[..scene.deciding()];
         let deciding = found.chunks(channels).flat_map(|found| found.iter().zip(reflectance));
         deciding.map(|(found, rho)| (rho * found).powi(2)).sum::<f64>() / f64::from(count)
     }
 
-    fn sample(&self, place: Place, rays: u32, scratch: &mut PathScratch, found: &mut [f64]) {
+    fn sample(&self, place: Place, rays: u32, scratch: &mut PathScratch, found: &mut Residuals<'_>) {
         match self {
-            Self::Truth(gather) => gather.sampled_irradiance(&[place], rays, scratch, found),
+            Self::Truth(gather) => gather.sampled_irradiance(&[place], rays, scratch, found.all),
             Self::Residual(gather) => gather.sampled_residual(&[place], rays, scratch, found),
         }
     }
 }
 
 impl ErrorSample {
-    /// Takes more rays, until each replicate has `rays`; `found` is memory for one result.
+    /// Takes more rays, until each replicate has `rays`; `found` is memory for two results.
     pub fn take_up_to(
         &mut self,
         rays: u32,
@@ -111,10 +114,12 @@ impl ErrorSample {
             return;
         }
         let share = f64::from(more) / f64::from(self.rays + more);
-        for ((number, known), gather) in (0..).zip(&mut self.found).zip(gathers) {
-            let seed = sampling::hash(self.place.seed, streams::replicate(number) + u64::from(self.rays));
-            gather.sample(Place { seed, ..self.place }, more, scratch, found);
-            known.iter_mut().zip(found.iter()).for_each(|(known, found)| *known += share * (found - *known));
+        let (all, of_unresolved) = found.split_at_mut(found.len() / 2);
+        for (number, gather) in gathers.iter().enumerate() {
+            let seed = sampling::hash(self.place.seed, streams::replicate(number as u8) + u64::from(self.rays));
+            gather.sample(Place { seed, ..self.place }, more, scratch, &mut Residuals { all, of_unresolved });
+            let known = self.found[number].iter_mut().chain(&mut self.of_unresolved[number]);
+            known.zip(all.iter().chain(&*of_unresolved)).for_each(|(known, found)| *known += share * (found - *known));
         }
         self.rays += more;
     }
@@ -152,6 +157,7 @@ mod tests {
             place: Place { point: glam::DVec3::ZERO, surface: SurfaceId(0), seed: 0 },
             stands_for: 1.0,
             found: Default::default(),
+            of_unresolved: Default::default(),
             rays: 0,
             noise: 0.0,
             noisiness,

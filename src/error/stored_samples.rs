@@ -15,8 +15,7 @@ use super::replicates::{ErrorSample, REPLICATES, Searched};
 use crate::cells::{CellRadiosities, RowMaterials};
 use crate::geometry::{sampling, streams};
 use crate::paths::{
-    Brought, Course, LightPaths, NO_CELL, PathScratch, PathTerm, Place, ProductNumbers, RowTerm, Terms, Trail, UNREFLECTED,
-    place_at,
+    Brought, Course, LightPaths, PathScratch, PathTerm, Place, ProductNumbers, RowTerm, Terms, Trail, UNREFLECTED, place_at,
 };
 use crate::progress::Stop;
 use crate::scene::{EmissionApart, Scene, SurfaceId};
@@ -114,20 +113,20 @@ impl SampleRecorder<'_> {
         };
         let (of_values, onward) = (|what| self.source(what, None), |what| self.source(what, Some(replicate)));
 
-        // Indirect light: a value's path ends where it first may, the longer one goes on.
+        // Indirect light: a value's path ends where it may, the longer one goes on.
         let share = 1.0 / f64::from(rays);
-        self.paths.follow(&[place], &Course::of_values(rays, 1, 1), scratch);
+        self.paths.follow(&[place], &Course::past_values(rays, 1), scratch);
         let ends = &scratch.ends;
-        for continuation in ends.continued.iter().filter(|continuation| continuation.shortcut != NO_CELL) {
-            push(UNREFLECTED, of_values(Brought::End(continuation.shortcut)), share);
+        let at_value_ends = ends.trail.iter().flat_map(|trail| &trail.value_ends);
+        for (end, &(product, weight)) in ends.value_ends.iter().zip(at_value_ends) {
+            push(product, of_values(Brought::End(end.cell)), share * weight);
         }
-        ends.for_each_term(rays as usize, |PathTerm { continuation, product, what, weight, .. }| {
-            let ends_before = continuation.is_some_and(|number| ends.continued[number].shortcut != NO_CELL);
+        ends.for_each_term(rays as usize, |PathTerm { is_of_value, product, what, weight, .. }| {
             let is_emission = matches!(what, Brought::Emission(_));
-            if !ends_before && !is_emission {
+            if is_of_value && !is_emission {
                 push(product, of_values(what), share * weight);
             }
-            if ends_before || !is_emission {
+            if !is_of_value || !is_emission {
                 push(product, onward(what), -share * weight);
             }
         });
@@ -183,6 +182,7 @@ impl StoredSamples {
                 place: Place { point: DVec3::ZERO, surface, seed: 0 },
                 stands_for: self.stands_for[index],
                 found: std::array::from_fn(|replicate| irradiance(&self.residuals, index * REPLICATES + replicate)),
+                of_unresolved: std::array::from_fn(|_| vec![0.0; channels]),
                 rays: 0,
                 noise: 0.0,
                 noisiness: 0.0,

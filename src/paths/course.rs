@@ -10,6 +10,8 @@ pub(crate) struct Course {
     pub count: u32,
     /// The least number of bounces.
     pub bounces: u32,
+    /// Whether paths go one bounce on from where those of values end.
+    pub past_values: bool,
     /// Paths with less weight go on at random.
     pub little: f64,
     /// Rays to emitters from where a path goes on: one, or about so many if none of them is seen exactly.
@@ -19,7 +21,12 @@ pub(crate) struct Course {
 impl Course {
     /// For values: paths with at least so many bounces.
     pub fn of_values(count: u32, bounces: u32, vertex_rays: u32) -> Self {
-        Self { count, bounces, little: LITTLE, vertex_rays }
+        Self { count, bounces, past_values: false, little: LITTLE, vertex_rays }
+    }
+
+    /// Those of values, and one bounce on from where they end.
+    pub fn past_values(count: u32, vertex_rays: u32) -> Self {
+        Self { past_values: true, ..Self::of_values(count, 0, vertex_rays) }
     }
 
     /// Whether emitters are looked for exactly, and a part of the rays is guided by what is seen of them. Light varies much over what paths meet

@@ -43,11 +43,14 @@ pub(crate) struct Ends {
     pub guided: Vec<f64>,
     /// By continuation and channel, where emitters are looked for exactly: how much more its variance would be by next-event rays.
     pub next_event: Vec<f64>,
-    /// Other cells that continuations bring light of, those of reflectors seen on the way and of Russian roulette: the number of the
-    /// continuation, and the cell.
-    pub seen: Vec<(usize, u32)>,
+    /// Other cells that continuations bring light of, those of reflectors seen on the way and of Russian roulette.
+    pub seen: Vec<SeenOnTheWay>,
     /// By entry of `seen` and channel: it brings `weight * B`, B being the radiosity of the cell.
     pub seen_weight: Vec<f64>,
+    /// Where paths of values end, if these here go on from there; by channel the weight with which they do, and the constant that they bring.
+    pub value_ends: Vec<ValueEnd>,
+    pub value_weight: Vec<f64>,
+    pub value_constant: Vec<f64>,
     /// Off what paths are reflected, where somebody asks.
     pub trail: Option<Trail>,
 }
@@ -57,10 +60,25 @@ pub(crate) struct Continuation {
     pub path: usize,
     /// The cell where it ends.
     pub cell: u32,
-    /// The cell where the first ray arrived, if only the least number of bounces kept the path from ending there; else [`NO_CELL`].
-    pub shortcut: u32,
+    /// The number of its entry in `value_ends`, if there is one by now.
+    pub value_end: Option<usize>,
     /// Whether it saw the sky at once, and brings what that sends.
     pub is_of_sky: bool,
+}
+
+/// A cell whose light a continuation brings beside that of the one where it ends.
+pub(crate) struct SeenOnTheWay {
+    pub continuation: usize,
+    pub cell: u32,
+    /// Whether the path of a value has not ended before.
+    pub is_of_value: bool,
+}
+
+/// Where the path of a value would end.
+pub(crate) struct ValueEnd {
+    pub continuation: usize,
+    pub cell: u32,
+    pub surface: SurfaceId,
 }
 
 /// What a ray finds.
@@ -89,7 +107,8 @@ impl Ends {
         }
         if chance < 1.0 {
             if let Some(cell) = cell {
-                self.seen.push((continuation, cell));
+                let is_of_value = self.continued[continuation].value_end.is_none();
+                self.seen.push(SeenOnTheWay { continuation, cell, is_of_value });
                 self.seen_weight.extend(weights.iter().map(|weight| weight * (1.0 - 1.0 / chance)));
                 self.trail.iter_mut().for_each(|trail| trail.see(continuation, 1.0 - 1.0 / chance));
             }
@@ -97,6 +116,22 @@ impl Ends {
             weights.iter_mut().for_each(|weight| *weight /= chance);
         }
         true
+    }
+
+    /// A continuation brings light of a cell that is seen on the way.
+    pub(super) fn see(&mut self, continuation: usize, cell: u32) {
+        let is_of_value = self.continued[continuation].value_end.is_none();
+        self.seen.push(SeenOnTheWay { continuation, cell, is_of_value });
+    }
+
+    /// The path of a value ends here, in a cell; this one goes on.
+    pub(super) fn end_value(&mut self, continuation: usize, cell: u32, surface: SurfaceId, channels: usize) {
+        self.continued[continuation].value_end = Some(self.value_ends.len());
+        self.value_ends.push(ValueEnd { continuation, cell, surface });
+        let own = continuation * channels..(continuation + 1) * channels;
+        self.value_weight.extend_from_slice(&self.weight[own.clone()]);
+        self.value_constant.extend_from_slice(&self.constant[own]);
+        self.trail.iter_mut().for_each(|trail| trail.end_value(continuation));
     }
 
     /// Multiplies the weight of a continuation by that of its next ray.
@@ -116,6 +151,9 @@ impl Ends {
         self.first_weight.clear();
         self.first_weight.resize(paths, 1.0);
         self.continued.clear();
+        self.value_ends.clear();
+        self.value_weight.clear();
+        self.value_constant.clear();
         self.next_event.clear();
         self.seen.clear();
         self.seen_weight.clear();

@@ -17,11 +17,12 @@ use crate::visibility::{Hit, Ray};
 impl LightPaths<'_> {
     /// Casts the first rays of all paths.
     pub(super) fn leave(&self, places: &[impl Receives], directions: &[Directions], course: &Course, scratch: &mut PathScratch) {
-        let (count, beyond) = (course.count, course.bounces > 0);
+        let (count, beyond) = (course.count, course.bounces > 0 || course.past_values);
         self.draw_first_rays(places, directions, course, scratch);
-        let PathScratch { ends, rays, heads, continuation_of, into_sky, .. } = scratch;
+        let PathScratch { ends, rays, heads, continuation_of, into_sky, value_ends, .. } = scratch;
         heads.clear();
         continuation_of.clear();
+        value_ends.clear();
         self.rays.first_hits(rays, &mut scratch.hits);
 
         // Paths end where they arrive, or go on from there.
@@ -31,7 +32,7 @@ impl LightPaths<'_> {
                 Arrival::Sky(direction) => {
                     into_sky.push((ends.continued.len(), direction));
                     ends.trail.iter_mut().for_each(|trail| trail.goes_on(path / count as usize));
-                    ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: NO_CELL, is_of_sky: true });
+                    ends.continued.push(Continuation { path, cell: NO_CELL, value_end: None, is_of_sky: true });
                 }
                 Arrival::Cell(cell, point, surface) => {
                     let from = &places[path / count as usize];
@@ -45,7 +46,10 @@ impl LightPaths<'_> {
                     let seed = sampling::hash(places[place].receiver(self.scene).seed, streams::PATHS_ONWARD + ray as u64);
                     heads.push(Place { point, surface, seed });
                     continuation_of.push(ends.continued.len());
-                    ends.continued.push(Continuation { path, cell: NO_CELL, shortcut: small.unwrap_or(NO_CELL), is_of_sky: false });
+                    if let Some(cell) = small.filter(|_| course.past_values) {
+                        value_ends.push((ends.continued.len(), cell, surface));
+                    }
+                    ends.continued.push(Continuation { path, cell: NO_CELL, value_end: None, is_of_sky: false });
                 }
             }
         }

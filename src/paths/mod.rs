@@ -29,7 +29,7 @@ mod trail;
 
 pub(crate) use batch_sums::{BATCHES, BatchSums};
 pub(crate) use course::Course;
-pub(crate) use ends::{Continuation, Ends, NO_SURFACE};
+pub(crate) use ends::{Continuation, Ends, NO_SURFACE, SeenOnTheWay, ValueEnd};
 pub(crate) use grid::{CellSize, Grid, NO_CELL, Resolution, cell_count};
 pub(crate) use particles::{Illumination, Landing};
 pub(crate) use place::{Directions, Place, Receives, place_at};

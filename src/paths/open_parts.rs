@@ -246,7 +246,7 @@ mod tests {
         let material = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![0.0] };
         let faces = faces.into_iter().zip(0..).map(|(polygon, face)| (polygon, 0, face)).collect();
         let scene = Scene::new(1, vec![material], faces, Sides::Front).unwrap();
-        let grids = Grids::new(&scene, &Brightness::even(&scene), CellSize { side: 1.0, most_surfaces: usize::MAX });
+        let grids = Grids::new(&scene, &Brightness::even(&scene), CellSize { side: 1.0, least: 1, most_surfaces: usize::MAX });
         let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
         let rays = Rays::new(&*visibility, &scene);
         let (parts, grid) = (OpenParts::new(&scene, &rays, &grids), grids.of(SurfaceId(0)).unwrap());

@@ -2,7 +2,7 @@
 
 use super::ends::Ends;
 use super::grid::NO_CELL;
-use super::trail::Trail;
+use super::trail::{Collected, Trail};
 
 /// What a term is in proportion to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,8 +19,8 @@ pub(crate) enum Brought {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PathTerm {
     pub path: usize,
-    /// The number of the continuation that brings it; `None` where the first ray ends in a cell.
-    pub continuation: Option<usize>,
+    /// Whether the path of a value, if this one goes on from where that ends, brings it too.
+    pub is_of_value: bool,
     pub product: u32,
     pub what: Brought,
     pub weight: f64,
@@ -32,23 +32,21 @@ impl Ends {
         let Some(trail) = &self.trail else { return };
         for (path, &cell) in self.cell.iter().enumerate().filter(|(_, cell)| **cell != NO_CELL) {
             let product = trail.begin.get(path / count).copied().unwrap_or_default();
-            visit(PathTerm { path, continuation: None, product, what: Brought::End(cell), weight: 1.0 });
+            visit(PathTerm { path, is_of_value: true, product, what: Brought::End(cell), weight: 1.0 });
         }
-        let mut of_continuation = |number: usize, product: u32, what: Brought, weight: f64| {
-            let path = self.continued[number].path;
-            visit(PathTerm { path, continuation: Some(number), product, what, weight });
+        let mut of_continuation = |number: usize, is_of_value: bool, (product, weight): (u32, f64), what: Brought| {
+            visit(PathTerm { path: self.continued[number].path, is_of_value, product, what, weight });
         };
-        for (number, (continuation, &(product, weight))) in self.continued.iter().zip(&trail.at).enumerate() {
+        for (number, (continuation, &at)) in self.continued.iter().zip(&trail.at).enumerate() {
             if continuation.cell != NO_CELL {
-                of_continuation(number, product, Brought::End(continuation.cell), weight);
+                of_continuation(number, continuation.value_end.is_none(), at, Brought::End(continuation.cell));
             }
         }
-        for (&(number, cell), &(product, weight)) in self.seen.iter().zip(&trail.seen) {
-            of_continuation(number, product, Brought::Seen(cell), weight);
+        for (seen, &at) in self.seen.iter().zip(&trail.seen) {
+            of_continuation(seen.continuation, seen.is_of_value, at, Brought::Seen(seen.cell));
         }
-        for collected in &trail.collected {
-            let what = Brought::Emission(collected.source);
-            of_continuation(collected.continuation, collected.product, what, collected.weight);
+        for &Collected { continuation, product, source, weight, is_of_value } in &trail.collected {
+            of_continuation(continuation, is_of_value, (product, weight), Brought::Emission(source));
         }
     }
 

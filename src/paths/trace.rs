@@ -62,6 +62,8 @@ pub(crate) struct PathScratch {
     reflector_rays: ReflectorRays,
     /// Paths that have left the scene at their first rays: their continuations, and directions.
     pub(super) into_sky: Vec<(usize, DVec3)>,
+    /// Continuations whose first rays arrive where paths of values end: the cell, and its surface.
+    pub(super) value_ends: Vec<(usize, u32, SurfaceId)>,
 }
 
 /// Casts light paths through a scene.
@@ -220,6 +222,9 @@ impl<'a> LightPaths<'a> {
             ends.weight.extend(std::iter::repeat_n(weight, channels));
             ends.guided.push(weight);
         }
+        for (continuation, cell, surface) in scratch.value_ends.drain(..) {
+            ends.end_value(continuation, cell, surface, channels);
+        }
         for (continuation, direction) in scratch.into_sky.drain(..) {
             let constant = &mut ends.constant[continuation * channels..][..channels];
             self.scene.add_sky_radiosity(direction, ends.guided[continuation], constant);
@@ -277,7 +282,7 @@ impl<'a> LightPaths<'a> {
         self.see(heads, 1, reflector_rays, seen);
         for seen in &*seen {
             let continuation = continuation_of[seen.by];
-            ends.seen.push((continuation, seen.cell));
+            ends.see(continuation, seen.cell);
             let left = &ends.weight[continuation * channels..][..channels];
             ends.seen_weight.extend(left.iter().map(|left| left * seen.weight));
             ends.trail.iter_mut().for_each(|trail| trail.see(continuation, seen.weight));
@@ -307,7 +312,8 @@ impl<'a> LightPaths<'a> {
         let (mut left, mut brought) = (0, vec![0.0; channels]);
         for (index, (ray, hit)) in rays.iter().zip(&*hits).enumerate() {
             let continuation = continuation_of[index];
-            match self.arrival(&heads[index], ray, *hit, beyond) {
+            let is_past = ends.continued[continuation].value_end.is_some();
+            match self.arrival(&heads[index], ray, *hit, beyond || (course.past_values && !is_past)) {
                 Arrival::Nothing => {}
                 Arrival::Sky(direction) => {
                     brought.fill(0.0);
@@ -319,7 +325,10 @@ impl<'a> LightPaths<'a> {
                     ends.trail.iter_mut().for_each(|trail| trail.collect(continuation, &brought));
                 }
                 Arrival::Cell(cell, ..) => ends.continued[continuation].cell = cell,
-                Arrival::Onward(point, surface, _) => {
+                Arrival::Onward(point, surface, small) => {
+                    if let Some(cell) = small.filter(|_| course.past_values && !is_past) {
+                        ends.end_value(continuation, cell, surface, channels);
+                    }
                     let draw = sampling::unit(sampling::hash(heads[index].seed, streams::ROULETTE));
                     let cell = if course.sees_exactly() { None } else { self.cell_at(surface, point) };
                     if !ends.goes_on(continuation, cell, channels, little, draw) {

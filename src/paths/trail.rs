@@ -28,6 +28,8 @@ pub(crate) struct Collected {
     pub source: u32,
     /// Times the emission of the source it is what the path brings, reflectances left out.
     pub weight: f64,
+    /// Whether the path of a value has not ended before.
+    pub is_of_value: bool,
 }
 
 /// What paths were reflected off; products have numbers of the trail's own.
@@ -40,6 +42,9 @@ pub(crate) struct Trail {
     /// By continuation: its product, and the weight that draws gave it.
     pub at: Vec<(u32, f64)>,
     pub collected: Vec<Collected>,
+    /// Where paths of values end: product and weight; by continuation, whether that is behind it.
+    pub value_ends: Vec<(u32, f64)>,
+    has_ended: Vec<bool>,
     /// By entry of [`Ends::seen`](super::Ends::seen): its product and weight.
     pub seen: Vec<(u32, f64)>,
 }
@@ -47,7 +52,8 @@ pub(crate) struct Trail {
 impl Trail {
     pub fn new(apart: &EmissionApart) -> Self {
         let (steps, begin, at) = (Vec::new(), Vec::new(), Vec::new());
-        Self { apart: apart.clone(), steps, begin, at, collected: Vec::new(), seen: Vec::new() }
+        let (collected, value_ends, has_ended) = (Vec::new(), Vec::new(), Vec::new());
+        Self { apart: apart.clone(), steps, begin, at, collected, value_ends, has_ended, seen: Vec::new() }
     }
 
     /// The product of one with the reflectance of a material.
@@ -60,23 +66,27 @@ impl Trail {
     pub(super) fn clear(&mut self) {
         self.at.clear();
         self.collected.clear();
+        self.value_ends.clear();
+        self.has_ended.clear();
         self.seen.clear();
     }
 
     /// A path of a place goes on.
     pub(super) fn goes_on(&mut self, place: usize) {
         self.at.push((self.begin.get(place).copied().unwrap_or(UNREFLECTED), 1.0));
+        self.has_ended.push(false);
     }
 
     /// A continuation brings the light by channel, times what it was reflected by before.
     pub(super) fn collect(&mut self, continuation: usize, by_channel: &[f64]) {
-        let Self { apart, at, collected, .. } = self;
-        let (product, factor) = at[continuation];
+        let Self { apart, at, collected, has_ended, .. } = self;
+        let ((product, factor), is_of_value) = (at[continuation], !has_ended[continuation]);
         collected.extend(apart.sources_of(by_channel).map(|(source, weight)| Collected {
             continuation,
             product,
             source,
             weight: factor * weight,
+            is_of_value,
         }));
     }
 
@@ -84,7 +94,8 @@ impl Trail {
     pub(super) fn reflect(&mut self, continuation: usize, material: u32, brings_exitance: bool, irradiance: &[f64]) {
         let (product, weight) = self.at[continuation];
         if brings_exitance {
-            self.collected.push(Collected { continuation, product, source: material, weight });
+            let is_of_value = !self.has_ended[continuation];
+            self.collected.push(Collected { continuation, product, source: material, weight, is_of_value });
         }
         self.at[continuation].0 = self.times(product, material);
         self.collect(continuation, irradiance);
@@ -94,6 +105,12 @@ impl Trail {
     pub(super) fn see(&mut self, continuation: usize, weight: f64) {
         let (product, factor) = self.at[continuation];
         self.seen.push((product, factor * weight));
+    }
+
+    /// The path of a value ends where a continuation is now.
+    pub(super) fn end_value(&mut self, continuation: usize) {
+        self.value_ends.push(self.at[continuation]);
+        self.has_ended[continuation] = true;
     }
 
     /// A draw has let a continuation live, with so many times the weight.

@@ -124,12 +124,18 @@ fn solve_all_channels(job: &Job<'_>, beginning: Beginning) -> (Solution, SolveRe
             match error.map_or(NextStep::Exhausted, |error| way.plan_next(&error)) {
                 NextStep::GoodEnough => break 'solve StoppedBy::Error,
                 NextStep::Exhausted => break 'solve StoppedBy::Exhausted,
-                NextStep::FindCells(_) if job.has_no_time_for(cells.elapsed()) => break 'solve StoppedBy::Time,
+                NextStep::FindCells(_) | NextStep::SplitCells if job.has_no_time_for(cells.elapsed()) => {
+                    break 'solve StoppedBy::Time;
+                }
                 NextStep::Refine(_) if job.has_no_time_for(round.elapsed()) => break 'solve StoppedBy::Time,
                 NextStep::MoreRays(factor) if job.has_no_time_for(job.time_of_values().mul_f64(factor - 1.0)) => {
                     break 'solve StoppedBy::Time;
                 }
-                NextStep::MoreReplicateRays | NextStep::MorePoints | NextStep::MoreRays(_) | NextStep::FindCells(_) => {}
+                NextStep::MoreReplicateRays
+                | NextStep::MorePoints
+                | NextStep::MoreRays(_)
+                | NextStep::FindCells(_)
+                | NextStep::SplitCells => {}
                 NextStep::Refine(_) => break,
                 NextStep::TakeCells => {
                     way = way.into_cells();

@@ -1,12 +1,13 @@
 //! What the next step takes: tolerance, rays, positions and points, as the law of effort says at first, then as pilots and errors say.
 
-use super::effort::{Law, REFERENCE_AREA};
+mod of_links;
+
+use super::effort::Law;
 use super::options::{SolveOptions, Strategy};
 use super::scale::Scale;
 use super::step::{Choice, NextStep};
 use super::worthwhile_cells::Areas;
 use crate::error::{ErrorEstimate, Pilot, doubt_for_claim};
-use crate::links::oracle::{AreaWeighted, BrightnessWeighted, RefinementOracle, Uniform};
 use crate::paths::{CellSize, Resolution};
 use crate::scene::{Light, Scene};
 
@@ -36,9 +37,6 @@ pub(super) struct Plan {
     /// Times that an error was not good enough.
     estimates: u32,
 }
-
-/// The first steps of the first round take tolerances so many times as large: each finds the brightness by which the next refines.
-const FIRST_STEPS: [f64; 3] = [16.0, 4.0, 1.0];
 
 /// The tolerance of the one coarse pass over links where values end in cells, in units of the reflected power: links need to tell no more
 /// than where it is bright.
@@ -85,6 +83,13 @@ const MAX_CELLS: u32 = 6;
 /// Estimates after which more points would not tell more.
 pub(super) const MAX_ESTIMATES: u32 = 16;
 
+/// Surfaces are resolved where their cells make values wrong by more than this part of the error that is asked for. The estimate misses what later bounces
+/// make of that: rho / (1 - rho) times as much, about as much again in rooms, so that a claim would be too small by a twentieth.
+const UNRESOLVED_PART: f64 = 0.2;
+
+/// No surface has to have more cells along a side.
+const MOST_LEAST: u32 = 8;
+
 /// Values may take so many times the rays in one step.
 pub(super) const MOST_RAYS_FACTOR: f64 = 8.0;
 
@@ -119,7 +124,7 @@ impl Plan {
             tolerance: options.links.tolerance.unwrap_or(tolerance),
             vertex_rays: 1,
             point_rays: options.point_rays.unwrap_or_else(|| law.point_rays(over_cells)),
-            resolution: Resolution { size: CellSize { side, most_surfaces: 0 }, rays: law.position_rays(positions, 0) },
+            resolution: Resolution { size: CellSize { side, least: 1, most_surfaces: 0 }, rays: law.position_rays(positions, 0) },
             error_points: *ERROR_POINTS.start(),
             replicate_rays: law.replicate_rays(),
             value_noise: None,
@@ -136,60 +141,9 @@ impl Plan {
         plan
     }
 
-    /// The tolerances of this round's steps, falling.
-    pub fn tolerances(&self) -> Vec<f64> {
-        if self.refinements == 0 && self.options.strategy != Strategy::Uniform {
-            FIRST_STEPS.iter().map(|factor| factor * self.tolerance).collect()
-        } else {
-            vec![self.tolerance]
-        }
-    }
-
-    /// So many times the tolerance leaves the error times `factor`.
-    pub fn tolerance_factor(&self, factor: f64) -> f64 {
-        match self.options.strategy {
-            Strategy::Default => Law::tolerance_factor(factor),
-            _ => factor.powf(TOLERANCE_OF_PAPERS_POWER),
-        }
-    }
-
-    /// The tolerance of links, in units of the scale.
-    pub fn tolerance(&self) -> f64 {
-        self.tolerance
-    }
-
-    /// The oracle of the chosen strategy at `tolerance`.
-    pub fn oracle(&self, tolerance: f64) -> Box<dyn RefinementOracle> {
-        let Scale { radiosity, area } = self.scale;
-        let (tolerance, min_area) = (tolerance * radiosity, self.min_area());
-        match self.options.strategy {
-            Strategy::Default => Box::new(AreaWeighted { tolerance, reference_area: REFERENCE_AREA * area, min_area }),
-            Strategy::Uniform => Box::new(Uniform { element_area: self.options.uniform.element_area.unwrap_or(area) }),
-            _ => Box::new(BrightnessWeighted { tolerance, min_area }),
-        }
-    }
-
-    /// The irradiance that a link may carry unrefined in the strategies of 1994, in W/m^2: eps_refine.
-    pub fn irradiance_tolerance(&self) -> f64 {
-        self.tolerance * self.scale.radiosity
-    }
-
-    /// Nodes of this area or less are not split, in m^2.
-    pub fn min_area(&self) -> f64 {
-        self.options.links.min_element * self.scale.area
-    }
-
     /// Visibility rays to a point.
     pub fn point_rays(&self) -> u32 {
         self.point_rays
-    }
-
-    /// Visibility rays with which the radiosity of a leaf is taken anew; 0 leaves it alone.
-    pub fn leaf_rays(&self) -> u32 {
-        if self.over_cells {
-            return 0;
-        }
-        self.options.links.leaf_rays.unwrap_or_else(|| self.law.leaf_rays().min(MAX_POINT_RAYS))
     }
 
     /// How finely cell radiosities are found for values.
@@ -345,6 +299,11 @@ impl Plan {
         self.refinements < MAX_CELLS
     }
 
+    /// Whether surfaces are to be resolved whose cells make values wrong by so much.
+    pub fn should_resolve(&self, by_unresolved: f64) -> bool {
+        self.over_cells && by_unresolved > UNRESOLVED_PART * self.requested() && self.resolution.size.least < MOST_LEAST
+    }
+
     pub fn may_refine(&self) -> bool {
         let given = self.options.links.tolerance.is_some() || self.options.strategy == Strategy::Uniform;
         !given && !self.options.strategy.links_surfaces() && self.refinements + 1 < MAX_REFINEMENTS
@@ -385,6 +344,7 @@ impl Plan {
                 self.resolution.size.side /= MORE_POSITIONS.sqrt();
                 self.resolution.rays *= MORE_POSITION_RAYS;
             }
+            NextStep::SplitCells => self.resolution.size.least *= 2,
             NextStep::Refine(factor) => {
                 self.refinements += 1;
                 self.tolerance *= factor;

@@ -57,7 +57,7 @@ impl Plan {
 
     /// The work of cells with so many times the positions and paths from each.
     fn cell_work(&self, more_positions: f64, more_rays: u32) -> f64 {
-        let CellSize { side, most_surfaces } = self.resolution.size;
+        let CellSize { side, most_surfaces, .. } = self.resolution.size;
         let positions = more_positions * (self.law.illumination.lit_area / side.powi(2) + most_surfaces as f64);
         positions * f64::from(more_rays) * self.work_of_cell()
     }

@@ -6,7 +6,7 @@
 use crate::cells::CellRadiosities;
 use crate::geometry::{sampling, streams};
 use crate::paths::{
-    BatchSums, Continuation, Course, Ends, LightPaths, NO_CELL, NO_SURFACE, PathScratch, Place, Receives, SeenCell,
+    BatchSums, Continuation, Course, Ends, LightPaths, NO_CELL, NO_SURFACE, PathScratch, Place, Receives, SeenCell, SeenOnTheWay,
 };
 use crate::scene::SurfaceId;
 
@@ -176,7 +176,7 @@ impl FinalGather<'_> {
         }
 
         // Other cells whose light they bring.
-        for (&(continuation, cell), weight) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
+        for (&SeenOnTheWay { continuation, cell, .. }, weight) in ends.seen.iter().zip(ends.seen_weight.chunks(channels)) {
             of_path(ends.continued[continuation].path, &|channel| weight[channel] * sent(cell, channel));
         }
 
