@@ -83,9 +83,9 @@ const MAX_CELLS: u32 = 6;
 /// Estimates after which more points would not tell more.
 pub(super) const MAX_ESTIMATES: u32 = 16;
 
-/// Surfaces are resolved where their cells make values wrong by more than this part of the error that is asked for. The estimate misses what later bounces
-/// make of that: rho / (1 - rho) times as much, about as much again in rooms, so that a claim would be too small by a twentieth.
-const UNRESOLVED_PART: f64 = 0.2;
+/// Where cells of unresolved surfaces make values wrong, the estimate misses what later bounces make of that: all together it is up to
+/// 1 / (1 - reflectance) times as much. Of the square of the error that is asked for no more than this part may be missed: claims are too small by half of it then.
+const UNRESOLVED_PART: f64 = 0.1;
 
 /// No surface has to have more cells along a side.
 const MOST_LEAST: u32 = 8;
@@ -301,7 +301,9 @@ impl Plan {
 
     /// Whether surfaces are to be resolved whose cells make values wrong by so much.
     pub fn should_resolve(&self, by_unresolved: f64) -> bool {
-        self.over_cells && by_unresolved > UNRESOLVED_PART * self.requested() && self.resolution.size.least < MOST_LEAST
+        let of_all_bounces = (1.0 - self.law.illumination.reflectance()).recip();
+        let missed_sq = by_unresolved.powi(2) * (of_all_bounces.powi(2) - 1.0);
+        self.over_cells && missed_sq > UNRESOLVED_PART * self.requested().powi(2) && self.resolution.size.least < MOST_LEAST
     }
 
     pub fn may_refine(&self) -> bool {
