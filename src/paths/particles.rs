@@ -201,6 +201,7 @@ mod tests {
         // 2048 particles with two bounces on average scatter by 3%.
         assert!((found.reflected / 12.0 - 1.0).abs() < 0.1, "{found:?}");
         assert!((found.albedo() - 0.5).abs() < 0.03 && found.lit_area > 5.8, "{found:?}");
+        assert!((found.reflectance() - 0.5).abs() < 1e-12, "{found:?}");
     }
 
     /// A square above another one; a black or a far plate beside them changes nothing.
