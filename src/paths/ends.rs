@@ -98,8 +98,8 @@ impl Ends {
     /// ends, or goes on with that weight.
     pub(super) fn goes_on(&mut self, continuation: usize, cell: Option<u32>, channels: usize, little: f64, draw: f64) -> bool {
         // Guided rays have little weight where there is much light.
-        let weights = &mut self.weight[continuation * channels..][..channels];
-        let left = weights.iter().copied().fold(0.0, f64::max) / self.guided[continuation];
+        let own = continuation * channels..(continuation + 1) * channels;
+        let left = self.weight[own.clone()].iter().copied().fold(0.0, f64::max) / self.guided[continuation];
         let chance = (left / little).min(1.0);
         if draw >= chance {
             self.continued[continuation].cell = cell.unwrap_or(NO_CELL);
@@ -107,13 +107,12 @@ impl Ends {
         }
         if chance < 1.0 {
             if let Some(cell) = cell {
-                let is_of_value = self.continued[continuation].value_end.is_none();
-                self.seen.push(SeenOnTheWay { continuation, cell, is_of_value });
-                self.seen_weight.extend(weights.iter().map(|weight| weight * (1.0 - 1.0 / chance)));
+                self.see(continuation, cell);
+                self.seen_weight.extend(self.weight[own.clone()].iter().map(|weight| weight * (1.0 - 1.0 / chance)));
                 self.trail.iter_mut().for_each(|trail| trail.see(continuation, 1.0 - 1.0 / chance));
             }
             self.trail.iter_mut().for_each(|trail| trail.weigh(continuation, 1.0 / chance));
-            weights.iter_mut().for_each(|weight| *weight /= chance);
+            self.weight[own].iter_mut().for_each(|weight| *weight /= chance);
         }
         true
     }

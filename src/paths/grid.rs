@@ -141,6 +141,11 @@ pub(crate) struct CellSize {
     pub most_surfaces: usize,
 }
 
+impl CellSize {
+    /// No surface has to have more cells along a side.
+    pub const MOST_LEAST: u32 = 8;
+}
+
 /// How fine the cells are, and how many paths leave each.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Resolution {
@@ -152,9 +157,6 @@ pub(crate) struct Resolution {
 /// Cells are no smaller than what rounding leaves of coordinates: so many of them would make up the diagonal of the scene.
 const MOST_ALONG: f64 = 1e15;
 
-/// No resolution demands more cells along the sides of surfaces.
-const MOST_LEAST: u32 = 256;
-
 /// No more paths leave a position.
 const MOST_RAYS: u32 = 1 << 20;
 
@@ -163,7 +165,7 @@ impl Resolution {
     pub fn is_valid(&self, scene: &Scene) -> bool {
         let side = self.size.side;
         let is_size = side.is_finite() && side > 0.0 && side * MOST_ALONG >= scene.bounds().diagonal();
-        is_size && (1..=MOST_LEAST).contains(&self.size.least) && (1..=MOST_RAYS).contains(&self.rays)
+        is_size && (1..=CellSize::MOST_LEAST).contains(&self.size.least) && (1..=MOST_RAYS).contains(&self.rays)
     }
 }
 

@@ -87,9 +87,6 @@ pub(super) const MAX_ESTIMATES: u32 = 16;
 /// 1 / (1 - reflectance) times as much. Of the square of the error that is asked for no more than this part may be missed: claims are too small by half of it then.
 const UNRESOLVED_PART: f64 = 0.1;
 
-/// No surface has to have more cells along a side.
-const MOST_LEAST: u32 = 8;
-
 /// Values may take so many times the rays in one step.
 pub(super) const MOST_RAYS_FACTOR: f64 = 8.0;
 
@@ -303,7 +300,9 @@ impl Plan {
     pub fn should_resolve(&self, by_unresolved: f64) -> bool {
         let of_all_bounces = (1.0 - self.law.illumination.reflectance()).recip();
         let missed_sq = by_unresolved.powi(2) * (of_all_bounces.powi(2) - 1.0);
-        self.over_cells && missed_sq > UNRESOLVED_PART * self.requested().powi(2) && self.resolution.size.least < MOST_LEAST
+        self.over_cells
+            && missed_sq > UNRESOLVED_PART * self.requested().powi(2)
+            && self.resolution.size.least < CellSize::MOST_LEAST
     }
 
     pub fn may_refine(&self) -> bool {

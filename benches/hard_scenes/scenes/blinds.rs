@@ -15,7 +15,21 @@ pub fn blinds() -> Made {
     let mut room = Room::default();
     let [floor, wall, ceiling] = plaster(&mut room);
     let slat = matt(&mut room, "slat", [0.8, 0.79, 0.77]);
-    let panel = room.named_material("panel", &[0.5; 3], &[30.0, 27.6, 24.0]);
+    let table = matt(&mut room, "table", [0.5, 0.4, 0.28]);
+    behind_blinds(room, ([floor, wall, ceiling], slat, table), [0.5; 3])
+}
+
+/// The same, all of it white.
+pub fn white_blinds() -> Made {
+    const WHITE: [f64; 3] = [0.9, 0.882, 0.864];
+    let mut room = Room::default();
+    let white = matt(&mut room, "white", WHITE);
+    behind_blinds(room, ([white; 3], white, white), WHITE)
+}
+
+/// With these materials of floor, wall and ceiling, of slats, and of the table; and what the panel reflects.
+fn behind_blinds(mut room: Room, ([floor, wall, ceiling], slat, table): ([u32; 3], u32, u32), of_panel: [f64; 3]) -> Made {
+    let panel = room.named_material("panel", &of_panel, &[30.0, 27.6, 24.0]);
     let window = Rectangle { axis: 1, at: 4.0, low: [0.7, 1.0], high: [2.5, 4.0] };
     for (side, is_far) in sides([0.0; 3], [5.0, 4.0, 2.8]) {
         let material = if side.axis < 2 { wall } else { [floor, ceiling][usize::from(is_far)] };
@@ -32,7 +46,6 @@ pub fn blinds() -> Made {
         let corner = |[x, y]: [f64; 2], z: f64| [x, y, z];
         room.sheet(&[corner(near, 0.72), corner(far, 0.72), corner(far, 2.45), corner(near, 2.45)], slat);
     }
-    let table = matt(&mut room, "table", [0.5, 0.4, 0.28]);
     solid(&mut room, [2.0, 1.2, 0.7], [3.4, 2.6, 0.75], table);
     Made::of(room)
 }

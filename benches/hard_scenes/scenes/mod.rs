@@ -55,6 +55,12 @@ fn with_gaps() -> Vec<HardScene> {
             "a room behind 35 vertical slats, 8.5 cm apart",
             "cells as wide as a slat are brighter than what the room sees of it",
         ),
+        new(
+            "white_blinds",
+            blinds::white_blinds,
+            "the same, all of it reflecting 0.9",
+            "what cells are off at one bounce grows tenfold by all others",
+        ),
         new("bookcase", bookcase::bookcase, "250 books 1 to 30 mm apart", "much area lies in narrow gaps"),
         new("black_shell", around::black_shell, "two rooms in a closed black box", "half of the area is black"),
         new(
