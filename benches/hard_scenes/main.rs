@@ -6,7 +6,8 @@
 //!
 //! `-- comb gap --seeds 3 --errors 0.05,0.02 --norm energy` runs a part, and prints what came of it.
 //!
-//! `-- --file SCENE.obj` takes a scene of your own instead, or several; a reference that is not there yet is made in `target/hard_scenes`.
+//! `-- --file SCENE.obj` takes a scene of your own instead, or several; a reference that is not there yet is made in `target/hard_scenes`. `--sides both` for
+//! scenes of sheets.
 //!
 //! `-- --references` makes references by path tracing, `-- --references comb --rays 1e9` those of some scenes, less noisy. They
 //! belong to a scene's very surfaces, so a generator that changes needs them made anew.
@@ -59,7 +60,7 @@ fn main() {
         reference
     };
     for file in &options.files {
-        run_on(&Subject::of_file(file, &folder));
+        run_on(&Subject::of_file(file, options.sides, &folder));
     }
     for hard in scenes::all().into_iter().filter(|hard| options.wants(hard.name)) {
         let reference = run_on(&Subject::of_suite(&hard, root, &folder));
@@ -88,7 +89,7 @@ fn tell(name: &str, reference: &Reference) {
 fn runs(subject: &Subject, reference: &Reference, options: &Options, folder: &Path) -> Scored {
     let points: PathBuf = folder.join(format!("{}_points.csv", subject.name));
     points::write_points(&points, reference.points.iter());
-    let problem = Problem { scene: &subject.file, points: &points, reference };
+    let problem = Problem { scene: &subject.file, sides: subject.sides, points: &points, reference };
     let mut runs: Vec<Run> = Vec::new();
     for &error in &options.errors {
         for seed in 0..options.seeds {

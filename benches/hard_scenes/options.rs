@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use patchlight::scene::Sides;
+
 use super::norms::Norm;
 
 /// Errors asked for where none are named.
@@ -16,6 +18,8 @@ pub struct Options {
     names: Vec<String>,
     /// Scenes of the user's, in place of those of the suite.
     pub files: Vec<PathBuf>,
+    /// Which sides of their faces emit and receive.
+    pub sides: Sides,
     pub norm: Norm,
     pub errors: Vec<f64>,
     pub seeds: u64,
@@ -26,11 +30,12 @@ pub struct Options {
 }
 
 impl Options {
-    /// `[NAME... | --file SCENE...] [--norm local|energy] [--errors E,E...] [--seeds N] [--references [--rays N]]`
+    /// `[NAME... | --file SCENE... [--sides front|both]] [--norm local|energy] [--errors E,E...] [--seeds N] [--references [--rays N]]`
     pub fn read(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
         let mut options = Self {
             names: vec![],
             files: vec![],
+            sides: Sides::Front,
             norm: Norm::Local,
             errors: ERRORS.to_vec(),
             seeds: SEEDS,
@@ -41,6 +46,7 @@ impl Options {
             let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
             match argument.as_str() {
                 "--file" => options.files.push(value()?.into()),
+                "--sides" => options.sides = sides(&value()?)?,
                 "--norm" => options.norm = value()?.parse()?,
                 "--seeds" => options.seeds = number(&value()?)?,
                 "--errors" => options.errors = value()?.split(',').map(number).collect::<Result<_, _>>()?,
@@ -67,6 +73,21 @@ impl Options {
             && self.errors == ERRORS
             && self.seeds == SEEDS
             && !self.references
+    }
+}
+
+fn sides(text: &str) -> Result<Sides, String> {
+    [Sides::Front, Sides::Both]
+        .into_iter()
+        .find(|sides| name_of(*sides) == text)
+        .ok_or_else(|| format!("'{text}' is neither front nor both"))
+}
+
+/// As the program takes it.
+pub fn name_of(sides: Sides) -> &'static str {
+    match sides {
+        Sides::Front => "front",
+        Sides::Both => "both",
     }
 }
 

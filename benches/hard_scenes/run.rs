@@ -5,7 +5,10 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
+use patchlight::scene::Sides;
+
 use super::norms::{Measured, Norm};
+use super::options::name_of;
 use super::points::read_values;
 use super::process::timed;
 use super::reference::Reference;
@@ -17,6 +20,7 @@ const LONGEST: Duration = Duration::from_secs(120);
 /// A scene in a file, its points, and what is right there.
 pub struct Problem<'a> {
     pub scene: &'a Path,
+    pub sides: Sides,
     pub points: &'a Path,
     pub reference: &'a Reference,
 }
@@ -79,7 +83,12 @@ pub fn patchlight(problem: &Problem, asked: Asked, folder: &Path) -> Run {
         let _ = std::fs::remove_file(old);
     }
     let mut command = Command::new(env!("CARGO_BIN_EXE_patchlight"));
-    command.arg("solve").arg(problem.scene).args(["--error", &asked.error.to_string(), "--norm", asked.norm.name()]);
+    command.arg("solve").arg(problem.scene).args(["--sides", name_of(problem.sides)]).args([
+        "--error",
+        &asked.error.to_string(),
+        "--norm",
+        asked.norm.name(),
+    ]);
     command.args(["--seed", &asked.seed.to_string(), "--time", TIME, "--progress", "none"]);
     command.arg("--points").arg(problem.points).arg("--values").arg(&values).arg("--report").arg(&report);
     let timed = timed(&mut command, LONGEST);

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use patchlight::scene::Scene;
 use patchlight::scene::import::{ImportOptions, read_scene};
+use patchlight::scene::{Scene, Sides};
 use patchlight::visibility::Backend;
 
 use super::options::Options;
@@ -15,6 +15,8 @@ use super::{making, obj};
 pub struct Subject {
     pub name: String,
     pub file: PathBuf,
+    /// With which it is read.
+    pub sides: Sides,
     scene: Scene,
     portal: Option<Portal>,
     backend: Backend,
@@ -29,16 +31,18 @@ impl Subject {
         let made = hard.make();
         let (file, scene) = obj::through_obj(&made.scene, folder, hard.name);
         let reference = root.join(format!("benches/hard_scenes/references/{}.csv", hard.name));
-        Self { name: hard.name.to_owned(), file, scene, portal: made.portal, backend: made.backend, reference, is_own: false }
+        let (name, sides, is_own) = (hard.name.to_owned(), Sides::Front, false);
+        Self { name, file, sides, scene, portal: made.portal, backend: made.backend, reference, is_own }
     }
 
     /// A scene of the user's; its reference lies in the folder.
-    pub fn of_file(file: &Path, folder: &Path) -> Self {
+    pub fn of_file(file: &Path, sides: Sides, folder: &Path) -> Self {
         let name = file.file_stem().map_or_else(|| "scene".to_owned(), |name| name.to_string_lossy().into_owned());
-        let read = read_scene(file, &ImportOptions::default()).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        let read = read_scene(file, &ImportOptions { sides, ..ImportOptions::default() })
+            .unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         let reference = folder.join(format!("{name}_reference.csv"));
         let (scene, portal, backend) = (read.scene, None, Backend::Auto);
-        Self { name, file: file.to_owned(), scene, portal, backend, reference, is_own: true }
+        Self { name, file: file.to_owned(), sides, scene, portal, backend, reference, is_own: true }
     }
 
     /// What is right in the scene, made if that is asked for.
