@@ -106,20 +106,21 @@ pub(crate) fn largest_sq_for_claim(limit: f64, scatter: Scatter) -> f64 {
     limit_sq - scatter.deviation * sigmas(expected_skewness(scatter.skewness, in_deviations))
 }
 
-/// Standard deviations of a measured square: by the products of replicates at points, by what replicates have in common at all points, and
-/// by the noise of values.
+/// Standard deviations of a measured square: by the products of replicates at points, by what replicates have in common at all points, by the
+/// noise of values, and by what light it is relative to.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Doubts {
     pub replicates: f64,
     pub common: f64,
     pub noise: f64,
+    pub median: f64,
     /// Of their sum.
     pub skewness: f64,
 }
 
 impl Doubts {
     pub fn all(&self) -> Scatter {
-        let deviation = self.replicates.hypot(self.common).hypot(self.noise);
+        let deviation = self.replicates.hypot(self.common).hypot(self.noise).hypot(self.median);
         Scatter { deviation, skewness: self.skewness }
     }
 }

@@ -33,7 +33,7 @@ use serde::{Deserialize, Serialize};
 use super::claim::{Doubts, FEW_REPLICATES, claim, error_of};
 use super::compared::{Judging, by_other_rays, compared, lit, values_at};
 use super::moments::Moments;
-use super::norm::{ErrorNorm, Lit, NormWeights, lit_points};
+use super::norm::{ErrorNorm, Lit, MEDIAN_SIGMAS, NormWeights, lit_points};
 use super::pairs::{PairProducts, mean_and_variance, variance_by_noise};
 use super::points::{ErrorPoint, Surroundings};
 use super::replicates::{ErrorSample, REPLICATES, RayShares, ReplicateGather, Replication};
@@ -84,7 +84,7 @@ impl ErrorEstimate {
         claimed: f64::INFINITY,
         energy: ErrorFigure::UNKNOWN,
         local: ErrorFigure::UNKNOWN,
-        doubts: Doubts { replicates: 0.0, common: 0.0, noise: 0.0, skewness: 0.0 },
+        doubts: Doubts { replicates: 0.0, common: 0.0, noise: 0.0, median: 0.0, skewness: 0.0 },
         ray_share: 0.0,
         value_noise: None,
         by_unresolved: 0.0,
@@ -248,9 +248,10 @@ impl ErrorSamples {
         }
 
         let in_norm = |own: &Self, norm, lit: &[Lit]| {
-            let weights = NormWeights::new(norm, lit)?.by_point;
+            let weights = NormWeights::new(norm, lit)?;
             let estimate = own.estimate_weighted(judging, &weights, judging.channels());
-            let missed_sq: f64 = lit.iter().zip(&weights).map(|(point, weight)| weight * point.missed * point.missed).sum();
+            let missed_sq: f64 =
+                lit.iter().zip(&weights.by_point).map(|(point, weight)| weight * point.missed * point.missed).sum();
             estimate.measured.is_finite().then(|| estimate.missing(missed_sq))
         };
         let by_energy = in_norm(self, ErrorNorm::Energy, &lit).unwrap_or(ErrorEstimate::UNKNOWN);
@@ -261,12 +262,13 @@ impl ErrorSamples {
         Some(ErrorEstimate { energy, local, lit: part, ..asked })
     }
 
-    /// The estimate in some channels, with a weight for the squares at each point.
-    pub(super) fn estimate_weighted(&self, judging: Judging<'_>, weights: &[f64], channels: Range<usize>) -> ErrorEstimate {
+    /// The estimate in some channels, with weights for the squares at each point.
+    pub(super) fn estimate_weighted(&self, judging: Judging<'_>, weights: &NormWeights, channels: Range<usize>) -> ErrorEstimate {
         // Point by point, the products of replicates and the variances of values.
         let (mut replicates, mut noise, mut both) = (Moments::default(), Moments::default(), Moments::default());
-        let (mut ray_variance, mut noise_of_rays) = (0.0, 0.0);
-        for ((sample, values), &weight) in self.samples.iter().zip(&self.values).zip(weights) {
+        let (mut ray_variance, mut noise_of_rays, mut if_dimmer) = (0.0, 0.0, 0.0);
+        let weights_of_points = weights.by_point.iter().zip(&weights.if_dimmer);
+        for ((sample, values), (&weight, more)) in self.samples.iter().zip(&self.values).zip(weights_of_points) {
             let (mut products, mut of_rays, mut of_values) = (PairProducts::default(), 0.0, 0.0);
             for compared in compared(sample, judging, values, channels.clone()) {
                 products.add(weight, compared.residuals);
@@ -278,21 +280,33 @@ impl ErrorSamples {
             both.add(products.all + of_values);
             ray_variance += variance_by_noise(products.all, of_rays);
             noise_of_rays += of_rays;
+            if_dimmer += more * (products.all + of_values);
         }
 
-        // The scatter of the points, and what replicates have in common at all of them, give the confidence limit. Where single rays of single
+        // What light it is relative to, the scatter of the points, and what replicates have in common at all of them, give the confidence limit. Where single rays of single
         // replicates find much light, products are small, but not the scatter of replicates: as much as if all points were as noisy counts at least.
         let of_noise = variance_by_noise(0.0, noise_of_rays).sqrt() / (self.samples.len() as f64).sqrt();
         let of_replicates = replicates.deviation_of_sum().max(of_noise);
-        let common = FEW_REPLICATES * self.common_variance(judging, weights, channels.clone()).sqrt();
-        let scatter = both.scatter_of_sum().at_least(of_replicates).beside(common);
+        let common = FEW_REPLICATES * self.common_variance(judging, &weights.by_point, channels.clone()).sqrt();
+        let median = (if_dimmer - both.sum).max(0.0) / MEDIAN_SIGMAS;
+        let scatter = both.scatter_of_sum().at_least(of_replicates).beside(common.hypot(median));
         let ray_share = if of_replicates > 0.0 { (ray_variance / of_replicates.powi(2)).clamp(0.0, 1.0) } else { 0.0 };
         ErrorEstimate {
             measured: error_of(both.sum),
             claimed: claim(both.sum, scatter),
-            doubts: Doubts { replicates: of_replicates, common, noise: noise.deviation_of_sum(), skewness: scatter.skewness },
+            doubts: Doubts {
+                replicates: of_replicates,
+                common,
+                noise: noise.deviation_of_sum(),
+                median,
+                skewness: scatter.skewness,
+            },
             ray_share,
-            by_unresolved: if judging.is_taken_twice { self.least_by_unresolved(judging, weights, channels) } else { 0.0 },
+            by_unresolved: if judging.is_taken_twice {
+                self.least_by_unresolved(judging, &weights.by_point, channels)
+            } else {
+                0.0
+            },
             value_noise: judging.is_taken_twice.then(|| noise.sum.sqrt()),
             ..ErrorEstimate::default()
         }

@@ -57,7 +57,7 @@ impl ErrorSamples {
         let judging = Judging::of(gather);
         let lit = self.lit(judging, &self.values, channels.clone());
         let Some(weights) = NormWeights::new(ErrorNorm::Energy, &lit) else { return ErrorFigure::UNKNOWN };
-        let relative = self.estimate_weighted(judging, &weights.by_point, channels);
+        let relative = self.estimate_weighted(judging, &weights, channels);
         if !relative.measured.is_finite() {
             return ErrorFigure::UNKNOWN;
         }

@@ -21,6 +21,9 @@ pub(crate) enum ErrorNorm {
 /// front of it and light it by their width. If dark area counted as lit, the local norm would be too small by the root of its part.
 const NONE: f64 = 1e-9;
 
+/// The median light may be as little as it is by so many standard deviations of the area that random points find below it.
+pub(super) const MEDIAN_SIGMAS: f64 = 2.0;
+
 /// A point as norms see it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lit {
@@ -49,23 +52,30 @@ impl Lit {
 pub(super) struct NormWeights {
     /// By point, times its area.
     pub by_point: Vec<f64>,
+    /// By point, so many times as much it would count if the median light were as little as it may be. Where half of the area is bright and half is dim
+    /// the median lies between both, and hangs on a few points.
+    pub if_dimmer: Vec<f64>,
 }
 
 impl NormWeights {
     /// `None` if no light is reflected, or too little is known of it.
     pub fn new(norm: ErrorNorm, points: &[Lit]) -> Option<Self> {
-        let by_point: Vec<f64> = match norm {
+        let (by_point, if_dimmer): (Vec<f64>, Vec<f64>) = match norm {
             ErrorNorm::Energy => {
                 let all: f64 = points.iter().map(|point| point.area * point.light_sq).sum();
-                (all > 0.0).then(|| points.iter().map(|point| point.area / all).collect())?
+                (all > 0.0).then(|| points.iter().map(|point| (point.area / all, 1.0)).unzip())?
             }
             ErrorNorm::Local => {
-                let typical = median_light(points)?;
+                let (typical, least) = (median_light(points)?, least_median_light(points)?);
                 let lit: f64 = lit_points(points).map(|point| point.area).sum();
-                points.iter().map(|point| point.area / (lit * point.by_smaller.max(typical).powi(2))).collect()
+                let weights = |point: &Lit| {
+                    let relative_to = point.by_smaller.max(typical);
+                    (point.area / (lit * relative_to * relative_to), (relative_to / point.by_smaller.max(least)).powi(2))
+                };
+                points.iter().map(weights).unzip()
             }
         };
-        by_point.iter().all(|weight| weight.is_finite()).then_some(Self { by_point })
+        by_point.iter().all(|weight| weight.is_finite()).then_some(Self { by_point, if_dimmer })
     }
 }
 
@@ -83,13 +93,25 @@ pub(super) fn least_light(points: &[Lit]) -> f64 {
 
 /// The median light over the lit area; `None` if all is dark, or if half of that area is lit by no one knows how little.
 pub(super) fn median_light(points: &[Lit]) -> Option<f64> {
+    light_above(points, 0.5)
+}
+
+/// As little as that median may be, for points that lie at random: below it so much less of the area was found.
+fn least_median_light(points: &[Lit]) -> Option<f64> {
+    let sum = |power: i32| lit_points(points).map(|point| point.area.powi(power)).sum::<f64>();
+    let deviation = 0.5 * sum(2).sqrt() / sum(1);
+    light_above(points, (0.5 - MEDIAN_SIGMAS * deviation).max(0.0))
+}
+
+/// The light above which all but this part of the lit area is.
+fn light_above(points: &[Lit], part: f64) -> Option<f64> {
     let mut lit: Vec<(f64, f64)> = lit_points(points).map(|point| (point.light.max(point.missed), point.area)).collect();
     lit.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = 0.5 * lit.iter().map(|(_, area)| area).sum::<f64>();
+    let wanted = part * lit.iter().map(|(_, area)| area).sum::<f64>();
     let mut below = 0.0;
     let middle = lit.iter().find(|(_, area)| {
         below += area;
-        below >= half
+        below >= wanted
     });
     middle.map(|(light, _)| *light).filter(|&light| light > least_light(points))
 }

@@ -164,8 +164,8 @@ impl<'a> Doubtful<'a> {
     /// What takes away the largest part of the square of the claim; nothing where that is the bias of links. Finding cells anew takes much, and what
     /// replicates found may be chance: then it is known closer first. Over links, to know closer what is more than is asked for would not do.
     fn worst(&self, requested: f64) -> Choice {
-        let Doubts { replicates, common, noise, .. } = self.error.doubts;
-        let doubt = SIGMAS * replicates.hypot(common);
+        let Doubts { replicates, common, noise, median, .. } = self.error.doubts;
+        let doubt = SIGMAS * replicates.hypot(common).hypot(median);
         let noise_sq = self.noise_sq + SIGMAS * noise;
         if noise_sq >= self.other_sq.max(doubt) {
             Choice { rays: MORE_RAYS_FACTOR, ..Choice::NOTHING }
@@ -178,7 +178,7 @@ impl<'a> Doubtful<'a> {
 
     /// The next step to know better: more rays where replicates are noisy, else more points.
     fn closer(&self) -> Choice {
-        if self.error.ray_share > 0.5 {
+        if self.error.ray_share > 0.5 && self.error.doubts.replicates > self.error.doubts.median {
             Choice { replicate_rays: 2.0, ..Choice::NOTHING }
         } else {
             Choice { points: 1.5, ..Choice::NOTHING }
@@ -199,7 +199,7 @@ impl<'a> Doubtful<'a> {
 
     /// The doubts after a choice.
     fn doubts_after(&self, choice: &Choice) -> Doubts {
-        let Doubts { replicates, common, noise, skewness } = self.error.doubts;
+        let Doubts { replicates, common, noise, median, skewness } = self.error.doubts;
         let (of_rays, of_points) = self.variances_of_replicates(choice);
         let of_replicates = (of_rays + of_points).sqrt();
         let common = match (self.is_common(), choice.finds_cells) {
@@ -211,7 +211,10 @@ impl<'a> Doubtful<'a> {
         let by_points = 1.0 / choice.points.sqrt();
         // The skewness of a sum of independent parts falls as one over the root of how many there are.
         let noise = by_points * noise * Law::left_by_rays(choice.rays);
-        Doubts { replicates: of_replicates, common, noise, skewness: by_points * skewness }
+        // Relative to another light it is so many times as much.
+        let left = self.square_after(choice) / (self.noise_sq + self.other_sq).max(f64::MIN_POSITIVE);
+        let median = by_points * median * left;
+        Doubts { replicates: of_replicates, common, noise, median, skewness: by_points * skewness }
     }
 
     /// The square of the error that a choice is expected to leave.
