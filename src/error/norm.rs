@@ -135,6 +135,22 @@ mod tests {
         assert!((squares(ErrorNorm::Local)[2] / 0.01 - 0.1).abs() < 1e-12);
     }
 
+    /// Of 500 points two standard deviations are 4.5% of the area.
+    #[test]
+    fn between_bright_and_dim_halves_the_median_hangs_on_few_points() {
+        let more = |lights: &mut dyn Iterator<Item = f64>| {
+            let points: Vec<Lit> = lights.map(|light| Lit::of(1.0, light)).collect();
+            NormWeights::new(ErrorNorm::Local, &points).unwrap().if_dimmer
+        };
+        let halves = more(&mut (0..500).map(|index| if index < 240 { 0.01 } else { 1.0 }));
+        assert!((halves[0] - 1e4).abs() < 1e-6 && halves[499] == 1.0, "{} and {}", halves[0], halves[499]);
+        let even = more(&mut (0..500).map(|index| 1.0 + f64::from(index) / 500.0));
+        assert!((even[0] / (1.498_f64 / 1.454).powi(2) - 1.0).abs() < 0.01 && even[499] == 1.0, "{} and {}", even[0], even[499]);
+        // Few points tell it less well.
+        let few = more(&mut (0..25).map(|index| 1.0 + f64::from(index) / 25.0));
+        assert!(few[0] > 1.3, "{}", few[0]);
+    }
+
     #[test]
     fn the_median_is_by_lit_area_and_there_is_none_in_the_dark() {
         assert_eq!(median_light(&[Lit::of(1.0, 5.0), Lit::of(10.0, 0.0), Lit::of(3.0, 2.0), Lit::of(1.0, 1.0)]), Some(2.0));
