@@ -79,12 +79,12 @@ impl Options {
 fn sides(text: &str) -> Result<Sides, String> {
     [Sides::Front, Sides::Both]
         .into_iter()
-        .find(|sides| name_of(*sides) == text)
+        .find(|sides| sides_name(*sides) == text)
         .ok_or_else(|| format!("'{text}' is neither front nor both"))
 }
 
 /// As the program takes it.
-pub fn name_of(sides: Sides) -> &'static str {
+pub fn sides_name(sides: Sides) -> &'static str {
     match sides {
         Sides::Front => "front",
         Sides::Both => "both",

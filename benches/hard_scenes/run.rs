@@ -8,7 +8,7 @@ use std::time::Duration;
 use patchlight::scene::Sides;
 
 use super::norms::{Measured, Norm};
-use super::options::name_of;
+use super::options::sides_name;
 use super::points::read_values;
 use super::process::timed;
 use super::reference::Reference;
@@ -83,12 +83,8 @@ pub fn patchlight(problem: &Problem, asked: Asked, folder: &Path) -> Run {
         let _ = std::fs::remove_file(old);
     }
     let mut command = Command::new(env!("CARGO_BIN_EXE_patchlight"));
-    command.arg("solve").arg(problem.scene).args(["--sides", name_of(problem.sides)]).args([
-        "--error",
-        &asked.error.to_string(),
-        "--norm",
-        asked.norm.name(),
-    ]);
+    command.arg("solve").arg(problem.scene).args(["--sides", sides_name(problem.sides)]);
+    command.args(["--error", &asked.error.to_string(), "--norm", asked.norm.name()]);
     command.args(["--seed", &asked.seed.to_string(), "--time", TIME, "--progress", "none"]);
     command.arg("--points").arg(problem.points).arg("--values").arg(&values).arg("--report").arg(&report);
     let timed = timed(&mut command, LONGEST);

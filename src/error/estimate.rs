@@ -283,8 +283,9 @@ impl ErrorSamples {
             if_dimmer += more * (products.all + of_values);
         }
 
-        // What light it is relative to, the scatter of the points, and what replicates have in common at all of them, give the confidence limit. Where single rays of single
-        // replicates find much light, products are small, but not the scatter of replicates: as much as if all points were as noisy counts at least.
+        // What light it is relative to, the scatter of the points, and what replicates have in common at all of them, give the confidence limit. Where
+        // single rays of single replicates find much light, products are small, but not the scatter of replicates: as much as if all points were as noisy
+        // counts at least.
         let of_noise = variance_by_noise(0.0, noise_of_rays).sqrt() / (self.samples.len() as f64).sqrt();
         let of_replicates = replicates.deviation_of_sum().max(of_noise);
         let common = FEW_REPLICATES * self.common_variance(judging, &weights.by_point, channels.clone()).sqrt();

@@ -176,7 +176,7 @@ impl<'a> Doubtful<'a> {
         }
     }
 
-    /// The next step to know better: more rays where replicates are noisy, else more points.
+    /// The next step to know better: more rays where replicates are noisy, more points where these differ or tell the median light too little.
     fn closer(&self) -> Choice {
         if self.error.ray_share > 0.5 && self.error.doubts.replicates > self.error.doubts.median {
             Choice { replicate_rays: 2.0, ..Choice::NOTHING }
