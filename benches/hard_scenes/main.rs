@@ -9,6 +9,8 @@
 //! `-- --file SCENE.obj` takes a scene of your own instead, or several; a reference that is not there yet is made in `target/hard_scenes`. `--sides both` for
 //! scenes of sheets.
 //!
+//! `-- --random 1..25` takes 24 rooms made at random, each the same whenever it is asked for, with references that are made likewise.
+//!
 //! `-- --references` makes references by path tracing, `-- --references comb --rays 1e9` those of some scenes, less noisy. They
 //! belong to a scene's very surfaces, so a generator that changes needs them made anew.
 #![allow(clippy::print_stderr, clippy::print_stdout, reason = "a benchmark tells how far it is, and prints its tables")]
@@ -61,6 +63,9 @@ fn main() {
     };
     for file in &options.files {
         run_on(&Subject::of_file(file, options.sides, &folder));
+    }
+    for number in options.random.clone() {
+        run_on(&Subject::of_random(number, &folder));
     }
     for hard in scenes::all().into_iter().filter(|hard| options.wants(hard.name)) {
         let reference = run_on(&Subject::of_suite(&hard, root, &folder));

@@ -1,5 +1,6 @@
 //! The command line of the benchmark.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use patchlight::scene::Sides;
@@ -20,6 +21,8 @@ pub struct Options {
     pub files: Vec<PathBuf>,
     /// Which sides of their faces emit and receive.
     pub sides: Sides,
+    /// Numbers of random rooms, in place of the suite.
+    pub random: Range<u64>,
     pub norm: Norm,
     pub errors: Vec<f64>,
     pub seeds: u64,
@@ -30,12 +33,13 @@ pub struct Options {
 }
 
 impl Options {
-    /// `[NAME... | --file SCENE... [--sides front|both]] [--norm local|energy] [--errors E,E...] [--seeds N] [--references [--rays N]]`
+    /// `[NAME... | --file SCENE... [--sides front|both] | --random FIRST..END] [--norm local|energy] [--errors E,E...] [--seeds N] [--references [--rays N]]`
     pub fn read(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
         let mut options = Self {
             names: vec![],
             files: vec![],
             sides: Sides::Front,
+            random: 0..0,
             norm: Norm::Local,
             errors: ERRORS.to_vec(),
             seeds: SEEDS,
@@ -47,6 +51,7 @@ impl Options {
             match argument.as_str() {
                 "--file" => options.files.push(value()?.into()),
                 "--sides" => options.sides = sides(&value()?)?,
+                "--random" => options.random = range(&value()?)?,
                 "--norm" => options.norm = value()?.parse()?,
                 "--seeds" => options.seeds = number(&value()?)?,
                 "--errors" => options.errors = value()?.split(',').map(number).collect::<Result<_, _>>()?,
@@ -62,13 +67,15 @@ impl Options {
     }
 
     pub fn wants(&self, name: &str) -> bool {
-        (self.names.is_empty() && self.files.is_empty()) || self.names.iter().any(|word| name.contains(word.as_str()))
+        (self.names.is_empty() && self.files.is_empty() && self.random.is_empty())
+            || self.names.iter().any(|word| name.contains(word.as_str()))
     }
 
     /// Whether the documents tell what comes of it.
     pub fn is_whole(&self) -> bool {
         self.names.is_empty()
             && self.files.is_empty()
+            && self.random.is_empty()
             && self.norm == Norm::Local
             && self.errors == ERRORS
             && self.seeds == SEEDS
@@ -89,6 +96,11 @@ pub fn sides_name(sides: Sides) -> &'static str {
         Sides::Front => "front",
         Sides::Both => "both",
     }
+}
+
+fn range(text: &str) -> Result<Range<u64>, String> {
+    let (first, end) = text.split_once("..").ok_or_else(|| format!("'{text}' is not FIRST..END"))?;
+    Ok(number(first)?..number(end)?)
 }
 
 fn number<T: std::str::FromStr>(text: &str) -> Result<T, String> {

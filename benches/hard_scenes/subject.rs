@@ -10,7 +10,7 @@ use super::options::Options;
 use super::path_tracer::Portal;
 use super::reference::Reference;
 use super::scenes::HardScene;
-use super::{making, obj};
+use super::{making, obj, scenes};
 
 pub struct Subject {
     pub name: String,
@@ -43,6 +43,15 @@ impl Subject {
         let reference = folder.join(format!("{name}_reference.csv"));
         let (scene, portal, backend) = (read.scene, None, Backend::Auto);
         Self { name, file: file.to_owned(), sides, scene, portal, backend, reference, is_own: true }
+    }
+
+    /// A random room; its file and its reference go to the folder.
+    pub fn of_random(number: u64, folder: &Path) -> Self {
+        let (made, name) = (scenes::random_room(number), format!("random_{number}"));
+        let (file, scene) = obj::through_obj(&made.scene, folder, &name);
+        let reference = folder.join(format!("{name}_reference.csv"));
+        let (sides, portal, backend) = (Sides::Front, made.portal, made.backend);
+        Self { name, file, sides, scene, portal, backend, reference, is_own: true }
     }
 
     /// What is right in the scene, made if that is asked for.

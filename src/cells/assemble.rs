@@ -8,6 +8,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::equations::{BATCH, Equations, ReflectorTerms};
+use super::positions::starts_of_paths;
 use super::view_points::{Arrival, bytes_of_view_points, view_point_count, view_points};
 use crate::geometry::{sampling, streams};
 use crate::paths::{BatchSums, Course, Directions, Ends, LightPaths, NO_CELL, PathScratch, Place, SeenOnTheWay};
@@ -152,13 +153,18 @@ impl<'a> Positions<'a> {
         Self { paths, count, cells, places }
     }
 
-    /// Follows all paths.
+    /// Follows all paths, each from a point of its own in its cell.
     pub fn follow(&self, seed: u64, scratch: &mut PathScratch) {
         let Self { paths, count, .. } = *self;
-        let of_place = |place: &Place| directions(paths, place, count as u64, seed);
-        let directions: Vec<Directions> = self.places.iter().map(of_place).collect();
-        let course = Course { count: count as u32, bounces: 0, past_values: false, little: LITTLE, vertex_rays: 1 };
-        paths.follow_towards(&self.places, &directions, &course, scratch);
+        let order = sampling::neighbours_in_order(count as u32);
+        let from_cell = |position: &Place| {
+            let Directions { seed, first } = directions(paths, position, count as u64, seed);
+            let towards = order.iter().map(move |ray| Directions { seed, first: first + ray });
+            starts_of_paths(paths, *position, count).zip(towards)
+        };
+        let (starts, directions): (Vec<Place>, Vec<Directions>) = self.places.iter().flat_map(from_cell).unzip();
+        let course = Course { count: 1, bounces: 0, past_values: false, little: LITTLE, past_unresolved: true, vertex_rays: 1 };
+        paths.follow_towards(&starts, &directions, &course, scratch);
     }
 
     /// The indices of a position's paths.
@@ -260,4 +266,53 @@ fn at_view_point(paths: &LightPaths<'_>, position: &Place, number: usize, at: Op
     let point = at.and_then(|_| paths.grids.point_beside(position.surface, position.point, u, v));
     let point = point.filter(|&point| facet.contains(point)).unwrap_or(position.point);
     Place { point, seed: sampling::hash(position.seed, streams::VIEW_POINT + number as u64), ..*position }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::CellRadiosities;
+    use super::*;
+    use crate::geometry::Polygon;
+    use crate::paths::{Brightness, CellSize, Resolution};
+    use crate::scene::{Material, Scene, Sides, SurfaceId};
+    use crate::transmittance::Rays;
+    use crate::visibility::{Backend, OccluderMesh, build};
+
+    /// A screen sees no lamp through a slit, only the jamb of that, which is lit at its other end. With one cell across, what the screen gets from there is
+    /// as right as with ten.
+    #[test]
+    fn cells_lit_past_a_jamb_do_not_hang_on_how_many_cells_are_across_it() {
+        let quad = |corner: [f64; 3], u: [f64; 3], v: [f64; 3]| {
+            let at = |s: f64, t: f64| [0, 1, 2].map(|k| corner[k] + s * u[k] + t * v[k]);
+            Polygon::new(&[at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)]).unwrap()
+        };
+        let (x, z) = ([1.0, 0.0, 0.0], |height: f64| [0.0, 0.0, height]);
+        let lamp = quad([0.0, -0.3, 0.2], z(0.3), x);
+        let wall = quad([0.0, 0.0, 0.05], x, z(0.45));
+        let jamb = quad([0.0, 0.0, 0.0], x, [0.0, 0.1, 0.0]);
+        let screen = quad([0.0, 0.6, 0.0], x, z(0.5));
+        let material = |rho: f64, exitance: f64| Material { name: String::new(), reflectance: vec![rho], exitance: vec![exitance] };
+        let scene_of = |rho: f64| {
+            let materials = vec![material(0.0, 1.0), material(0.0, 0.0), material(rho, 0.0), material(0.5, 0.0)];
+            let faces = [lamp.clone(), wall.clone(), jamb.clone(), screen.clone()];
+            Scene::new(1, materials, (0..4).zip(faces).map(|(k, face)| (face, k, k)).collect(), Sides::Front).unwrap()
+        };
+
+        // The mean radiosity of the screen, over cells and seeds.
+        let of_screen = |rho: f64, side: f64, seeds: u64| {
+            let scene = scene_of(rho);
+            let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+            let rays = Rays::new(&*visibility, &scene);
+            let size = CellSize { side, past_unresolved: false, most_surfaces: usize::MAX };
+            let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], size, &|| false);
+            let grid = paths.grids.of(SurfaceId(3)).unwrap();
+            let solved = |seed| CellRadiosities::solve(&paths, &Resolution { size, rays: 64 }, seed, &|| false).unwrap();
+            let mean = |cells: &CellRadiosities| {
+                (0..grid.len()).map(|cell| f64::from(cells.of(grid.first + cell as u32)[0])).sum::<f64>() / grid.len() as f64
+            };
+            (0..seeds).map(|seed| mean(&solved(seed))).sum::<f64>() / seeds as f64
+        };
+        let [coarse, fine] = [(0.1, 300), (0.01, 3)].map(|(side, seeds)| of_screen(0.8, side, seeds));
+        assert!((coarse / fine - 1.0).abs() < 0.05, "{coarse} for {fine}");
+    }
 }

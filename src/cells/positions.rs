@@ -1,8 +1,8 @@
-//! The positions of cells: a random point in each.
+//! The positions of cells: a random point in each, and one for each path that leaves it.
 
 use rayon::prelude::*;
 
-use crate::geometry::sampling;
+use crate::geometry::{sampling, streams};
 use crate::paths::{Grid, LightPaths, Place};
 use crate::progress::Stop;
 
@@ -16,10 +16,22 @@ pub(super) fn sampled_positions(paths: &LightPaths<'_>, seed: u64, stop: Stop<'_
                 return None;
             }
             let seed = sampling::hash(seed, u64::from(grid.first) + index as u64);
-            let point = paths.sampled_point(surface, grid, index, seed)?;
+            let point = paths.open_part(surface, grid, index)?.sampled_point(seed);
             Some(Place { point, surface, seed })
         };
         (0..grid.len()).map(position).collect()
     };
     grids.par_iter().with_min_len(64).flat_map_iter(of_grid).collect()
+}
+
+/// Where so many paths of a cell start: at random points where it has a value, whatever its position.
+pub(super) fn starts_of_paths<'a>(paths: &'a LightPaths<'_>, position: Place, count: usize) -> impl Iterator<Item = Place> + 'a {
+    let grid = paths.grids.of(position.surface);
+    let index = |grid: &Grid| (grid.cell_at(position.point) - grid.first) as usize;
+    let part = grid.and_then(|grid| paths.open_part(position.surface, grid, index(grid)));
+    (0..count).map(move |number| {
+        let seed = sampling::hash(position.seed, streams::START_OF_PATH + number as u64);
+        let point = part.as_ref().map_or(position.point, |part| part.sampled_point(seed));
+        Place { point, seed, ..position }
+    })
 }

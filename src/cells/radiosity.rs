@@ -1,6 +1,6 @@
 //! Cell radiosities: one for every cell of the grids, found by light paths alone (stochastic Jacobi radiosity with kept paths).
 //!
-//! From a random position in each cell a few paths are followed to the cells where they end. The radiosities there are not known
+//! From random points of each cell a few paths are followed to the cells where they end. The radiosities there are not known
 //! yet, so the paths are kept: they are the rows of a linear system, which is iterated:
 //!
 //! ```text
@@ -10,7 +10,7 @@
 //! Each row is an unbiased estimate of the integral in the radiosity equation. The solution is noisy in a single cell; a final
 //! gather averages over many. It has a bias only from paths that come back to their own cell, and few do.
 //!
-//! Direct light may vary much over a cell. So next-event estimation starts not from the position but from a few view points
+//! Direct light may vary much over a cell. So next-event estimation starts not from these points but from a few view points
 //! (`view_points.rs`), the places where others see the cell. Emission that next-event estimation brings to others is left out of
 //! `B_i`.
 
@@ -29,7 +29,7 @@ use crate::scene::DistinctChannels;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CellRadiosities {
     channels: usize,
-    /// By cell, as found at its position; 0 where it has none, and no path ends.
+    /// By cell, the mean over where it has a value; 0 where it has none, and no path ends.
     values: Vec<f32>,
 }
 

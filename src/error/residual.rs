@@ -12,9 +12,10 @@
 //! gathers is no part of it.
 //!
 //! # Unresolved surfaces
-//! Where a cell is as wide as its surface, as on the slat of a blind, what one part of the scene sees of it may be bright, and what another sees dark. All
-//! solutions over such cells are off alike, and what later bounces make of that shows in no difference of two of them. So the part of the residual that comes
-//! from there is told apart, by the cells of the replicate alone, which are off without the noise of those of values.
+//! Where a cell is as wide as its surface, as on the slat of a blind or the jamb of a slit, what one part of the scene sees of it may be bright, and what
+//! another sees dark. Rows of cells and the bounce after a value's path go on from there, so only values are off by such cells, and the residual shows it.
+//! The part that comes from there is told apart, by the cells of the replicate alone, without the noise of those of values: then paths of values
+//! go on as well.
 
 use crate::cells::CellRadiosities;
 use crate::paths::{Course, LightPaths, NO_CELL, PathScratch, Place, ValueEnd};
@@ -103,7 +104,7 @@ impl ResidualGather<'_> {
 
         // What paths of values that end before get, less what is collected from there on.
         let value_ends = ends.value_ends.iter().zip(ends.value_weight.chunks(channels)).zip(ends.value_constant.chunks(channels));
-        for ((&ValueEnd { continuation, cell, surface }, weights), before) in value_ends {
+        for ((&ValueEnd { continuation, cell, surface, .. }, weights), before) in value_ends {
             let first = of_place(continuation);
             self.add_value(found, first, (cell, surface), |channel| share * weights[channel]);
             let constant = ends.constant[continuation * channels..].iter().zip(before);
@@ -181,7 +182,7 @@ mod tests {
         let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
         let rays = Rays::new(&*visibility, &scene);
         let tall_box = SurfaceId(scene.surfaces().len() as u32 - 1);
-        let resolution = Resolution { size: CellSize { side: 0.05, least: 1, most_surfaces: usize::MAX }, rays: 4 };
+        let resolution = Resolution { size: CellSize { side: 0.05, past_unresolved: false, most_surfaces: usize::MAX }, rays: 4 };
         let mut unguided = Vec::new();
         for (has_reflector, vertex_rays) in [(true, 1), (false, 1), (false, 32)] {
             let mut brightness = Brightness::even(&scene);
@@ -245,7 +246,7 @@ mod tests {
         let scene = cornell();
         let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
         let rays = Rays::new(&*visibility, &scene);
-        let resolution = Resolution { size: CellSize { side: 0.1, least: 1, most_surfaces: usize::MAX }, rays: 4 };
+        let resolution = Resolution { size: CellSize { side: 0.1, past_unresolved: false, most_surfaces: usize::MAX }, rays: 4 };
         let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], resolution.size, &|| false);
         let cells = CellRadiosities::solve(&paths, &resolution, 1, &|| false).unwrap();
         let (channels, count, places) = (scene.channels(), 64, places(&scene));
@@ -289,7 +290,7 @@ mod tests {
         let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
         let rays = Rays::new(&*visibility, &scene);
         for (side, is_unresolved) in [(100.0, true), (0.05, false)] {
-            let resolution = Resolution { size: CellSize { side, least: 1, most_surfaces: usize::MAX }, rays: 16 };
+            let resolution = Resolution { size: CellSize { side, past_unresolved: false, most_surfaces: usize::MAX }, rays: 16 };
             let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], resolution.size, &|| false);
             let cells = CellRadiosities::solve(&paths, &resolution, 1, &|| false).unwrap();
             let gather = ResidualGather { paths: &paths, of_values: &cells, onward: &cells, vertex_rays: 1 };

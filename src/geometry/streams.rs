@@ -93,6 +93,8 @@ pub(crate) const CONTROL_GATHERS: u64 = kind(9);
 pub(crate) const REPLICATE_PILOT: u64 = kind(10);
 /// Whether a path of little weight goes on.
 pub(crate) const ROULETTE: u64 = kind(11);
+/// Where a path of a cell starts; add its number.
+pub(crate) const START_OF_PATH: u64 = kind(105);
 /// Directions towards emitters around which rays are sent.
 pub(crate) const TOWARDS: u64 = kind(103);
 /// Rays around these; add the number of the direction.

@@ -14,6 +14,9 @@ pub(crate) struct Course {
     pub past_values: bool,
     /// Paths with less weight go on at random.
     pub little: f64,
+    /// Whether paths go on from where their first ray arrives on an unresolved surface ([`Grids::is_unresolved`](super::Grids::is_unresolved)), even if those of
+    /// values end there: light varies over such a surface, and differs by where it is seen from.
+    pub past_unresolved: bool,
     /// Rays to emitters from where a path goes on: one, or about so many if none of them is seen exactly.
     pub vertex_rays: u32,
 }
@@ -21,7 +24,7 @@ pub(crate) struct Course {
 impl Course {
     /// For values: paths with at least so many bounces.
     pub fn of_values(count: u32, bounces: u32, vertex_rays: u32) -> Self {
-        Self { count, bounces, past_values: false, little: LITTLE, vertex_rays }
+        Self { count, bounces, past_values: false, little: LITTLE, past_unresolved: false, vertex_rays }
     }
 
     /// Those of values, and one bounce on from where they end.

@@ -79,6 +79,8 @@ pub(crate) struct ValueEnd {
     pub continuation: usize,
     pub cell: u32,
     pub surface: SurfaceId,
+    /// How often the path was reflected before.
+    pub bounces: u32,
 }
 
 /// What a ray finds.
@@ -89,7 +91,7 @@ pub(super) enum Arrival {
     Sky(DVec3),
     /// A cell that is small, and the point of a surface in it.
     Cell(u32, DVec3, SurfaceId),
-    /// A point from which the path goes on; with its cell, if only the least number of bounces forbids to end there.
+    /// A point from which the path goes on; with its cell, if that of a value may end there.
     Onward(DVec3, SurfaceId, Option<u32>),
 }
 
@@ -123,10 +125,11 @@ impl Ends {
         self.seen.push(SeenOnTheWay { continuation, cell, is_of_value });
     }
 
-    /// The path of a value ends here, in a cell; this one goes on.
-    pub(super) fn end_value(&mut self, continuation: usize, cell: u32, surface: SurfaceId, channels: usize) {
+    /// The path of a value ends here; this one goes on.
+    pub(super) fn end_value(&mut self, end: ValueEnd, channels: usize) {
+        let continuation = end.continuation;
         self.continued[continuation].value_end = Some(self.value_ends.len());
-        self.value_ends.push(ValueEnd { continuation, cell, surface });
+        self.value_ends.push(end);
         let own = continuation * channels..(continuation + 1) * channels;
         self.value_weight.extend_from_slice(&self.weight[own.clone()]);
         self.value_constant.extend_from_slice(&self.constant[own]);

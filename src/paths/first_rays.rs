@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::course::Course;
-use super::ends::{Arrival, Continuation};
+use super::ends::{Arrival, Continuation, ValueEnd};
 use super::grid::NO_CELL;
 use super::place::{Directions, Place, Receives, cosine_rays};
 use super::trace::{LightPaths, PathScratch};
@@ -18,6 +18,7 @@ impl LightPaths<'_> {
     /// Casts the first rays of all paths.
     pub(super) fn leave(&self, places: &[impl Receives], directions: &[Directions], course: &Course, scratch: &mut PathScratch) {
         let (count, beyond) = (course.count, course.bounces > 0 || course.past_values);
+        let past_unresolved = course.past_unresolved || self.grids.past_unresolved();
         self.draw_first_rays(places, directions, course, scratch);
         let PathScratch { ends, rays, heads, continuation_of, into_sky, value_ends, .. } = scratch;
         heads.clear();
@@ -27,7 +28,7 @@ impl LightPaths<'_> {
 
         // Paths end where they arrive, or go on from there.
         for (path, (ray, hit)) in rays.iter().zip(&scratch.hits).enumerate() {
-            match self.arrival(&places[path / count as usize], ray, *hit, beyond) {
+            match self.arrival(&places[path / count as usize], ray, *hit, [beyond, past_unresolved]) {
                 Arrival::Nothing => {}
                 Arrival::Sky(direction) => {
                     into_sky.push((ends.continued.len(), direction));
@@ -47,7 +48,7 @@ impl LightPaths<'_> {
                     heads.push(Place { point, surface, seed });
                     continuation_of.push(ends.continued.len());
                     if let Some(cell) = small.filter(|_| course.past_values) {
-                        value_ends.push((ends.continued.len(), cell, surface));
+                        value_ends.push(ValueEnd { continuation: ends.continued.len(), cell, surface, bounces: 0 });
                     }
                     ends.continued.push(Continuation { path, cell: NO_CELL, value_end: None, is_of_sky: false });
                 }

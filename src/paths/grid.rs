@@ -41,8 +41,8 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// With cells of about this side, at least so many across and along.
-    fn around(facet: &Facet<'_>, (side, least): (f64, u32), [number, first]: [u32; 2]) -> Self {
+    /// With cells of about this side.
+    fn around(facet: &Facet<'_>, side: f64, [number, first]: [u32; 2]) -> Self {
         // Axes along and across the longest edge.
         let count = facet.vertices.len();
         let edge = |k: usize| facet.vertices[if k + 1 == count { 0 } else { k + 1 }] - facet.vertices[k];
@@ -56,7 +56,7 @@ impl Grid {
             heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), height| (low.min(height), high.max(height)))
         };
         let ((left, right), (bottom, top)) = (extent(across), extent(along));
-        let cells = |length: f64| (length / side).round().clamp(f64::from(least), MAX_SIDE);
+        let cells = |length: f64| (length / side).round().clamp(1.0, MAX_SIDE);
         let (columns, rows) = (cells(right - left), cells(top - bottom));
         Self {
             number,
@@ -135,15 +135,10 @@ impl Grid {
 pub(crate) struct CellSize {
     /// The size of a cell, in metres.
     pub side: f64,
-    /// At least so many cells lie along each side of a surface.
-    pub least: u32,
+    /// Whether paths of values go on from where their first ray arrives on an unresolved surface.
+    pub past_unresolved: bool,
     /// Only so many surfaces have cells, the largest ones; paths that arrive on others go on.
     pub most_surfaces: usize,
-}
-
-impl CellSize {
-    /// No surface has to have more cells along a side.
-    pub const MOST_LEAST: u32 = 8;
 }
 
 /// How fine the cells are, and how many paths leave each.
@@ -165,7 +160,7 @@ impl Resolution {
     pub fn is_valid(&self, scene: &Scene) -> bool {
         let side = self.size.side;
         let is_size = side.is_finite() && side > 0.0 && side * MOST_ALONG >= scene.bounds().diagonal();
-        is_size && (1..=CellSize::MOST_LEAST).contains(&self.size.least) && (1..=MOST_RAYS).contains(&self.rays)
+        is_size && (1..=MOST_RAYS).contains(&self.rays)
     }
 }
 
@@ -184,13 +179,13 @@ pub(crate) struct Grids {
     /// By surface, the number of its grid, or [`NO_GRID`] where a surface has no cells: it reflects nothing, or is too small.
     numbers: Vec<u32>,
     cells: usize,
-    least: u32,
+    past_unresolved: bool,
 }
 
 impl Grids {
     /// Cells of about this size, smaller ones on reflectors, larger ones where it is dim.
     pub fn new(scene: &Scene, brightness: &Brightness, size: CellSize) -> Self {
-        let CellSize { side, least, most_surfaces } = size;
+        let CellSize { side, past_unresolved, most_surfaces } = size;
         let surfaces = scene.surfaces();
         let area = |index: &usize| surfaces[*index].polygon.area();
 
@@ -215,11 +210,11 @@ impl Grids {
         let (mut grids, mut numbers, mut cells) = (Vec::with_capacity(order.len()), vec![NO_GRID; surfaces.len()], 0);
         for index in order {
             numbers[index] = grids.len() as u32;
-            let grid = Grid::around(&surfaces[index].polygon.facet(), (sides[index], least), [numbers[index], cells as u32]);
+            let grid = Grid::around(&surfaces[index].polygon.facet(), sides[index], [numbers[index], cells as u32]);
             cells += grid.len();
             grids.push((SurfaceId(index as u32), grid));
         }
-        Self { grids, numbers, cells, least }
+        Self { grids, numbers, cells, past_unresolved }
     }
 
     /// The grid of a surface, if it has cells.
@@ -235,9 +230,14 @@ impl Grids {
         Some(grid.point_in((grid.cell_at(point) - grid.first) as usize, u, v))
     }
 
-    /// Whether a surface has only as few cells along a side as it must have.
+    /// Whether the cells of a surface are as wide as it is, as on a slat or the jamb of a slit.
     pub fn is_unresolved(&self, surface: SurfaceId) -> bool {
-        self.of(surface).is_some_and(|grid| grid.columns.min(grid.rows) == self.least)
+        self.of(surface).is_some_and(|grid| grid.columns.min(grid.rows) == 1)
+    }
+
+    /// Whether paths of values go on from where their first ray arrives on such a surface.
+    pub fn past_unresolved(&self) -> bool {
+        self.past_unresolved
     }
 
     /// The place of a point's cell on the Morton curve through the cells of its surface; 0 if that has no cells.
@@ -282,21 +282,17 @@ mod tests {
     use crate::scene::{Material, Sides};
 
     #[test]
-    fn narrow_surfaces_have_as_many_cells_across_as_they_must() {
+    fn surfaces_no_wider_than_a_cell_are_unresolved() {
         let rectangle = |width: f64| Polygon::new(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, width, 0.0], [0.0, width, 0.0]]).unwrap();
         let material = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![0.0] };
         let surfaces = [0.08, 0.3, 1.0].map(|width| (rectangle(width), 0, 0)).to_vec();
         let scene = Scene::new(1, vec![material], surfaces, Sides::Front).unwrap();
-        let of = |least: u32| {
-            let size = CellSize { side: 0.1, least, most_surfaces: usize::MAX };
-            let grids = Grids::new(&scene, &Brightness::even(&scene), size);
-            [0, 1, 2].map(SurfaceId).map(|surface| {
-                let grid = grids.of(surface).unwrap();
-                (grid.columns, grid.rows, grids.is_unresolved(surface))
-            })
+        let size = CellSize { side: 0.1, past_unresolved: false, most_surfaces: usize::MAX };
+        let grids = Grids::new(&scene, &Brightness::even(&scene), size);
+        let of = |surface: u32| {
+            let grid = grids.of(SurfaceId(surface)).unwrap();
+            (grid.columns, grid.rows, grids.is_unresolved(SurfaceId(surface)))
         };
-        assert_eq!(of(1), [(10, 1, true), (10, 3, false), (10, 10, false)]);
-        assert_eq!(of(2), [(10, 2, true), (10, 3, false), (10, 10, false)]);
-        assert_eq!(of(4), [(10, 4, true), (10, 4, true), (10, 10, false)]);
+        assert_eq!([0, 1, 2].map(of), [(10, 1, true), (10, 3, false), (10, 10, false)]);
     }
 }

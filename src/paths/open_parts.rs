@@ -1,7 +1,7 @@
 //! Open parts of cells: where a cell has a value.
 //!
-//! A cell has one value, found at one point of it. A wall that stands on the surface parts the cell, and what lies close over it keeps
-//! light away: there the value at one point says nothing about another. So a cell in which something stands, or over which something
+//! A cell has one value, the mean over it. A wall that stands on the surface parts the cell, and what lies close over it keeps
+//! light away: there a mean says nothing about either side. So a cell in which something stands, or over which something
 //! lies, is cut into squares. Squares that are crossed or covered have no value; of the others those that hang together are a part, and
 //! the largest part has the cell's value. A path that arrives anywhere else goes on.
 //!
@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 use glam::{DVec2, DVec3};
 
 use super::grid::{Grid, Grids};
-use crate::geometry::{Aabb, sampling, streams};
+use crate::geometry::{Aabb, ClippedFacet, Facet, sampling, streams};
 use crate::scene::{Scene, Surface, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::SurfaceBoxes;
@@ -64,28 +64,19 @@ impl<'a> OpenParts<'a> {
         parted.get(&cell).is_none_or(|open| open & square(column % SQUARES, row % SQUARES) != 0)
     }
 
-    /// A random point of cell number `index` of the grid where the cell has a value; `None` if there is no such point.
-    pub fn sampled_point(&self, surface: SurfaceId, grid: &Grid, index: usize, seed: u64) -> Option<DVec3> {
+    /// Where cell number `index` of the grid has a value; `None` if nowhere.
+    pub fn part_of(&self, surface: SurfaceId, grid: &Grid, index: usize) -> Option<OpenPart<'_>> {
         let facet = self.scene.surface(surface).polygon.facet();
-        let [u, v] = [seed, sampling::hash(seed, streams::SECOND)].map(sampling::unit);
-        let Some(open) = self.of(surface, grid).get(&(index as u32)) else {
-            let whole = grid.point_in(index, u, v);
-            let is_inner =
-                [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].iter().all(|&(u, v)| facet.contains(grid.point_in(index, u, v)));
-            return if is_inner { Some(whole) } else { Some(grid.part_of(&facet, index)?.facet().point_at(u, v)) };
+        let shape = match self.of(surface, grid).get(&(index as u32)) {
+            Some(0) => return None,
+            Some(&open) => Shape::Squares(open),
+            None => {
+                let is_inside = |(u, v)| facet.contains(grid.point_in(index, u, v));
+                let is_whole = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].into_iter().all(is_inside);
+                if is_whole { Shape::Whole } else { Shape::Clipped(grid.part_of(&facet, index)?) }
+            }
         };
-
-        // A square by the first number, a point in it by what is left of that, and the second one.
-        let count = open.count_ones();
-        if count == 0 {
-            return None;
-        }
-        let chosen = ((u * f64::from(count)) as u32).min(count - 1);
-        let number = (0..64).filter(|bit| open >> bit & 1 == 1).nth(chosen as usize)?;
-        let (column, row) = (f64::from(number % SQUARES), f64::from(number / SQUARES));
-        let within = |u: f64, v: f64| grid.point_in(index, (column + u) / f64::from(SQUARES), (row + v) / f64::from(SQUARES));
-        let point = within(u * f64::from(count) - f64::from(chosen), v);
-        Some(if facet.contains(point) { point } else { within(0.5, 0.5) })
+        Some(OpenPart { facet, grid: *grid, index, shape })
     }
 
     /// The cells of a surface that are not open everywhere.
@@ -103,6 +94,47 @@ impl<'a> OpenParts<'a> {
             };
             marked.into_iter().map(open_part).collect()
         })
+    }
+}
+
+/// Where a cell has a value.
+pub(crate) struct OpenPart<'a> {
+    facet: Facet<'a>,
+    grid: Grid,
+    index: usize,
+    shape: Shape,
+}
+
+enum Shape {
+    /// All of the cell.
+    Whole,
+    /// What of it lies on the surface.
+    Clipped(ClippedFacet),
+    /// Some squares.
+    Squares(Squares),
+}
+
+impl OpenPart<'_> {
+    /// A random point of it.
+    pub fn sampled_point(&self, seed: u64) -> DVec3 {
+        let [u, v] = [seed, sampling::hash(seed, streams::SECOND)].map(sampling::unit);
+        match &self.shape {
+            Shape::Whole => self.grid.point_in(self.index, u, v),
+            Shape::Clipped(part) => part.facet().point_at(u, v),
+            &Shape::Squares(open) => {
+                // A square by the first number, a point in it by what is left of that, and the second one.
+                let count = open.count_ones();
+                let chosen = ((u * f64::from(count)) as u32).min(count - 1);
+                let number = (0..64).filter(|bit| open >> bit & 1 == 1).nth(chosen as usize).unwrap_or_default();
+                let corner = [number % SQUARES, number / SQUARES].map(f64::from);
+                let within = |at: [f64; 2]| {
+                    let [u, v] = [0, 1].map(|k| (corner[k] + at[k]) / f64::from(SQUARES));
+                    self.grid.point_in(self.index, u, v)
+                };
+                let point = within([u * f64::from(count) - f64::from(chosen), v]);
+                if self.facet.contains(point) { point } else { within([0.5, 0.5]) }
+            }
+        }
     }
 }
 
@@ -246,12 +278,16 @@ mod tests {
         let material = Material { name: String::new(), reflectance: vec![0.5], exitance: vec![0.0] };
         let faces = faces.into_iter().zip(0..).map(|(polygon, face)| (polygon, 0, face)).collect();
         let scene = Scene::new(1, vec![material], faces, Sides::Front).unwrap();
-        let grids = Grids::new(&scene, &Brightness::even(&scene), CellSize { side: 1.0, least: 1, most_surfaces: usize::MAX });
+        let grids = Grids::new(
+            &scene,
+            &Brightness::even(&scene),
+            CellSize { side: 1.0, past_unresolved: false, most_surfaces: usize::MAX },
+        );
         let visibility = build(Backend::BruteForce, &OccluderMesh::of_scene(&scene)).unwrap();
         let rays = Rays::new(&*visibility, &scene);
         let (parts, grid) = (OpenParts::new(&scene, &rays, &grids), grids.of(SurfaceId(0)).unwrap());
         for seed in 0..32 {
-            let point = parts.sampled_point(SurfaceId(0), grid, 0, sampling::hash(seed, 0)).unwrap();
+            let point = parts.part_of(SurfaceId(0), grid, 0).unwrap().sampled_point(sampling::hash(seed, 0));
             assert!(parts.contains(SurfaceId(0), grid, point), "{point}");
         }
         xs.iter().map(|&x| parts.contains(SurfaceId(0), grid, DVec3::new(x, 0.6, 0.0))).collect()

@@ -28,8 +28,7 @@ pub(crate) struct Illumination {
     pub emitted: f64,
     /// The power of each particle, in W.
     pub of_particle: f64,
-    /// What arrives on surfaces, and what of it is reflected, in W.
-    pub arrived: f64,
+    /// What surfaces reflect, in W.
     pub reflected: f64,
     /// In the channel in which it is most, in W.
     pub reflected_brightest: f64,
@@ -67,11 +66,6 @@ impl Illumination {
         if self.reflected > 0.0 { self.reflected / (self.emitted + self.reflected) } else { 0.0 }
     }
 
-    /// The mean reflectance, by what arrives.
-    pub fn reflectance(&self) -> f64 {
-        if self.arrived > 0.0 { self.reflected / self.arrived } else { 0.0 }
-    }
-
     /// Follows particles through the scene; once stopped, those on their way are given up.
     pub fn sampled(scene: &Scene, rays: &Rays<'_>, seed: u64, stop: Stop<'_>) -> Self {
         let areas: Vec<f64> = scene.surfaces().par_iter().map(|surface| surface.polygon.area()).collect();
@@ -86,7 +80,7 @@ impl Illumination {
         let sent: Vec<Sent> = (0..PARTICLES).map(|number| emission.sampled_particle(number, PARTICLES, seed)).collect();
         let mut on_way: Vec<Particle> = sent.iter().zip(0..).map(|(sent, number)| Particle { number, ray: sent.ray }).collect();
         let channels = scene.deciding();
-        let (mut by_channel, mut arrived, mut emitted) = (vec![0.0; channels], 0.0, emission.power_of_emitters());
+        let (mut by_channel, mut emitted) = (vec![0.0; channels], emission.power_of_emitters());
         let mut power: Vec<f64> = sent.iter().flat_map(|sent| emission.spectrum(sent)).collect();
         let (mut directions, mut hits, mut landings) = (Vec::new(), Vec::new(), Vec::new());
         for bounce in 0..MAX_BOUNCES {
@@ -110,7 +104,6 @@ impl Illumination {
                 let Some(surface) = scene.side_towards(SurfaceId(hit.surface), -direction) else { return false };
                 let own = &mut power[particle.number as usize * channels..][..channels];
                 let before: f64 = own.iter().sum();
-                arrived += before;
                 let reflectance = &scene.material_of(surface).reflectance;
                 own.iter_mut().zip(reflectance).for_each(|(power, rho)| *power *= rho);
                 by_channel.iter_mut().zip(&*own).for_each(|(sum, power)| *sum += power);
@@ -128,7 +121,7 @@ impl Illumination {
         }
         let reflected_brightest = by_channel.into_iter().fold(0.0, f64::max);
         let of_particle = emission.power() / f64::from(PARTICLES);
-        let of_power = Self { arrived, reflected_brightest, ..Self::of_power(scene, area, &halves) };
+        let of_power = Self { reflected_brightest, ..Self::of_power(scene, area, &halves) };
         Self { emitted, of_particle, landings: landings.into(), ..of_power }
     }
 
@@ -139,15 +132,7 @@ impl Illumination {
         let products = first.iter().zip(second).zip(scene.surfaces());
         let square: f64 = products.map(|((first, second), surface)| 4.0 * first * second / surface.polygon.area()).sum();
         let lit_area = if square > 0.0 { (reflected * reflected / square).min(area) } else { area };
-        Self {
-            emitted: 0.0,
-            of_particle: 0.0,
-            arrived: 0.0,
-            reflected,
-            reflected_brightest: 0.0,
-            lit_area,
-            landings: Arc::default(),
-        }
+        Self { emitted: 0.0, of_particle: 0.0, reflected, reflected_brightest: 0.0, lit_area, landings: Arc::default() }
     }
 }
 
@@ -201,7 +186,6 @@ mod tests {
         // 2048 particles with two bounces on average scatter by 3%.
         assert!((found.reflected / 12.0 - 1.0).abs() < 0.1, "{found:?}");
         assert!((found.albedo() - 0.5).abs() < 0.03 && found.lit_area > 5.8, "{found:?}");
-        assert!((found.reflectance() - 0.5).abs() < 1e-12, "{found:?}");
     }
 
     /// A square above another one; a black or a far plate beside them changes nothing.

@@ -255,7 +255,7 @@ mod tests {
                 &Grids::new(
                     &scene,
                     &Brightness { reflectors: vec![plate], ..Brightness::even(&scene) },
-                    CellSize { side: 0.1, least: 1, most_surfaces: usize::MAX },
+                    CellSize { side: 0.1, past_unresolved: false, most_surfaces: usize::MAX },
                 ),
                 1.5,
                 &|| false,

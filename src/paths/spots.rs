@@ -125,7 +125,11 @@ mod tests {
         let material = |reflectance| Material { name: String::new(), reflectance: vec![reflectance], exitance: vec![0.0] };
         let faces = vec![(square(4.0, 0.0), 0, 0), (square(2e4, -1.0), 1, 1)];
         let scene = Scene::new(1, vec![material(0.5), material(0.0)], faces, Sides::Front).unwrap();
-        let grids = Grids::new(&scene, &Brightness::even(&scene), CellSize { side: 0.1, least: 1, most_surfaces: usize::MAX });
+        let grids = Grids::new(
+            &scene,
+            &Brightness::even(&scene),
+            CellSize { side: 0.1, past_unresolved: false, most_surfaces: usize::MAX },
+        );
         let landing = |number: u64| {
             let random = |draw| sampling::unit(sampling::hash(number, draw));
             let side = if random(3) < part { side } else { 4.0 };

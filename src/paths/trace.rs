@@ -16,10 +16,10 @@ use super::batch_sums::BatchSums;
 use super::course::Course;
 use super::direct_sums::DirectSums;
 use super::emitters::Emitters;
-use super::ends::{Arrival, Ends};
+use super::ends::{Arrival, Ends, ValueEnd};
 use super::grid::{CellSize, Grid, Grids};
 use super::next_event::EmitterRays;
-use super::open_parts::OpenParts;
+use super::open_parts::{OpenPart, OpenParts};
 use super::particles::Landing;
 use super::place::{Directions, Place, Receives, cosine_rays};
 use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
@@ -62,8 +62,8 @@ pub(crate) struct PathScratch {
     reflector_rays: ReflectorRays,
     /// Paths that have left the scene at their first rays: their continuations, and directions.
     pub(super) into_sky: Vec<(usize, DVec3)>,
-    /// Continuations whose first rays arrive where paths of values end: the cell, and its surface.
-    pub(super) value_ends: Vec<(usize, u32, SurfaceId)>,
+    /// Of continuations whose first rays arrive where paths of values end.
+    pub(super) value_ends: Vec<ValueEnd>,
 }
 
 /// Casts light paths through a scene.
@@ -184,9 +184,9 @@ impl<'a> LightPaths<'a> {
         self.open_parts.contains(surface, grid, point).then(|| grid.cell_at(point))
     }
 
-    /// A random point of cell number `index` of a surface's grid where it has a value.
-    pub fn sampled_point(&self, surface: SurfaceId, grid: &Grid, index: usize, seed: u64) -> Option<DVec3> {
-        self.open_parts.sampled_point(surface, grid, index, seed)
+    /// Where cell number `index` of a surface's grid has a value; `None` if nowhere.
+    pub fn open_part(&self, surface: SurfaceId, grid: &Grid, index: usize) -> Option<OpenPart<'_>> {
+        self.open_parts.part_of(surface, grid, index)
     }
 
     /// The cell that has a value at a point, if it is small as seen from `distance` metres away.
@@ -222,9 +222,7 @@ impl<'a> LightPaths<'a> {
             ends.weight.extend(std::iter::repeat_n(weight, channels));
             ends.guided.push(weight);
         }
-        for (continuation, cell, surface) in scratch.value_ends.drain(..) {
-            ends.end_value(continuation, cell, surface, channels);
-        }
+        scratch.value_ends.drain(..).for_each(|end| ends.end_value(end, channels));
         for (continuation, direction) in scratch.into_sky.drain(..) {
             let constant = &mut ends.constant[continuation * channels..][..channels];
             self.scene.add_sky_radiosity(direction, ends.guided[continuation], constant);
@@ -235,7 +233,7 @@ impl<'a> LightPaths<'a> {
                 break;
             }
             self.reflect(course, scratch);
-            self.go_on(course, bounce < course.bounces, scratch);
+            self.go_on(course, bounce, scratch);
         }
     }
 
@@ -289,10 +287,11 @@ impl<'a> LightPaths<'a> {
         }
     }
 
-    /// Casts the next ray of each continuation, which ends in a small cell; else it goes on, by Russian roulette if it has less than
-    /// little weight left. With `beyond` no path may end yet.
-    fn go_on(&self, course: &Course, beyond: bool, scratch: &mut PathScratch) {
+    /// Casts the next ray of each continuation, after so many bounces, which ends in a small cell; else it goes on, by Russian roulette if it has less
+    /// than little weight left.
+    fn go_on(&self, course: &Course, bounces: u32, scratch: &mut PathScratch) {
         let PathScratch { ends, rays, hits, heads, continuation_of, direct, .. } = scratch;
+        let beyond = bounces < course.bounces;
         let little = if beyond { f64::MIN_POSITIVE } else { course.little };
         let channels = self.scene.channels();
         rays.clear();
@@ -312,8 +311,11 @@ impl<'a> LightPaths<'a> {
         let (mut left, mut brought) = (0, vec![0.0; channels]);
         for (index, (ray, hit)) in rays.iter().zip(&*hits).enumerate() {
             let continuation = continuation_of[index];
-            let is_past = ends.continued[continuation].value_end.is_some();
-            match self.arrival(&heads[index], ray, *hit, beyond || (course.past_values && !is_past)) {
+            // What follows the end of a value's path is as right as the rows of cells are.
+            let value_end = ends.continued[continuation].value_end;
+            let (is_past, bounces_of_value) = (value_end.is_some(), value_end.map(|number| ends.value_ends[number].bounces));
+            let past_unresolved = bounces_of_value.is_some_and(|of_value| of_value + 1 == bounces);
+            match self.arrival(&heads[index], ray, *hit, [beyond || (course.past_values && !is_past), past_unresolved]) {
                 Arrival::Nothing => {}
                 Arrival::Sky(direction) => {
                     brought.fill(0.0);
@@ -327,7 +329,7 @@ impl<'a> LightPaths<'a> {
                 Arrival::Cell(cell, ..) => ends.continued[continuation].cell = cell,
                 Arrival::Onward(point, surface, small) => {
                     if let Some(cell) = small.filter(|_| course.past_values && !is_past) {
-                        ends.end_value(continuation, cell, surface, channels);
+                        ends.end_value(ValueEnd { continuation, cell, surface, bounces }, channels);
                     }
                     let draw = sampling::unit(sampling::hash(heads[index].seed, streams::ROULETTE));
                     let cell = if course.sees_exactly() { None } else { self.cell_at(surface, point) };
@@ -344,8 +346,14 @@ impl<'a> LightPaths<'a> {
         continuation_of.truncate(left);
     }
 
-    /// What a ray from a place finds. With `beyond` no path may end yet.
-    pub(super) fn arrival(&self, from: &impl Receives, ray: &Ray, hit: Option<Hit>, beyond: bool) -> Arrival {
+    /// What a ray from a place finds. With `beyond` no path may end yet, with `past_unresolved` none on an unresolved surface.
+    pub(super) fn arrival(
+        &self,
+        from: &impl Receives,
+        ray: &Ray,
+        hit: Option<Hit>,
+        [beyond, past_unresolved]: [bool; 2],
+    ) -> Arrival {
         let direction = DVec3::from(ray.direction);
         let Some(hit) = hit else { return if self.has_sky { Arrival::Sky(direction) } else { Arrival::Nothing } };
         let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { return Arrival::Nothing };
@@ -355,6 +363,7 @@ impl<'a> LightPaths<'a> {
         let point = DVec3::from(ray.origin) + hit.distance * direction;
         match self.small_cell(surface, point, hit.distance) {
             Some(cell) if self.reflectors.is_target(cell) && !self.is_on_target(from) => Arrival::Nothing,
+            Some(_) if past_unresolved && self.grids.is_unresolved(surface) => Arrival::Onward(point, surface, None),
             Some(cell) if !beyond => Arrival::Cell(cell, point, surface),
             small => Arrival::Onward(point, surface, small),
         }

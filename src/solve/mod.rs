@@ -124,7 +124,7 @@ fn solve_all_channels(job: &Job<'_>, beginning: Beginning) -> (Solution, SolveRe
             match error.map_or(NextStep::Exhausted, |error| way.plan_next(&error)) {
                 NextStep::GoodEnough => break 'solve StoppedBy::Error,
                 NextStep::Exhausted => break 'solve StoppedBy::Exhausted,
-                NextStep::FindCells(_) | NextStep::SplitCells if job.has_no_time_for(cells.elapsed()) => {
+                NextStep::FindCells(_) | NextStep::PassUnresolved if job.has_no_time_for(cells.elapsed()) => {
                     break 'solve StoppedBy::Time;
                 }
                 NextStep::Refine(_) if job.has_no_time_for(round.elapsed()) => break 'solve StoppedBy::Time,
@@ -135,7 +135,7 @@ fn solve_all_channels(job: &Job<'_>, beginning: Beginning) -> (Solution, SolveRe
                 | NextStep::MorePoints
                 | NextStep::MoreRays(_)
                 | NextStep::FindCells(_)
-                | NextStep::SplitCells => {}
+                | NextStep::PassUnresolved => {}
                 NextStep::Refine(_) => break,
                 NextStep::TakeCells => {
                     way = way.into_cells();

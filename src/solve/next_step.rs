@@ -41,8 +41,8 @@ pub(super) struct Instead {
 /// Decides what to do about an error; `value_noise` is the part of it that is noise of the values at points.
 pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64, instead: &Instead) -> NextStep {
     let requested = plan.requested();
-    if plan.should_resolve(error.by_unresolved) && !plan.has_estimated_enough() {
-        return NextStep::SplitCells;
+    if plan.should_pass_unresolved(error.by_unresolved) && !plan.has_estimated_enough() {
+        return NextStep::PassUnresolved;
     }
     if error.claimed <= requested {
         return if error.is_elsewhere { NextStep::Exhausted } else { NextStep::GoodEnough };

@@ -83,8 +83,7 @@ const MAX_CELLS: u32 = 6;
 /// Estimates after which more points would not tell more.
 pub(super) const MAX_ESTIMATES: u32 = 16;
 
-/// Where cells of unresolved surfaces make values wrong, the estimate misses what later bounces make of that: all together it is up to
-/// 1 / (1 - reflectance) times as much. Of the square of the error that is asked for no more than this part may be missed: claims are too small by half of it then.
+/// Cells of unresolved surfaces may make up this part of the square of the error that is asked for. Without them values are noisier, by as much in furnished rooms.
 const UNRESOLVED_PART: f64 = 0.1;
 
 /// Values may take so many times the rays in one step.
@@ -121,7 +120,10 @@ impl Plan {
             tolerance: options.links.tolerance.unwrap_or(tolerance),
             vertex_rays: 1,
             point_rays: options.point_rays.unwrap_or_else(|| law.point_rays(over_cells)),
-            resolution: Resolution { size: CellSize { side, least: 1, most_surfaces: 0 }, rays: law.position_rays(positions, 0) },
+            resolution: Resolution {
+                size: CellSize { side, past_unresolved: false, most_surfaces: 0 },
+                rays: law.position_rays(positions, 0),
+            },
             error_points: *ERROR_POINTS.start(),
             replicate_rays: law.replicate_rays(),
             value_noise: None,
@@ -296,13 +298,11 @@ impl Plan {
         self.refinements < MAX_CELLS
     }
 
-    /// Whether surfaces are to be resolved whose cells make values wrong by so much.
-    pub fn should_resolve(&self, by_unresolved: f64) -> bool {
-        let of_all_bounces = (1.0 - self.law.illumination.reflectance()).recip();
-        let missed_sq = by_unresolved.powi(2) * (of_all_bounces.powi(2) - 1.0);
+    /// Whether paths of values are to go on from unresolved surfaces, whose cells make values wrong by so much.
+    pub fn should_pass_unresolved(&self, by_unresolved: f64) -> bool {
         self.over_cells
-            && missed_sq > UNRESOLVED_PART * self.requested().powi(2)
-            && self.resolution.size.least < CellSize::MOST_LEAST
+            && !self.resolution.size.past_unresolved
+            && by_unresolved.powi(2) > UNRESOLVED_PART * self.requested().powi(2)
     }
 
     pub fn may_refine(&self) -> bool {
@@ -345,7 +345,7 @@ impl Plan {
                 self.resolution.size.side /= MORE_POSITIONS.sqrt();
                 self.resolution.rays *= MORE_POSITION_RAYS;
             }
-            NextStep::SplitCells => self.resolution.size.least *= 2,
+            NextStep::PassUnresolved => self.resolution.size.past_unresolved = true,
             NextStep::Refine(factor) => {
                 self.refinements += 1;
                 self.tolerance *= factor;

@@ -13,8 +13,8 @@ pub(super) enum NextStep {
     MoreRays(f64),
     /// Cell radiosities are too noisy or too coarse: find them more finely. Values may take so many times the rays too.
     FindCells(f64),
-    /// Cells as wide as their surfaces make values wrong: twice as many along the sides of these.
-    SplitCells,
+    /// Cells as wide as their surfaces make values wrong: go on from where paths arrive on these.
+    PassUnresolved,
     /// Refine links to so many times the tolerance.
     Refine(f64),
     /// Go on over cells: refining links would take more.
@@ -26,7 +26,7 @@ pub(super) enum NextStep {
 impl NextStep {
     /// Whether values change.
     pub fn changes_values(self) -> bool {
-        matches!(self, Self::MoreRays(_) | Self::FindCells(_) | Self::SplitCells | Self::Refine(_) | Self::TakeCells)
+        matches!(self, Self::MoreRays(_) | Self::FindCells(_) | Self::PassUnresolved | Self::Refine(_) | Self::TakeCells)
     }
 }
 

@@ -13,10 +13,13 @@ mod made;
 mod nested;
 mod parts;
 mod pinhole;
+mod random_room;
+mod slit;
 mod snoot;
 mod spheres;
 
 pub use made::Made;
+pub use random_room::random_room;
 
 /// A scene and why it is here.
 pub struct HardScene {
@@ -107,6 +110,12 @@ fn with_rare_light() -> Vec<HardScene> {
             || pinhole::pinhole(0.15),
             "the same with a hole of 15 cm",
             "some paths find the light of more than half of the area, most do not",
+        ),
+        new(
+            "slit",
+            slit::slit,
+            "a room of shelves that a slit of 5 cm lights",
+            "half of the area has a thousandth of the light of the other half",
         ),
         new("tiny_lamps", lamps::many, "10,000 lamps of 5 mm behind grids", "from every point most lamps are hidden"),
         new("one_lamp", lamps::one, "one lamp of a millionth of the area, and boxes", "shadows without penumbra, a huge exitance"),
