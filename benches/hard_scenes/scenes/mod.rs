@@ -115,7 +115,7 @@ fn with_rare_light() -> Vec<HardScene> {
             "slit",
             slit::slit,
             "a room of shelves that a slit of 5 cm lights",
-            "half of the area has a thousandth of the light of the other half",
+            "half of the area has a few thousandths of the light of the other half, by the jambs of the slit in good part",
         ),
         new("tiny_lamps", lamps::many, "10,000 lamps of 5 mm behind grids", "from every point most lamps are hidden"),
         new("one_lamp", lamps::one, "one lamp of a millionth of the area, and boxes", "shadows without penumbra, a huge exitance"),
