@@ -292,17 +292,14 @@ mod tests {
         let jamb = quad([0.0, 0.0, 0.0], x, [0.0, 0.1, 0.0]);
         let screen = quad([0.0, 0.6, 0.0], x, z(0.5));
         let material = |rho: f64, exitance: f64| Material { name: String::new(), reflectance: vec![rho], exitance: vec![exitance] };
-        let scene_of = |rho: f64| {
-            let materials = vec![material(0.0, 1.0), material(0.0, 0.0), material(rho, 0.0), material(0.5, 0.0)];
-            let faces = [lamp.clone(), wall.clone(), jamb.clone(), screen.clone()];
-            Scene::new(1, materials, (0..4).zip(faces).map(|(k, face)| (face, k, k)).collect(), Sides::Front).unwrap()
-        };
+        let materials = vec![material(0.0, 1.0), material(0.0, 0.0), material(0.8, 0.0), material(0.5, 0.0)];
+        let faces = (0..4).zip([lamp, wall, jamb, screen]).map(|(k, face)| (face, k, k)).collect();
+        let scene = Scene::new(1, materials, faces, Sides::Front).unwrap();
+        let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+        let rays = Rays::new(&*visibility, &scene);
 
         // The mean radiosity of the screen, over cells and seeds.
-        let of_screen = |rho: f64, side: f64, seeds: u64| {
-            let scene = scene_of(rho);
-            let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
-            let rays = Rays::new(&*visibility, &scene);
+        let of_screen = |(side, seeds): (f64, u64)| {
             let size = CellSize { side, past_unresolved: false, most_surfaces: usize::MAX };
             let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], size, &|| false);
             let grid = paths.grids.of(SurfaceId(3)).unwrap();
@@ -312,7 +309,7 @@ mod tests {
             };
             (0..seeds).map(|seed| mean(&solved(seed))).sum::<f64>() / seeds as f64
         };
-        let [coarse, fine] = [(0.1, 300), (0.01, 3)].map(|(side, seeds)| of_screen(0.8, side, seeds));
+        let [coarse, fine] = [(0.1, 300), (0.01, 3)].map(of_screen);
         assert!((coarse / fine - 1.0).abs() < 0.05, "{coarse} for {fine}");
     }
 }
