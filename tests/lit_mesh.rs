@@ -140,9 +140,7 @@ fn what_is_asked_for_holds_for_the_function_over_links_and_over_cells() {
         let scene = read(name);
         let points = points_on(&scene, 2000);
         let truth = solved(scene.clone(), 0.01, 0).0.values_at(&points, &Silent).unwrap().radiosity;
-        // By energy the mesh of two rooms is refined in vain for one seed in three (docs/experiments.md, The lit mesh).
-        let norms = if name == "cornell.obj" { &[Norm::Local, Norm::Energy][..] } else { &[Norm::Local] };
-        for &norm in norms {
+        for norm in [Norm::Local, Norm::Energy] {
             let options = SolveOptions { error: 0.05, norm, lit_mesh: true, ..SolveOptions::default() };
             let (evaluator, report) = pipeline::solve(scene.clone(), &options, &RunOptions::default(), &Silent).unwrap();
             let told = report.lit_mesh.unwrap();
@@ -152,6 +150,8 @@ fn what_is_asked_for_holds_for_the_function_over_links_and_over_cells() {
             assert_eq!(evaluator.solution().options(), &options);
             let mesh = evaluator.mesh().unwrap();
             assert_eq!((told.elements, told.nodes), (mesh.elements() as u64, mesh.nodes() as u64));
+            // Near the lamp nodes are noisy: elements that followed the noise would be tens of thousands.
+            assert!(told.elements < 5_000, "{name}: {told:?}");
 
             // By energy the lamps count as well: what they emit is exact, so it is left out. The truth is 1% off itself.
             let values = evaluator.mesh_values_at(&points).unwrap();

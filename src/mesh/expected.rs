@@ -60,11 +60,11 @@ fn expected<'a>(all: &'a [Growing], norm: &Norm) -> (Vec<Expected<'a>>, f64) {
     // The part of its element that each test stands for, and what it says by m^2 or pixel.
     let mut tests: Vec<Expected<'_>> = Vec::new();
     for (number, of) in all.iter().enumerate() {
-        let mut counts = vec![0_u32; of.is_tested.len()];
-        of.tests.iter().for_each(|test| counts[test.triangle as usize] += 1);
-        tests.extend(of.tests.iter().map(|test| {
-            let part = of.weight(test.triangle) / f64::from(counts[test.triangle as usize]);
-            Expected { number, test, part, error_sq: norm.weight(test.light_sq) * (test.difference_sq - test.noise_sq) }
+        tests.extend(of.tests_with_parts().map(|(test, part)| Expected {
+            number,
+            test,
+            part,
+            error_sq: norm.weight(test.light_sq) * (test.difference_sq - test.noise_sq),
         }));
     }
     let whole = tests.iter().map(|of| of.part * of.error_sq).sum();

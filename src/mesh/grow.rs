@@ -4,34 +4,25 @@
 //! (`expected`); they are bisected, round by round, until little is left.
 //!
 //! That says too little: an element is left alone because nothing was found in it. So the function is then judged at points that are spread anew
-//! over all that counts, independent of all that it was made by, and what they find is refined in turn. Where most of what is left is noise of nodes, all
-//! nodes take twice the gathers.
+//! over all that counts, independent of all that it was made by, and what they find is refined in turn, whichever of its parts is too large (`remedy`).
 
 use rayon::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::effort::CLAIMED;
 use super::element;
 use super::expected::expected_errors_sq;
 use super::growing::{Growing, Test};
 use super::judged::{Judged, Norm};
 use super::light::{Light, LightScratch};
 use super::limits::MeshLimits;
+use super::noise::noise_scales;
+use super::remedy::{Asked, NOISIEST, Remedy};
 use super::spots::{Spot, by_weight, by_weight_and_surplus};
 use crate::error::ErrorNorm;
 use crate::geometry::{sampling, streams};
 use crate::paths::{Place, place_at};
 use crate::progress::Stop;
-
-/// Elements with so much of the squared error, at most and at least, are bisected in a round, twice each: into four.
-const BISECTED: (f64, f64) = (0.6, 0.1);
-
-/// The part of their squared error that elements lose then, at least: across an edge of light it falls with the size.
-const LOST: f64 = 0.5;
-
-/// If noise of nodes has more of the squared error that is allowed than this, more gathers help most.
-const NOISY: f64 = 0.5;
 
 /// Rounds at most.
 const ROUNDS: u32 = 32;
@@ -67,7 +58,7 @@ pub(super) struct Grower<'a> {
     pub takes_all: bool,
     /// Whether light is smooth and its nodes are noisy, so that each is fitted to those around it.
     pub fits: bool,
-    /// Points at which the function is judged.
+    /// Points at which the function is judged at first.
     pub judged_at: usize,
     /// Gathers at a node at most: a power of two, 1 where light has no noise.
     pub most_gathers: u32,
@@ -87,56 +78,83 @@ struct Wanted {
 impl Grower<'_> {
     /// Refines the elements of all surfaces together; `None` if stopped.
     pub fn grow(&self, all: &mut [Growing]) -> Option<Judged> {
-        let (mut judged, mut rounds, mut gathers, mut before) = (None, self.limits.begin(), 1, f64::INFINITY);
+        let (mut judged, mut rounds, mut left_before, mut judged_at) = (None, self.limits.begin(), f64::INFINITY, self.judged_at);
+        let (mut followed_before, asked) = (f64::INFINITY, Asked { error: self.error, has_noise: self.has_noise() });
         for round in 0..ROUNDS {
-            self.take_nodes(all, gathers)?;
+            self.take_nodes(all)?;
             self.test_changed(all, round)?;
             let Some(norm) = Norm::of(self.norm, all) else { return Some(Judged::DARK) };
             let (mut expected, left) = expected_errors_sq(all, &norm);
-            let (allowed, followed) = (self.error.powi(2), self.followed * self.error.powi(2));
-            let mut bisected = bisected_part(left, followed);
+            let followed = self.followed * self.error.powi(2);
+            let mut remedy = Some(Remedy::bisect(left, followed));
             // What does not fall is noise, or had not been found.
             judged = None;
-            let is_steady = left >= std::mem::replace(&mut before, left);
+            let is_steady = left >= std::mem::replace(&mut left_before, left);
             if is_steady || left <= followed {
-                let found = self.judge(all, round, &norm)?;
+                let found = self.judge(all, (judged_at, round), &norm)?;
                 (expected, _) = expected_errors_sq(all, &norm);
-                // If noise is left, gathers help; else more elements.
-                let is_noise = found.noise_sq >= NOISY * allowed;
-                let is_enough = found.claimed <= self.error;
-                bisected = bisected_part(found.measured.powi(2) - found.noise_sq, allowed / CLAIMED.powi(2) - found.noise_sq);
+                remedy = asked.remedy(&found, judged_at, std::mem::replace(&mut followed_before, found.followed_sq()));
                 judged = Some(found);
-                if is_enough {
-                    break;
-                }
-                if is_noise && gathers == self.most_gathers {
-                    break;
-                }
-                if is_noise {
-                    bisected = 0.0;
-                    gathers *= 2;
-                }
             }
+            let Some(remedy) = remedy else { break };
             let elements: usize = all.iter().map(|of| of.triangles.triangles.len()).sum();
             (self.tell)(elements as u64);
             if round + 1 == ROUNDS || !rounds.may_go_on(elements) {
                 break;
             }
-            let worst = worst(expected, bisected, all.len());
-            all.par_iter_mut().zip(worst).for_each(|(of, worst)| of.refine(&worst));
+            match remedy {
+                Remedy::Bisect(part) => {
+                    let worst = worst(expected, part, all.len());
+                    all.par_iter_mut().zip(worst).for_each(|(of, worst)| of.refine(&worst));
+                }
+                Remedy::Gather => {
+                    followed_before = f64::INFINITY;
+                    if !self.want_gathers(all, &norm) {
+                        break;
+                    }
+                }
+                Remedy::Judge(count) => (judged_at, left_before, followed_before) = (count, 0.0, f64::INFINITY),
+            }
         }
         match judged {
             Some(judged) => Some(judged),
-            None => self.judge(all, ROUNDS, &Norm::of(self.norm, all)?),
+            None => self.judge(all, (judged_at, ROUNDS), &Norm::of(self.norm, all)?),
         }
     }
 
-    /// Takes the light at nodes by as many gathers at each: those that it lacks. Where a node gets more, its element is tested anew. `None` if stopped.
-    fn take_nodes(&self, all: &mut [Growing], gathers: u32) -> Option<()> {
+    /// Whether more gathers lower the noise of nodes.
+    fn has_noise(&self) -> bool {
+        self.most_gathers > 1
+    }
+
+    /// Has the nodes of surfaces that make up most of the noise take twice the gathers, those first whose rays take most of it; whether there are any
+    /// that may.
+    fn want_gathers(&self, all: &mut [Growing], norm: &Norm) -> bool {
+        let noise_and_rays = |of: &Growing| {
+            let rays = of.node_sizes().into_iter().map(|size| self.rays(size)).sum::<f64>();
+            [norm.noise_sq(of), rays * f64::from(of.wanted_gathers)]
+        };
+        let may_take_more = all.iter().enumerate().filter(|(_, of)| of.wanted_gathers < self.most_gathers);
+        let mut noisy: Vec<(usize, [f64; 2])> = may_take_more.map(|(index, of)| (index, noise_and_rays(of))).collect();
+        noisy.sort_by(|(_, a), (_, b)| (b[0] * a[1]).total_cmp(&(a[0] * b[1])));
+        let (wanted, mut found) = (NOISIEST * noisy.iter().map(|(_, of)| of[0]).sum::<f64>(), 0.0);
+        for (index, [noise_sq, _]) in &noisy {
+            if found >= wanted {
+                break;
+            }
+            found += noise_sq;
+            all[*index].wanted_gathers *= 2;
+        }
+        found > 0.0
+    }
+
+    /// Takes the light at nodes by as many gathers as are wanted on their surface: those that they lack. Where nodes get more, elements are tested anew.
+    /// `None` if stopped.
+    fn take_nodes(&self, all: &mut [Growing]) -> Option<()> {
         // Gather by gather, numbered at each node.
         let mut wanted = Vec::new();
         for (index, of) in all.iter_mut().enumerate() {
-            of.begin_gathers(self.channels, gathers);
+            of.begin_gathers(self.channels);
             let (sizes, least) = (of.node_sizes(), LEAST_SIZE * of.size());
             for (number, (node, has)) in of.triangles.nodes.iter().zip(&of.gathers).enumerate() {
                 let size = sizes[number];
@@ -146,7 +164,7 @@ impl Grower<'_> {
                 let rays = self.rays(size.max(least));
                 let point = of.plane.to_space(node.sampled_at);
                 let place = |gather: u32| place_at(point, of.surface, sampling::hash(self.seed, u64::from(gather)));
-                wanted.extend((*has..gathers).map(|gather| (index, number, Wanted { place: place(gather), rays })));
+                wanted.extend((*has..of.wanted_gathers).map(|gather| (index, number, Wanted { place: place(gather), rays })));
             }
         }
         let places: Vec<Wanted> = wanted.iter().map(|of| of.2).collect();
@@ -184,14 +202,14 @@ impl Grower<'_> {
         Some(())
     }
 
-    /// Holds the function against the light at points spread over all that counts, one in each of as many strata; the elements keep these tests.
-    fn judge(&self, all: &mut [Growing], round: u32, norm: &Norm) -> Option<Judged> {
+    /// Holds the function against the light at so many points spread over all that counts, one in each of as many strata; the elements keep these tests.
+    fn judge(&self, all: &mut [Growing], (count, round): (usize, u32), norm: &Norm) -> Option<Judged> {
         let seed = sampling::hash(self.seed, streams::MESH_JUDGED + u64::from(round));
         let whole: f64 = all.iter().map(Growing::whole).sum();
-        let (spots, parts) = Spot::spread(all, self.judged_at, seed, &by_weight_and_surplus(all, norm));
+        let (spots, parts) = Spot::spread(all, count, seed, &by_weight_and_surplus(all, norm));
 
         // A place takes more rays the more it stands for.
-        let mean_part = whole / self.judged_at as f64;
+        let mean_part = whole / count as f64;
         let judged = |stream: u64| {
             let mut wanted = self.wanted(all, &spots, stream);
             wanted.iter_mut().zip(&parts).for_each(|(wanted, part)| wanted.rays = (part / mean_part).sqrt());
@@ -210,6 +228,20 @@ impl Grower<'_> {
         let taken = self.take(&again, |light, _, _, found| found.push(light.to_vec()))?;
         let mut second: Vec<&[[f64; 2]]> = first.iter().map(|(light, _)| &**light).collect();
         noisy.into_iter().zip(&taken).for_each(|(number, light)| second[number] = light);
+
+        // How much noise there is: in what is judged here, and in all nodes.
+        if self.has_noise() {
+            let told = |number: usize| {
+                let weight = parts[number] * norm.weight(first[number].1);
+                let pairs = || first[number].0.iter().zip(second[number]).take(self.deciding);
+                let differences: f64 = pairs().map(|(first, second)| (first[0] - second[0]).powi(2)).sum();
+                let variances: f64 = pairs().map(|(first, second)| first[1] + second[1]).sum();
+                (spots[number].index, [0.5 * weight * differences, 0.5 * weight * variances])
+            };
+            let points: Vec<(usize, [f64; 2])> = (0..spots.len()).map(told).collect();
+            let scales = noise_scales(&points, all.len());
+            all.iter_mut().zip(scales).for_each(|(of, scale)| of.scale_noise(scale));
+        }
 
         let found = spots.iter().zip(&parts).zip(&first).zip(second).map(|(((spot, part), (light, light_sq)), second)| {
             let &Spot { index, triangle, at, .. } = spot;
@@ -293,12 +325,6 @@ impl Grower<'_> {
         share.exchange(&mut batches);
         Some(batches.into_iter().flatten().collect())
     }
-}
-
-/// The part of a squared error that is to be bisected for it to become as small as allowed.
-fn bisected_part(error_sq: f64, allowed_sq: f64) -> f64 {
-    let (most, least) = BISECTED;
-    if error_sq > allowed_sq { ((error_sq - allowed_sq) / (LOST * error_sq)).clamp(least, most) } else { least }
 }
 
 /// By surface, the triangles that are expected to make up some part of the squared error: those with most of it.

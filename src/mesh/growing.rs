@@ -27,8 +27,12 @@ pub(super) struct Growing {
     pub found: Vec<[f32; 2]>,
     /// The same as fitted to nodes around each; empty where they are taken as they were found.
     fitted: Vec<[f32; 2]>,
+    /// Their variances, and those of tests, for those that were told.
+    noise_scale: f64,
     has_new_gathers: bool,
-    /// By node: how many gathers that is the mean of; 0 where none is wanted.
+    /// How many gathers nodes are to be the mean of.
+    pub wanted_gathers: u32,
+    /// By node: of how many it is; 0 where none is wanted.
     pub gathers: Vec<u32>,
     pub tests: Vec<Test>,
     /// By triangle: whether it has tests. Those made last may lie beyond the end.
@@ -51,8 +55,21 @@ pub(super) struct Test {
 
 impl Growing {
     pub fn new(surface: SurfaceId, plane: Plane, triangles: Triangles, seen: Option<SeenTriangles>, deciding: usize) -> Self {
-        let (found, fitted, has_new_gathers, gathers, tests, is_tested) = Default::default();
-        Self { surface, plane, triangles, seen, deciding, found, fitted, has_new_gathers, gathers, tests, is_tested }
+        Self {
+            surface,
+            plane,
+            triangles,
+            seen,
+            deciding,
+            found: Vec::new(),
+            fitted: Vec::new(),
+            noise_scale: 1.0,
+            has_new_gathers: false,
+            wanted_gathers: 1,
+            gathers: Vec::new(),
+            tests: Vec::new(),
+            is_tested: Vec::new(),
+        }
     }
 
     /// The function as it stands, with the standard error of each triangle where that is known; with what is not seen as well, or without.
@@ -114,9 +131,9 @@ impl Growing {
         element::sampled_barycentric(sampling::unit(draw), sampling::unit(sampling::hash(draw, streams::SECOND)))
     }
 
-    /// Makes room for nodes that are new. If those that are there get more gathers, up to so many, the tests of the function as it was are forgotten.
-    pub fn begin_gathers(&mut self, channels: usize, gathers: u32) {
-        if self.gathers.iter().any(|&has| 0 < has && has < gathers) {
+    /// Makes room for nodes that are new. If those that are there get more gathers, the tests of the function as it was are forgotten.
+    pub fn begin_gathers(&mut self, channels: usize) {
+        if self.gathers.iter().any(|&has| 0 < has && has < self.wanted_gathers) {
             self.tests.clear();
             self.is_tested.fill(false);
         }
@@ -132,9 +149,27 @@ impl Growing {
         for (found, [value, variance]) in self.found[node * light.len()..].iter_mut().zip(light) {
             let [mean, noise] = found.map(f64::from);
             let mean = (before * mean + value) / (before + 1.0);
-            let noise = (before * before * noise + variance) / (before + 1.0).powi(2);
+            let noise = (before * before * noise + self.noise_scale * variance) / (before + 1.0).powi(2);
             *found = [mean as f32, noise as f32];
         }
+    }
+
+    /// Tells what variances are for those that are told, of what is found already as well.
+    pub fn scale_noise(&mut self, scale: f64) {
+        let more = scale / std::mem::replace(&mut self.noise_scale, scale);
+        self.found.iter_mut().chain(&mut self.fitted).for_each(|[_, variance]| *variance = (f64::from(*variance) * more) as f32);
+        for test in &mut self.tests {
+            test.noise_sq *= more;
+            test.of_nodes_sq *= more;
+        }
+        self.has_new_gathers |= more != 1.0;
+    }
+
+    /// Tests, each with what it stands for: those of a triangle share what that weighs.
+    pub fn tests_with_parts(&self) -> impl Iterator<Item = (&Test, f64)> {
+        let mut counts = vec![0_u32; self.triangles.triangles.len()];
+        self.tests.iter().for_each(|test| counts[test.triangle as usize] += 1);
+        self.tests.iter().map(move |test| (test, self.weight(test.triangle) / f64::from(counts[test.triangle as usize])))
     }
 
     /// What all elements weigh.
@@ -206,7 +241,7 @@ impl Growing {
         for (channel, &[value, variance]) in light.iter().enumerate().take(self.deciding) {
             let [function, noise] = self.at(triangle, weights, channel, light.len());
             test.difference_sq += (function - value).powi(2);
-            test.noise_sq += variance + noise;
+            test.noise_sq += self.noise_scale * variance + noise;
             test.of_nodes_sq += noise;
         }
         test

@@ -56,13 +56,9 @@ impl MeshError {
 impl Norm {
     /// By the light that tests found; `None` where all is dark.
     pub fn of(norm: ErrorNorm, all: &[Growing]) -> Option<Self> {
-        // Tests share what their triangle weighs.
         let mut lit = Vec::new();
         for of in all {
-            let mut counts = vec![0_u32; of.triangles.triangles.len()];
-            of.tests.iter().for_each(|test| counts[test.triangle as usize] += 1);
-            let part = |test: &Test| of.weight(test.triangle) / f64::from(counts[test.triangle as usize]);
-            lit.extend(of.tests.iter().filter(|test| test.light_sq > 0.0).map(|test| (test.light_sq, part(test))));
+            lit.extend(of.tests_with_parts().filter(|(test, _)| test.light_sq > 0.0).map(|(test, part)| (test.light_sq, part)));
         }
         Self::by_light(norm, lit)
     }
@@ -88,6 +84,11 @@ impl Norm {
         if let Some(Self::Local { typical_sq, .. }) = Self::of(ErrorNorm::Local, all) { typical_sq } else { 0.0 }
     }
 
+    /// What noise of nodes has of the squared error on a surface.
+    pub fn noise_sq(&self, of: &Growing) -> f64 {
+        of.tests_with_parts().map(|(test, part)| part * self.weight(test.light_sq) * test.of_nodes_sq).sum()
+    }
+
     /// What a squared error counts by m^2, or by pixel, where so much light is.
     pub fn weight(&self, light_sq: f64) -> f64 {
         match *self {
@@ -100,6 +101,11 @@ impl Norm {
 impl Judged {
     /// Where there is no light nothing is wrong.
     pub const DARK: Self = Self { measured: 0.0, claimed: 0.0, noise_sq: 0.0, by_group: Vec::new() };
+
+    /// What is measured without noise, squared; below 0 where noise tells more than was found.
+    pub fn followed_sq(&self) -> f64 {
+        self.measured.powi(2) - self.noise_sq
+    }
 
     /// By tests with what each stands for of the whole, in m^2 or pixels, and its squared errors, of all light and of each light group.
     pub fn by(tests: &[(Test, f64, Vec<f64>)], whole: f64, norm: &Norm) -> Self {

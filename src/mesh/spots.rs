@@ -94,7 +94,7 @@ mod tests {
         let plane = Plane::of(&scene, SurfaceId(0));
         let square: Vec<DVec2> = corners.iter().map(|&corner| plane.to_plane(corner.into())).collect();
         let mut of = Growing::new(SurfaceId(0), plane, triangulate(&square, &[], 5e-3, 0.0), None, 1);
-        of.begin_gathers(1, 1);
+        of.begin_gathers(1);
         for node in 0..of.triangles.nodes.len() {
             let is_dark = of.plane.to_space(of.triangles.nodes[node].at).x < STEP;
             of.add_gather(node, &[[LIGHT[usize::from(!is_dark)], 0.0]]);
