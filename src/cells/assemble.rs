@@ -201,7 +201,7 @@ impl<'a> Positions<'a> {
             arrivals.extend(arriving.filter_map(|path| {
                 let there = cells[ends.cell[path] as usize]?;
                 let at = paths.grids.within_cell(there.surface, ends.point[path])?.map(|along| along as f32);
-                Some(Arrival { cell: ends.cell[path], at, weight: paths.grids.cell_area(place.surface)? as f32 })
+                Some(Arrival { cell: ends.cell[path], at, weight: paths.grids.cell_area(place.surface, place.point)? as f32 })
             }));
         }
         arrivals
@@ -301,7 +301,7 @@ mod tests {
         // The mean radiosity of the screen, over cells and seeds.
         let of_screen = |(side, seeds): (f64, u64)| {
             let size = CellSize { side, past_unresolved: false, most_surfaces: usize::MAX };
-            let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], size, &|| false);
+            let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), size, &|| false);
             let grid = paths.grids.of(SurfaceId(3)).unwrap();
             let solved = |seed| CellRadiosities::solve(&paths, &Resolution { size, rays: 64 }, seed, &|| false).unwrap();
             let mean = |cells: &CellRadiosities| {

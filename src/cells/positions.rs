@@ -26,7 +26,7 @@ pub(super) fn sampled_positions(paths: &LightPaths<'_>, seed: u64, stop: Stop<'_
 
 /// Where so many paths of a cell start: at random points where it has a value, whatever its position.
 pub(super) fn starts_of_paths<'a>(paths: &'a LightPaths<'_>, position: Place, count: usize) -> impl Iterator<Item = Place> + 'a {
-    let grid = paths.grids.of(position.surface);
+    let grid = paths.grids.at(position.surface, position.point);
     let index = |grid: &Grid| (grid.cell_at(position.point) - grid.first) as usize;
     let part = grid.and_then(|grid| paths.open_part(position.surface, grid, index(grid)));
     (0..count).map(move |number| {

@@ -185,7 +185,7 @@ mod tests {
             radiosity.of_mut(hierarchy.node_of(surface)).iter_mut().zip(exitance).for_each(|(b, exitance)| *b = exitance + 0.02);
         }
         let resolution = Resolution { size: CellSize { side: 0.03, past_unresolved: false, most_surfaces: usize::MAX }, rays: 16 };
-        let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], resolution.size, &|| false);
+        let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), resolution.size, &|| false);
         let [of_values, onward] = [1, 2].map(|seed| CellRadiosities::solve(&paths, &resolution, seed, &|| false).unwrap());
         let gather = ResidualGather { paths: &paths, of_values: &of_values, onward: &onward, vertex_rays: 1 };
         let reflected = |place: &Place| gather.estimate_reflected(place);

@@ -189,7 +189,7 @@ mod tests {
             if has_reflector {
                 brightness.reflectors = vec![Reflector { surface: tall_box, brightness: 1e3 }];
             }
-            let paths = LightPaths::new(&scene, &rays, &brightness, &[], resolution.size, &|| false);
+            let paths = LightPaths::new(&scene, &rays, &brightness, resolution.size, &|| false);
             // Far less noisy cells onward, all of them small: two bounces away they are as good as the truth.
             let solved = |rays, seed| CellRadiosities::solve(&paths, &Resolution { rays, ..resolution }, seed, &|| false).unwrap();
             let (of_values, onward) = (solved(resolution.rays, 1), solved(1024, 2));
@@ -247,7 +247,7 @@ mod tests {
         let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
         let rays = Rays::new(&*visibility, &scene);
         let resolution = Resolution { size: CellSize { side: 0.1, past_unresolved: false, most_surfaces: usize::MAX }, rays: 4 };
-        let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], resolution.size, &|| false);
+        let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), resolution.size, &|| false);
         let cells = CellRadiosities::solve(&paths, &resolution, 1, &|| false).unwrap();
         let (channels, count, places) = (scene.channels(), 64, places(&scene));
         let mut scratch = PathScratch::default();
@@ -291,7 +291,7 @@ mod tests {
         let rays = Rays::new(&*visibility, &scene);
         for (side, is_unresolved) in [(100.0, true), (0.05, false)] {
             let resolution = Resolution { size: CellSize { side, past_unresolved: false, most_surfaces: usize::MAX }, rays: 16 };
-            let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), &[], resolution.size, &|| false);
+            let paths = LightPaths::new(&scene, &rays, &Brightness::even(&scene), resolution.size, &|| false);
             let cells = CellRadiosities::solve(&paths, &resolution, 1, &|| false).unwrap();
             let gather = ResidualGather { paths: &paths, of_values: &cells, onward: &cells, vertex_rays: 1 };
             let places = places(&scene);

@@ -15,7 +15,7 @@
 
 use glam::DVec3;
 
-use super::grid::NO_CELL;
+use super::grids::NO_CELL;
 use super::trail::Trail;
 use crate::scene::SurfaceId;
 

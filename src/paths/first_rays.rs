@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::course::Course;
 use super::ends::{Arrival, Continuation, ValueEnd};
-use super::grid::NO_CELL;
+use super::grids::NO_CELL;
 use super::place::{Directions, Place, Receives, cosine_rays};
 use super::trace::{LightPaths, PathScratch};
 use crate::direct::Receiver;
@@ -92,7 +92,8 @@ impl LightPaths<'_> {
         let direction = DVec3::from(ray.direction);
         let normal = self.scene.surface(surface).polygon.facet().normal;
         let cosines = from.normal.dot(direction).abs() * normal.dot(direction).abs();
-        let area = self.grids.of(surface).map_or(0.0, |grid| grid.size().powi(2));
+        let grid = self.grids.at(surface, from.point + hit.distance * direction);
+        let area = grid.map_or(0.0, |grid| grid.size().powi(2));
         (cosines * area / (PI * hit.distance.powi(2))).min(1.0)
     }
 }

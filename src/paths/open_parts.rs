@@ -12,7 +12,8 @@ use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
 
-use super::grid::{Grid, Grids};
+use super::grid::Grid;
+use super::grids::Grids;
 use crate::geometry::{Aabb, ClippedFacet, Facet, sampling, streams};
 use crate::scene::{Scene, Surface, SurfaceId};
 use crate::transmittance::Rays;
@@ -66,6 +67,9 @@ impl<'a> OpenParts<'a> {
 
     /// Where cell number `index` of the grid has a value; `None` if nowhere.
     pub fn part_of(&self, surface: SurfaceId, grid: &Grid, index: usize) -> Option<OpenPart<'_>> {
+        if grid.is_covered(index) {
+            return None;
+        }
         let facet = self.scene.surface(surface).polygon.facet();
         let shape = match self.of(surface, grid).get(&(index as u32)) {
             Some(0) => return None,
@@ -205,8 +209,10 @@ fn mark(polygon: &[DVec3], grid: &Grid, marked: &mut HashMap<u32, Squares>) {
     }
     let last = |cells: u32| f64::from(SQUARES * cells - 1);
     let squares = |range: [f64; 2], cells: u32| {
-        let [from, to] = [range[0] - ROUNDING, range[1] + ROUNDING].map(|along| along.floor().clamp(0.0, last(cells)) as u32);
-        from..=to
+        let [from, to] = [range[0] - ROUNDING, range[1] + ROUNDING];
+        let is_beside = to < 0.0 || from > last(cells) + 1.0;
+        let [first, end] = [from, to].map(|along| along.floor().clamp(0.0, last(cells)) as u32);
+        if is_beside { 0..0 } else { first..end + 1 }
     };
     let extent = |of: &mut dyn Iterator<Item = f64>| {
         of.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], x| [least.min(x), most.max(x)])

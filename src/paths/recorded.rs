@@ -1,7 +1,7 @@
 //! What followed paths bring, term by term, where their trails are kept.
 
 use super::ends::Ends;
-use super::grid::NO_CELL;
+use super::grids::NO_CELL;
 use super::trail::{Collected, Trail};
 
 /// What a term is in proportion to.

@@ -8,13 +8,12 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::grid::{Grid, Grids};
+use super::grid::Grid;
+use super::grids::Grids;
 use super::light_tree::{Draws, LightTree};
-use super::particles::Landing;
 use super::place::Receives;
-use super::reflectors::Reflector;
+use super::reflectors::{Brightness, Reflector};
 use super::source_group::Source;
-use super::spots::spot_cells;
 use crate::direct::Receiver;
 use crate::form_factor::kernel;
 use crate::geometry::{Aabb, sampling, streams};
@@ -70,25 +69,22 @@ pub(super) struct ReflectorRays {
 }
 
 impl<'a> Reflectors<'a> {
-    /// Of bright surfaces, and of the spots where particles landed; none if stopped.
+    /// None if stopped.
     pub fn new(
         scene: &'a Scene,
         rays: &'a Rays<'a>,
-        (reflectors, landings): (&[Reflector], &[Landing]),
+        brightness: &Brightness,
         grids: &Grids,
         small_from: f64,
         stop: Stop<'_>,
     ) -> Self {
         let mut all = Self { scene, rays, targets: Vec::new(), is_target: vec![false; grids.cells()], small_from, tree: None };
-        for &Reflector { surface, brightness } in reflectors.iter().take_while(|_| !stop()) {
+        for &Reflector { surface, brightness } in brightness.reflectors.iter().take_while(|_| !stop()) {
             let grid = grids.of(surface).into_iter();
             grid.for_each(|grid| (0..grid.len()).for_each(|index| all.add(surface, grid, index, brightness)));
         }
-        let mut is_reflector = vec![false; scene.surfaces().len()];
-        reflectors.iter().for_each(|of| is_reflector[of.surface.index()] = true);
-        for spot in spot_cells(scene, grids, landings, |surface| is_reflector[surface.index()]) {
-            let grid = grids.of(spot.surface).into_iter();
-            grid.for_each(|grid| all.add(spot.surface, grid, spot.index as usize, spot.brightness));
+        for spot in brightness.spots.iter().take_while(|_| !stop()) {
+            grids.cells_of(spot).for_each(|(grid, index)| all.add(spot.surface, grid, index, spot.brightness));
         }
         let source = |(number, target): (usize, &Target)| {
             let normal = scene.surface(target.surface).polygon.facet().normal;
@@ -108,11 +104,11 @@ impl<'a> Reflectors<'a> {
         all
     }
 
-    /// Adds cell number `index` of a surface's grid to the targets.
+    /// Adds cell number `index` of a surface's grid to the targets, if it is not one yet.
     fn add(&mut self, surface: SurfaceId, grid: &Grid, index: usize, brightness: f64) {
         let (corner, edges) = (grid.point_in(index, 0.0, 0.0), grid.edges());
         let target = Target { cell: grid.first + index as u32, surface, corner, edges, brightness };
-        if target.area() * brightness > 0.0 {
+        if target.area() * brightness > 0.0 && !self.is_target[target.cell as usize] {
             self.is_target[target.cell as usize] = true;
             self.targets.push(target);
         }
@@ -248,18 +244,10 @@ mod tests {
             let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
             let rays = Rays::new(&*visibility, &scene);
             let plate = Reflector { surface: SurfaceId(16), brightness: 1.0 };
-            let reflectors = Reflectors::new(
-                &scene,
-                &rays,
-                (&[plate], &[]),
-                &Grids::new(
-                    &scene,
-                    &Brightness { reflectors: vec![plate], ..Brightness::even(&scene) },
-                    CellSize { side: 0.1, past_unresolved: false, most_surfaces: usize::MAX },
-                ),
-                1.5,
-                &|| false,
-            );
+            let brightness = Brightness { reflectors: vec![plate], ..Brightness::even(&scene) };
+            let size = CellSize { side: 0.1, past_unresolved: false, most_surfaces: usize::MAX };
+            let grids = Grids::new(&scene, &brightness, size);
+            let reflectors = Reflectors::new(&scene, &rays, &brightness, &grids, 1.5, &|| false);
             let point = DVec3::new(2.0, 2.0, 0.0);
             let expected = visible * point_to_polygon(point, DVec3::Z, &scene.surface(SurfaceId(16)).polygon.facet());
             let (mut memory, mut seen) = (ReflectorRays::default(), Vec::new());

@@ -5,6 +5,8 @@
 //! noise of paths goes with the variance of radiosities over all surfaces, so that tells whether sampling some of them apart is
 //! worth it.
 
+use super::particles::Landing;
+use super::spots::{Spot, bright_spots};
 use crate::scene::{Scene, SurfaceId};
 
 /// A surface is bright if it reflects more than so many times the mean over all that reflect, in its brightest channel. Empirical.
@@ -28,11 +30,13 @@ pub(crate) struct Reflector {
 /// Cells of surfaces that reflect so many times less than those where light is, in W/m^2, are twice as large.
 const DIM: f64 = 16.0;
 
-/// How bright surfaces are by what they reflect: where rays are aimed besides emitters, and where cells may be coarse.
+/// How bright surfaces are by what they reflect: where rays are aimed besides emitters, where cells may be coarse, and where they are fine.
 #[derive(Clone, Debug)]
 pub(crate) struct Brightness {
     /// Of which there are few, if any.
     pub reflectors: Vec<Reflector>,
+    /// Parts of other surfaces, of which there are none in most scenes.
+    pub spots: Vec<Spot>,
     /// By surface: so many times the area of cells elsewhere; infinite for what reflects nothing.
     pub coarser: Vec<f64>,
 }
@@ -41,7 +45,7 @@ impl Brightness {
     /// As if all surfaces were equally bright.
     #[cfg(test)]
     pub fn even(scene: &Scene) -> Self {
-        Self { reflectors: Vec::new(), coarser: vec![1.0; scene.surfaces().len()] }
+        Self { reflectors: Vec::new(), spots: Vec::new(), coarser: vec![1.0; scene.surfaces().len()] }
     }
 
     /// By what each surface reflects, in W/m^2 in its brightest channel.
@@ -52,7 +56,14 @@ impl Brightness {
         let power: f64 = ids().map(|id| area(id) * reflected(id)).sum();
         let mean = ids().map(|id| area(id) * reflected(id) * reflected(id)).sum::<f64>() / power.max(f64::MIN_POSITIVE);
         let coarser = |id| if power > 0.0 { 1.0 + mean / (DIM * reflected(id)) } else { 1.0 };
-        Self { reflectors: bright_reflectors(scene, &reflected), coarser: ids().map(coarser).collect() }
+        Self { reflectors: bright_reflectors(scene, &reflected), spots: Vec::new(), coarser: ids().map(coarser).collect() }
+    }
+
+    /// The same with the bright spots that landings of particles tell.
+    pub fn with_spots(self, scene: &Scene, landings: &[Landing]) -> Self {
+        let mut is_reflector = vec![false; scene.surfaces().len()];
+        self.reflectors.iter().for_each(|of| is_reflector[of.surface.index()] = true);
+        Self { spots: bright_spots(scene, landings, |surface| is_reflector[surface.index()]), ..self }
     }
 }
 

@@ -1,11 +1,14 @@
-//! Bright spots: cells of large surfaces that reflect so much light that next-event estimation samples them as it does bright reflectors.
+//! Bright spots: parts of large surfaces that reflect so much light that they have smaller cells, and next-event estimation samples them as it does bright
+//! reflectors.
 //!
 //! Such are the pool of light below a spotlight and the wall behind a lamp: paths seldom meet them, and bring much when they do. Where light
-//! lands, particles tell; they are few, so they are counted over blocks of cells.
+//! lands, particles tell; they are few, so they are counted over blocks.
 
 use std::collections::BTreeMap;
 
-use super::grid::Grids;
+use serde::{Deserialize, Serialize};
+
+use super::grid::Grid;
 use super::particles::Landing;
 use crate::scene::{Scene, SurfaceId};
 
@@ -19,14 +22,27 @@ const WORTH: f64 = 1.0;
 /// A block holds so many landings if it is just bright; fewer would be chance.
 const LEAST_LANDINGS: f64 = 8.0;
 
-/// A cell of a bright spot.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SpotCell {
+/// A bright block.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Spot {
     pub surface: SurfaceId,
-    /// The number of the cell in the surface's grid.
-    pub index: u32,
+    /// Where it begins and ends, as parts of the sides of the rectangle that grids of the surface fill.
+    pub low: [f64; 2],
+    pub high: [f64; 2],
     /// The reflected radiosity, up to a factor that is common to all spots.
     pub brightness: f64,
+}
+
+impl Spot {
+    /// Whether it lies on a surface of a scene.
+    pub fn is_valid(&self, scene: &Scene) -> bool {
+        let is_part = |axis: usize| 0.0 <= self.low[axis] && self.low[axis] < self.high[axis] && self.high[axis] <= 1.0;
+        self.surface.index() < scene.surfaces().len()
+            && is_part(0)
+            && is_part(1)
+            && self.brightness > 0.0
+            && self.brightness.is_finite()
+    }
 }
 
 /// What landed on a block.
@@ -38,14 +54,9 @@ struct Landed {
     sum_sq: f64,
 }
 
-/// The cells of bright spots; none if sampling them is not worth it. Surfaces of which `is_reflector` says so have none; what reflects nothing is no
-/// part of the area over which means are taken.
-pub(super) fn spot_cells(
-    scene: &Scene,
-    grids: &Grids,
-    landings: &[Landing],
-    is_reflector: impl Fn(SurfaceId) -> bool,
-) -> Vec<SpotCell> {
+/// The bright spots; none if sampling them is not worth it. Surfaces of which `is_reflector` says so have none; what reflects nothing is no part of the area
+/// over which means are taken.
+pub(super) fn bright_spots(scene: &Scene, landings: &[Landing], is_reflector: impl Fn(SurfaceId) -> bool) -> Vec<Spot> {
     let landings = || landings.iter().filter(|landing| landing.power > 0.0 && !is_reflector(landing.surface));
     let area = area_of(scene, landings().map(|landing| landing.surface));
     let power: f64 = landings().map(|landing| landing.power).sum();
@@ -53,15 +64,13 @@ pub(super) fn spot_cells(
         return Vec::new();
     }
 
-    // What lands on each block: a square of cells in which a bright spot leaves enough landings to be told from chance.
+    // What lands on each block: a bright one has enough landings to be told from chance.
     let side = (LEAST_LANDINGS * area / (BRIGHT * landings().count() as f64)).sqrt();
-    let mut blocks: BTreeMap<(SurfaceId, [u32; 2]), Landed> = BTreeMap::new();
+    let mut blocks: BTreeMap<SurfaceId, (Grid, BTreeMap<u32, Landed>)> = BTreeMap::new();
     for landing in landings() {
-        let Some(grid) = grids.of(landing.surface) else { continue };
-        let index = grid.cell_at(landing.point) - grid.first;
-        let cells = (side / grid.size()).ceil().max(1.0) as u32;
-        let block = [index % grid.columns / cells, index / grid.columns / cells];
-        let landed = blocks.entry((landing.surface, block)).or_default();
+        let facet = scene.surface(landing.surface).polygon.facet();
+        let (grid, blocks) = blocks.entry(landing.surface).or_insert_with(|| (Grid::around(&facet, side, [0; 2]), BTreeMap::new()));
+        let landed = blocks.entry(grid.cell_at(landing.point)).or_default();
         landed.count += 1.0;
         landed.power += landing.power;
         landed.sum_sq += landing.power * landing.power;
@@ -70,22 +79,17 @@ pub(super) fn spot_cells(
     // Those far above the mean, and by how much the variance falls without them; squares are of pairs of particles, free of chance.
     let mean = power / area;
     let (mut spots, mut spot_power, mut gained) = (Vec::new(), 0.0, 0.0);
-    for (&(surface, block), landed) in &blocks {
-        let Some(grid) = grids.of(surface) else { continue };
-        let cells = (side / grid.size()).ceil().max(1.0) as u32;
-        let [columns, rows] = [(0, grid.columns), (1, grid.rows)].map(|(axis, count): (usize, u32)| {
-            let first = block[axis] * cells;
-            first..(first + cells).min(count)
-        });
-        let own_area = f64::from(columns.len() as u32 * rows.len() as u32) * grid.cell_area();
-        let brightness = landed.power / own_area;
-        if brightness <= BRIGHT * mean || landed.count < LEAST_LANDINGS {
-            continue;
-        }
-        gained += (landed.power * landed.power - landed.sum_sq) / own_area;
-        spot_power += landed.power;
-        for row in rows {
-            spots.extend(columns.clone().map(|column| SpotCell { surface, index: row * grid.columns + column, brightness }));
+    for (&surface, (grid, blocks)) in &blocks {
+        for (&block, landed) in blocks {
+            let brightness = landed.power / grid.cell_area();
+            if brightness <= BRIGHT * mean || landed.count < LEAST_LANDINGS {
+                continue;
+            }
+            gained += (landed.power * landed.power - landed.sum_sq) / grid.cell_area();
+            spot_power += landed.power;
+            let at = [block % grid.columns, block / grid.columns];
+            let part = |axis: usize, beyond: u32| f64::from(at[axis] + beyond) / f64::from([grid.columns, grid.rows][axis]);
+            spots.push(Spot { surface, low: [part(0, 0), part(1, 0)], high: [part(0, 1), part(1, 1)], brightness });
         }
     }
     let mean_sq = |power: f64| (power / area).powi(2);
@@ -107,17 +111,15 @@ mod tests {
 
     use super::*;
     use crate::geometry::{Polygon, sampling};
-    use crate::paths::{Brightness, CellSize};
     use crate::scene::{Material, Sides};
 
-    /// The centres of the spots' cells on a floor of 4 m on which a part of the particles lands in a square of so many metres at the
-    /// origin, and the rest anywhere.
-    fn found(side: f64, part: f64) -> Vec<DVec3> {
+    /// The spots on a floor of 4 m on which a part of the particles lands in a square of so many metres at the origin, and the rest anywhere.
+    fn found(side: f64, part: f64) -> Vec<Spot> {
         found_beside(side, part, &[])
     }
 
     /// The same where others land on a black ground of 20 km as well.
-    fn found_beside(side: f64, part: f64, others: &[Landing]) -> Vec<DVec3> {
+    fn found_beside(side: f64, part: f64, others: &[Landing]) -> Vec<Spot> {
         let square = |side: f64, z: f64| {
             let corners = [[0.0, 0.0, z], [side, 0.0, z], [side, side, z], [0.0, side, z]];
             Polygon::new(&corners).unwrap()
@@ -125,30 +127,25 @@ mod tests {
         let material = |reflectance| Material { name: String::new(), reflectance: vec![reflectance], exitance: vec![0.0] };
         let faces = vec![(square(4.0, 0.0), 0, 0), (square(2e4, -1.0), 1, 1)];
         let scene = Scene::new(1, vec![material(0.5), material(0.0)], faces, Sides::Front).unwrap();
-        let grids = Grids::new(
-            &scene,
-            &Brightness::even(&scene),
-            CellSize { side: 0.1, past_unresolved: false, most_surfaces: usize::MAX },
-        );
         let landing = |number: u64| {
             let random = |draw| sampling::unit(sampling::hash(number, draw));
             let side = if random(3) < part { side } else { 4.0 };
             Landing { surface: SurfaceId(0), point: DVec3::new(side * random(1), side * random(2), 0.0), power: 1.0 }
         };
         let landings: Vec<Landing> = (0..4000).map(landing).chain(others.iter().copied()).collect();
-        let spots = spot_cells(&scene, &grids, &landings, |_| false);
-        let grid = grids.of(SurfaceId(0)).unwrap();
-        spots.iter().map(|spot| grid.point_in(spot.index as usize, 0.5, 0.5)).collect()
+        let spots = bright_spots(&scene, &landings, |_| false);
+        assert!(spots.iter().all(|spot| spot.is_valid(&scene)));
+        spots
     }
 
     #[test]
     fn spots_are_small_and_much_brighter_than_the_rest() {
         // Half of the light within 40 cm: a hundred times as bright as the floor.
         let spots = found(0.4, 0.5);
-        let within = |reach: f64| spots.iter().filter(|at| at.x < reach && at.y < reach).count();
-        assert_eq!(within(0.4), 16, "cells of 10 cm: {spots:?}");
-        // Blocks reach over its edge by less than their size, of two cells.
-        assert_eq!(within(0.6), spots.len(), "{spots:?}");
+        let area: f64 = spots.iter().map(|spot| 16.0 * (spot.high[0] - spot.low[0]) * (spot.high[1] - spot.low[1])).sum();
+        // Blocks of 18 cm reach over its edge by less than their size.
+        let reach = spots.iter().map(|spot| 4.0 * spot.high[0].max(spot.high[1])).fold(0.0, f64::max);
+        assert!((0.16..0.33).contains(&area) && (0.4..0.58).contains(&reach), "{area} m^2, {reach} m: {spots:?}");
 
         // What lands on black things changes nothing.
         let on_black = Landing { surface: SurfaceId(1), point: -DVec3::Z, power: 0.0 };

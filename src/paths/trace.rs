@@ -17,10 +17,10 @@ use super::course::Course;
 use super::direct_sums::DirectSums;
 use super::emitters::Emitters;
 use super::ends::{Arrival, Ends, ValueEnd};
-use super::grid::{CellSize, Grid, Grids};
+use super::grid::Grid;
+use super::grids::{CellSize, Grids};
 use super::next_event::EmitterRays;
 use super::open_parts::{OpenPart, OpenParts};
-use super::particles::Landing;
 use super::place::{Directions, Place, Receives, cosine_rays};
 use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
 use super::reflectors::Brightness;
@@ -81,17 +81,10 @@ pub(crate) struct LightPaths<'a> {
 }
 
 impl<'a> LightPaths<'a> {
-    /// Paths that end in cells of this size; particles' `landings` tell where there are bright spots. Once stopped, no rays are aimed at these.
-    pub fn new(
-        scene: &'a Scene,
-        rays: &'a Rays<'a>,
-        brightness: &Brightness,
-        landings: &[Landing],
-        size: CellSize,
-        stop: Stop<'_>,
-    ) -> Self {
+    /// Paths that end in cells of this size. Once stopped, no rays are aimed at bright reflectors and spots.
+    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, brightness: &Brightness, size: CellSize, stop: Stop<'_>) -> Self {
         let grids = Grids::new(scene, brightness, size);
-        let reflectors = Reflectors::new(scene, rays, (&brightness.reflectors, landings), &grids, SMALL_FROM, stop);
+        let reflectors = Reflectors::new(scene, rays, brightness, &grids, SMALL_FROM, stop);
         let emitters = Emitters::new(scene, rays);
         let is_black = |surface: SurfaceId| {
             let material = scene.material_of(surface);
@@ -174,13 +167,14 @@ impl<'a> LightPaths<'a> {
 
     /// Whether a place lies in a cell to which next-event rays go. From there none goes to others: they are too close.
     fn is_on_target(&self, place: &impl Receives) -> bool {
-        let grid = place.surface().and_then(|surface| self.grids.of(surface));
-        grid.is_some_and(|grid| self.reflectors.is_target(grid.cell_at(place.receiver(self.scene).point)))
+        let point = place.receiver(self.scene).point;
+        let grid = place.surface().and_then(|surface| self.grids.at(surface, point));
+        grid.is_some_and(|grid| self.reflectors.is_target(grid.cell_at(point)))
     }
 
     /// The cell that has a value at a point.
     pub fn cell_at(&self, surface: SurfaceId, point: DVec3) -> Option<u32> {
-        let grid = self.grids.of(surface)?;
+        let grid = self.grids.at(surface, point)?;
         self.open_parts.contains(surface, grid, point).then(|| grid.cell_at(point))
     }
 
@@ -191,7 +185,7 @@ impl<'a> LightPaths<'a> {
 
     /// The cell that has a value at a point, if it is small as seen from `distance` metres away.
     fn small_cell(&self, surface: SurfaceId, point: DVec3, distance: f64) -> Option<u32> {
-        let is_small = distance >= SMALL_FROM * self.grids.of(surface)?.size();
+        let is_small = distance >= SMALL_FROM * self.grids.at(surface, point)?.size();
         if is_small { self.cell_at(surface, point) } else { None }
     }
 

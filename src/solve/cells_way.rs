@@ -66,14 +66,7 @@ impl<'a> Way<'a> for CellsWay<'a> {
         let start = Instant::now();
         let resolution = plan.resolution();
         let own = cells.clone().filter(|own| own.resolution == resolution).or_else(|| {
-            let paths = Arc::new(LightPaths::new(
-                job.scene,
-                job.rays,
-                &linked.brightness(),
-                &linked.landings,
-                resolution.size,
-                &job.stop(),
-            ));
+            let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), resolution.size, &job.stop()));
             let stop = linked.stop_telling(Stage::Cells, CellRadiosities::questions(paths.grids.cells()));
             SolvedCells::solve(paths, resolution, [cell_seed(job.options.seed, 0)], &stop).map(Arc::new)
         });

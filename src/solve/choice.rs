@@ -117,8 +117,7 @@ fn try_both(linked: &Linked<'_>, cells: &Plan) -> Option<Tried> {
     let side = (cells.law.illumination.lit_area / POSITIONS).sqrt();
     let size = CellSize { side, ..cells.resolution().size };
     let resolution = Resolution { size, rays: POSITION_RAYS };
-    let paths =
-        Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), &linked.landings, resolution.size, &job.stop()));
+    let paths = Arc::new(LightPaths::new(job.scene, job.rays, &linked.brightness(), resolution.size, &job.stop()));
     let seeds = std::array::from_fn(|number| cell_seed(job.options.seed, (1 + REPLICATES + number) as u64));
     let stop = job.stop();
     let cells = SolvedCells::solve(paths, resolution, seeds, &stop)?;

@@ -33,6 +33,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
     let skipped = linked.skipped();
     let scene = linked.job.scene.clone();
     let Outcome { error, stopped_by, point_rays, vertex_rays, resolution, radiosities, known, transport } = outcome;
+    let spots = linked.brightness().spots;
     let mut report = SolveReport { energy, stopped_by, converged: stopped_by == StoppedBy::Error, ..linked.report };
 
     let reflected = energy.sent - (energy.emitted - energy.of_lights);
@@ -71,6 +72,7 @@ pub(super) fn finish(linked: Linked<'_>, outcome: Outcome) -> (Solution, SolveRe
         point_rays,
         vertex_rays,
         resolution,
+        spots,
         cell_radiosities: radiosities,
         error_bars,
         bounds: None,

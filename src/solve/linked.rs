@@ -340,10 +340,10 @@ impl<'a> Linked<'a> {
         Gather { scene, hierarchy, over, budget }
     }
 
-    /// How bright surfaces are, by the radiosities over the links.
+    /// How bright surfaces are, by the radiosities over the links, and where they have bright spots.
     pub fn brightness(&self) -> Brightness {
         let Self { job: Job { scene, .. }, hierarchy, radiosity, .. } = self;
-        Brightness::of_surfaces(scene, |surface| radiosity.reflected(scene, hierarchy, surface))
+        Brightness::of_surfaces(scene, |surface| radiosity.reflected(scene, hierarchy, surface)).with_spots(scene, &self.landings)
     }
 
     /// Elements that are not split.

@@ -73,7 +73,7 @@ impl<'a> Way<'a> for LinksWay<'a> {
         let brightness = linked.brightness();
         let cells = cell_count(job.scene, &brightness, resolution.size).unwrap_or(0);
         let stop = linked.stop_telling(Stage::Cells, REPLICATES * CellRadiosities::questions(cells));
-        let paths = || Arc::new(LightPaths::new(job.scene, job.rays, &brightness, &linked.landings, resolution.size, &job.stop()));
+        let paths = || Arc::new(LightPaths::new(job.scene, job.rays, &brightness, resolution.size, &job.stop()));
         judge.find_cells(resolution, job.options.seed, paths, &stop);
         add_time(&mut linked.report.time_s.resolve, start);
     }

@@ -95,6 +95,7 @@ impl Solution {
             point_rays: self.point_rays,
             vertex_rays: self.vertex_rays,
             resolution: self.resolution,
+            spots: self.spots.clone(),
             cell_radiosities: Some(cells),
             error_bars: None,
             bounds: None,

@@ -8,7 +8,6 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::grouped_light::GroupedLight;
 use super::interest::InitialImportance;
-use super::judge::particle_seed;
 use super::options::{SolveOptions, Solver};
 use super::transport::Transport;
 use crate::bounds::RadiosityBounds;
@@ -17,7 +16,7 @@ use crate::direct::{Blockers, DirectLight, DirectScratch};
 use crate::hierarchy::{Hierarchy, NodeId};
 use crate::links::LinkSet;
 use crate::mesh::LitMesh;
-use crate::paths::{Brightness, Illumination, LightPaths, Resolution, cell_count, place_at};
+use crate::paths::{Brightness, LightPaths, Resolution, Spot, cell_count, place_at};
 use crate::progress::Stop;
 use crate::scene::{DistinctChannels, Scene, SurfacePoint};
 use crate::sweep::{Adjoint, Closure, Exposure, Importance, LightIrradiance, Radiosity};
@@ -40,8 +39,9 @@ pub struct Solution {
     pub(crate) point_rays: u32,
     /// Rays to emitters from where a path goes on.
     pub(crate) vertex_rays: u32,
-    /// How finely cell radiosities are found, and these, where values end in cells.
+    /// How finely cell radiosities are found, and where more finely, and these, where values end in cells.
     pub(crate) resolution: Resolution,
+    pub(crate) spots: Vec<Spot>,
     pub(crate) cell_radiosities: Option<CellRadiosities>,
     /// What is known of the errors of values.
     pub(crate) error_bars: Option<ErrorBars>,
@@ -70,6 +70,7 @@ pub(crate) struct StoredSolution {
     point_rays: u32,
     vertex_rays: u32,
     resolution: Resolution,
+    spots: Vec<Spot>,
     cell_radiosities: Option<CellRadiosities>,
     error_bars: Option<ErrorBars>,
     bounds: Option<RadiosityBounds>,
@@ -152,24 +153,21 @@ impl Solution {
         Adjoint { scene, hierarchy, links, exposure, closure: closure.as_ref(), radiosity }.importance(&initial)
     }
 
-    /// How bright surfaces are, by the radiosities over the links.
+    /// How bright surfaces are, by the radiosities over the links as they were solved: cells are laid out by that.
     fn brightness(&self) -> Brightness {
         let Self { scene, hierarchy, radiosity, groups, transport, .. } = self;
-        // Cells are laid out by what they were solved for.
-        if let Some(transport) = transport {
-            return transport.brightness(scene);
-        }
-        match groups {
-            Some(groups) => Brightness::of_surfaces(scene, |surface| groups.reflected_as_solved(surface)),
-            None => Brightness::of_surfaces(scene, |surface| radiosity.reflected(scene, hierarchy, surface)),
-        }
+        let brightness = match (transport, groups) {
+            (Some(transport), _) => transport.brightness(scene),
+            (None, Some(groups)) => Brightness::of_surfaces(scene, |surface| groups.reflected_as_solved(surface)),
+            (None, None) => Brightness::of_surfaces(scene, |surface| radiosity.reflected(scene, hierarchy, surface)),
+        };
+        Brightness { spots: self.spots.clone(), ..brightness }
     }
 
     /// The light paths that values at points take, where these end in cells.
     pub(crate) fn light_paths<'a>(&'a self, rays: &'a Rays<'a>, stop: Stop<'_>) -> Option<LightPaths<'a>> {
         self.cell_radiosities.as_ref()?;
-        let Illumination { landings, .. } = Illumination::sampled(&self.scene, rays, particle_seed(self.options.seed), stop);
-        Some(LightPaths::new(&self.scene, rays, &self.brightness(), &landings, self.resolution.size, stop))
+        Some(LightPaths::new(&self.scene, rays, &self.brightness(), self.resolution.size, stop))
     }
 
     /// Gathers values at points; `paths` are [`Solution::light_paths`].
@@ -293,6 +291,9 @@ impl Solution {
         let resolution = &self.resolution;
         if !resolution.is_valid(&self.scene) {
             return Err("the size of the cells is out of range".to_owned());
+        }
+        if !self.spots.iter().all(|spot| spot.is_valid(&self.scene)) {
+            return Err("a bright spot lies on no surface".to_owned());
         }
         if let Some(radiosities) = &self.cell_radiosities {
             let cells = cell_count(&self.scene, &self.brightness(), resolution.size);

@@ -58,7 +58,7 @@ impl Transport {
         let job = linked.job;
         let (scene, apart) = job.scene.with_emission_apart();
         let brightness = linked.brightness();
-        let paths = LightPaths::new(&scene, job.rays, &brightness, &linked.landings, plan.resolution().size, &job.stop());
+        let paths = LightPaths::new(&scene, job.rays, &brightness, plan.resolution().size, &job.stop());
         let questions = (1 + REPLICATES) * CellRadiosities::questions(paths.grids.cells()) + plan.error_points();
         let stop = linked.stop_telling(Stage::Cells, questions);
 

@@ -14,6 +14,7 @@ mod nested;
 mod parts;
 mod pinhole;
 mod random_room;
+mod sconce;
 mod slit;
 mod snoot;
 mod spheres;
@@ -116,6 +117,18 @@ fn with_rare_light() -> Vec<HardScene> {
             slit::slit,
             "a room of shelves that a slit of 5 cm lights",
             "half of the area has a few thousandths of the light of the other half, by the jambs of the slit in good part",
+        ),
+        new(
+            "sconce",
+            || sconce::sconce(0.05),
+            "a lamp that shines on the wall it hangs on, 5 cm away",
+            "all light comes off a patch of wall behind the lamp",
+        ),
+        new(
+            "sconce_5mm",
+            || sconce::sconce(0.005),
+            "the same 5 mm away",
+            "that patch is seen through a slot, and lit many times over",
         ),
         new("tiny_lamps", lamps::many, "10,000 lamps of 5 mm behind grids", "from every point most lamps are hidden"),
         new("one_lamp", lamps::one, "one lamp of a millionth of the area, and boxes", "shadows without penumbra, a huge exitance"),
