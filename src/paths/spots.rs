@@ -143,10 +143,15 @@ mod tests {
         // Half of the light within 40 cm: a hundred times as bright as the floor.
         let spots = found(0.4, 0.5);
         let area: f64 = spots.iter().map(|spot| 16.0 * (spot.high[0] - spot.low[0]) * (spot.high[1] - spot.low[1])).sum();
-        // Blocks of 18 cm reach over its edge by less than their size.
-        let reach = spots.iter().map(|spot| 4.0 * spot.high[0].max(spot.high[1])).fold(0.0, f64::max);
-        assert!((0.16..0.33).contains(&area) && (0.4..0.58).contains(&reach), "{area} m^2, {reach} m: {spots:?}");
-
+        // Blocks of 6 cm reach over its edge by less than their size.
+        let reach = [0, 1].map(|axis| {
+            let most = spots.iter().map(|spot| spot.high[axis]).fold(0.0, f64::max);
+            4.0 * (most - spots.iter().map(|spot| spot.low[axis]).fold(1.0, f64::min))
+        });
+        assert!(
+            (0.16..0.2).contains(&area) && reach.iter().all(|reach| (0.4..0.47).contains(reach)),
+            "{area} m^2, {reach:?} m: {spots:?}"
+        );
         // What lands on black things changes nothing.
         let on_black = Landing { surface: SurfaceId(1), point: -DVec3::Z, power: 0.0 };
         assert_eq!(found_beside(0.4, 0.5, &[on_black; 100]), spots);

@@ -42,7 +42,7 @@ impl HardScene {
 
 /// All of them.
 pub fn all() -> Vec<HardScene> {
-    with_gaps().into_iter().chain(with_rare_light()).collect()
+    with_gaps().into_iter().chain(with_rare_light()).chain(with_lamps()).collect()
 }
 
 /// Those in which things stand close, or black things around.
@@ -84,8 +84,8 @@ fn with_gaps() -> Vec<HardScene> {
     ]
 }
 
-/// Those in which light is rare, small, many times reflected or on many small things.
-fn with_rare_light() -> Vec<HardScene> {
+/// Those whose lamps are hidden, small, or close to what they light.
+fn with_lamps() -> Vec<HardScene> {
     let new = HardScene::new;
     vec![
         new(
@@ -94,6 +94,21 @@ fn with_rare_light() -> Vec<HardScene> {
             "a lamp at the inner end of a tube of 10 x 10 x 40 cm",
             "all light comes through a small mouth, much of it off the tube",
         ),
+        new(
+            "sconce",
+            sconce::sconce,
+            "a lamp that shines on the wall it hangs on, 5 cm away",
+            "all light comes off a patch of wall behind the lamp",
+        ),
+        new("tiny_lamps", lamps::many, "10,000 lamps of 5 mm behind grids", "from every point most lamps are hidden"),
+        new("one_lamp", lamps::one, "one lamp of a millionth of the area, and boxes", "shadows without penumbra, a huge exitance"),
+    ]
+}
+
+/// Those in which light is rare, many times reflected or on many small things.
+fn with_rare_light() -> Vec<HardScene> {
+    let new = HardScene::new;
+    vec![
         new(
             "pinhole",
             || pinhole::pinhole(0.05),
@@ -118,20 +133,6 @@ fn with_rare_light() -> Vec<HardScene> {
             "a room of shelves that a slit of 5 cm lights",
             "half of the area has a few thousandths of the light of the other half, by the jambs of the slit in good part",
         ),
-        new(
-            "sconce",
-            || sconce::sconce(0.05),
-            "a lamp that shines on the wall it hangs on, 5 cm away",
-            "all light comes off a patch of wall behind the lamp",
-        ),
-        new(
-            "sconce_5mm",
-            || sconce::sconce(0.005),
-            "the same 5 mm away",
-            "that patch is seen through a slot, and lit many times over",
-        ),
-        new("tiny_lamps", lamps::many, "10,000 lamps of 5 mm behind grids", "from every point most lamps are hidden"),
-        new("one_lamp", lamps::one, "one lamp of a millionth of the area, and boxes", "shadows without penumbra, a huge exitance"),
         new(
             "leaves",
             leaves::leaves,
