@@ -178,7 +178,7 @@ impl<'a> Positions<'a> {
         let channels = paths.scene.channels();
         for (position, (&index, place)) in self.cells.iter().zip(&self.places).enumerate() {
             let own = self.paths_of(position);
-            rows.end[index * count..][..count].copy_from_slice(&ends.cell[own]);
+            rows.end[index * count..][..count].copy_from_slice(&ends.cell[own.clone()]);
 
             // The row: each path brings its share of the reflected light.
             let material = paths.scene.material_of(place.surface);
@@ -186,7 +186,8 @@ impl<'a> Positions<'a> {
             for channel in 0..channels {
                 let rho = material.reflectance[channel];
                 let weights = rows.weight[index * count * channels..][..count * channels].iter_mut();
-                weights.skip(channel).step_by(channels).for_each(|weight| *weight = (rho / count as f64) as f32);
+                let of_paths = weights.skip(channel).step_by(channels).zip(&ends.first_weight[own.clone()]);
+                of_paths.for_each(|(weight, first)| *weight = (rho * first / count as f64) as f32);
                 rows.constant[index * channels + channel] = exitance.map_or(0.0, |exitance| exitance[channel]);
             }
         }

@@ -27,8 +27,7 @@ pub(super) fn sampled_positions(paths: &LightPaths<'_>, seed: u64, stop: Stop<'_
 /// Where so many paths of a cell start: at random points where it has a value, whatever its position.
 pub(super) fn starts_of_paths<'a>(paths: &'a LightPaths<'_>, position: Place, count: usize) -> impl Iterator<Item = Place> + 'a {
     let grid = paths.grids.at(position.surface, position.point);
-    let index = |grid: &Grid| (grid.cell_at(position.point) - grid.first) as usize;
-    let part = grid.and_then(|grid| paths.open_part(position.surface, grid, index(grid)));
+    let part = grid.and_then(|grid| paths.open_part(position.surface, grid, grid.index_at(position.point)));
     (0..count).map(move |number| {
         let seed = sampling::hash(position.seed, streams::START_OF_PATH + number as u64);
         let point = part.as_ref().map_or(position.point, |part| part.sampled_point(seed));

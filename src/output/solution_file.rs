@@ -32,7 +32,7 @@ use super::{Provenance, Quantity};
 use crate::solve::{Solution, StoredSolution};
 
 /// The version that this software writes and reads.
-pub const SOLUTION_FORMAT_VERSION: u32 = 25;
+pub const SOLUTION_FORMAT_VERSION: u32 = 26;
 
 const FRAME: Frame = Frame { magic: *b"\x89PLSOL\r\n", version: SOLUTION_FORMAT_VERSION };
 

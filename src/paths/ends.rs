@@ -19,7 +19,7 @@ use super::grids::NO_CELL;
 use super::trail::Trail;
 use crate::scene::SurfaceId;
 
-/// That of a path whose first ray finds nothing, what sends nothing, or what next-event rays bring.
+/// That of a path whose first ray finds nothing, or what sends nothing.
 pub(crate) const NO_SURFACE: u32 = u32::MAX;
 
 /// Where paths end, path after path. A path that ends where its first ray arrives brings the radiosity of the cell there.
@@ -32,14 +32,14 @@ pub(crate) struct Ends {
     /// By path, the point in that cell, and the form factor of the cell, about.
     pub point: Vec<DVec3>,
     pub form_factor: Vec<f64>,
-    /// By path, the weight of its first ray: 1 if that is not guided.
+    /// By path, the weight of its first ray, and of what that finds beside next-event rays: 1 if it is not guided, nor finds what these look for.
     pub first_weight: Vec<f64>,
     /// The paths that went on, in their order.
     pub continued: Vec<Continuation>,
     /// By continuation and channel: it brings `constant + weight * B`, B being the radiosity of the cell where it ends.
     pub constant: Vec<f64>,
     pub weight: Vec<f64>,
-    /// By continuation, the weight of its rays, which is in that.
+    /// By continuation, the weight of its rays and of what they find, which is in that.
     pub guided: Vec<f64>,
     /// By continuation and channel, where emitters are looked for exactly: how much more its variance would be by next-event rays.
     pub next_event: Vec<f64>,
@@ -85,7 +85,7 @@ pub(crate) struct ValueEnd {
 
 /// What a ray finds.
 pub(super) enum Arrival {
-    /// What sends nothing, or what next-event rays bring.
+    /// What sends nothing.
     Nothing,
     /// The sky, or nothing.
     Sky(DVec3),
@@ -136,10 +136,11 @@ impl Ends {
         self.trail.iter_mut().for_each(|trail| trail.end_value(continuation));
     }
 
-    /// Multiplies the weight of a continuation by that of its next ray.
+    /// Multiplies the weight of a continuation by that of its next ray, or of what this finds.
     pub(super) fn weigh(&mut self, continuation: usize, channels: usize, weight: f64) {
         self.guided[continuation] *= weight;
         self.weight[continuation * channels..][..channels].iter_mut().for_each(|left| *left *= weight);
+        self.trail.iter_mut().for_each(|trail| trail.weigh(continuation, weight));
     }
 
     /// Forgets everything, and makes room for so many paths.

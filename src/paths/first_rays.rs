@@ -28,11 +28,13 @@ impl LightPaths<'_> {
 
         // Paths end where they arrive, or go on from there.
         for (path, (ray, hit)) in rays.iter().zip(&scratch.hits).enumerate() {
-            match self.arrival(&places[path / count as usize], ray, *hit, [beyond, past_unresolved]) {
+            let (arrival, weight) = self.arrival(&places[path / count as usize], ray, *hit, [beyond, past_unresolved]);
+            ends.first_weight[path] *= weight;
+            match arrival {
                 Arrival::Nothing => {}
                 Arrival::Sky(direction) => {
                     into_sky.push((ends.continued.len(), direction));
-                    ends.trail.iter_mut().for_each(|trail| trail.goes_on(path / count as usize));
+                    ends.trail.iter_mut().for_each(|trail| trail.goes_on(path / count as usize, 1.0));
                     ends.continued.push(Continuation { path, cell: NO_CELL, value_end: None, is_of_sky: true });
                 }
                 Arrival::Cell(cell, point, surface) => {
@@ -42,7 +44,7 @@ impl LightPaths<'_> {
                 }
                 Arrival::Onward(point, surface, small) => {
                     let (place, ray) = (path / count as usize, path % count as usize);
-                    ends.trail.iter_mut().for_each(|trail| trail.goes_on(place));
+                    ends.trail.iter_mut().for_each(|trail| trail.goes_on(place, weight));
                     ends.surface[path] = surface.0;
                     let seed = sampling::hash(places[place].receiver(self.scene).seed, streams::PATHS_ONWARD + ray as u64);
                     heads.push(Place { point, surface, seed });

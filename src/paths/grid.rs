@@ -1,9 +1,7 @@
 //! A grid of cells over a surface.
 //!
-//! It fills a rectangle around the surface, in its plane, along its longest edge. A point finds its cell by one division for each axis. Where the
-//! surface has bright spots another grid of smaller cells lies over it, from edge to edge of some of its cells.
-
-use std::ops::Range;
+//! It fills a rectangle around the surface, in its plane, along its longest edge. A point finds its cell by one division for each axis. Over cells on
+//! bright spots lie other grids, of smaller cells, one over each.
 
 use glam::{DVec2, DVec3};
 
@@ -12,8 +10,11 @@ use crate::geometry::{Clip, ClippedFacet, Facet, clip_to_front};
 /// Cells on one side of a surface, at most.
 const MAX_SIDE: f64 = 4096.0;
 
+/// The number of no grid.
+pub(super) const NO_GRID: u32 = u32::MAX;
+
 /// The cells of one surface, row after row.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Grid {
     /// The how many-th grid it is.
     pub number: u32,
@@ -26,17 +27,8 @@ pub(crate) struct Grid {
     along: DVec3,
     /// Width and height of a cell, in metres.
     cell: [f64; 2],
-    inset: Option<Inset>,
-}
-
-/// Where another grid lies over one.
-#[derive(Clone, Copy, Debug)]
-struct Inset {
-    /// The number of that grid.
-    number: u32,
-    /// The columns and the rows that it covers, the first ones and those beyond.
-    low: [u32; 2],
-    high: [u32; 2],
+    /// By cell, the number of the grid that lies over it, or [`NO_GRID`]; empty if none lies over any.
+    over: Box<[u32]>,
 }
 
 impl Grid {
@@ -66,45 +58,52 @@ impl Grid {
             across,
             along,
             cell: [(right - left) / columns, (top - bottom) / rows],
-            inset: None,
+            over: Box::default(),
         }
     }
 
-    /// Lays a grid over some of its columns and rows, each of whose cells it cuts into so many along each side; returns that.
-    pub(super) fn lay_over(&mut self, covered: &[Range<u32>; 2], cuts: u32, [number, first]: [u32; 2]) -> Self {
-        let [columns, rows] = covered;
-        self.inset = Some(Inset { number, low: [columns.start, rows.start], high: [columns.end, rows.end] });
-        let index = (rows.start * self.columns + columns.start) as usize;
+    /// Lays a grid over cell number `index`, with so many cells along each side; returns that.
+    pub(super) fn lay_over(&mut self, index: usize, cells: u32, [number, first]: [u32; 2]) -> Self {
+        if self.over.is_empty() {
+            self.over = vec![NO_GRID; self.len()].into();
+        }
+        self.over[index] = number;
         Self {
             number,
             first,
-            columns: columns.len() as u32 * cuts,
-            rows: rows.len() as u32 * cuts,
+            columns: cells,
+            rows: cells,
             origin: self.point_in(index, 0.0, 0.0),
-            cell: self.cell.map(|side| side / f64::from(cuts)),
-            inset: None,
+            cell: self.cell.map(|side| side / f64::from(cells)),
+            over: Box::default(),
             ..*self
         }
     }
 
-    /// The columns and rows in which some of a rectangle lies, given by parts of the sides of the grid.
-    pub(super) fn around_parts(&self, low: [f64; 2], high: [f64; 2]) -> [Range<u32>; 2] {
-        [(0, self.columns), (1, self.rows)].map(|(axis, count): (usize, u32)| {
+    /// The corners of the rectangle that it fills.
+    pub(super) fn corners(&self) -> [DVec3; 4] {
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|parts| self.point_at_parts(parts))
+    }
+
+    /// The cells in which some of a rectangle lies, given by parts of the sides of the grid.
+    pub(super) fn cells_around(&self, low: [f64; 2], high: [f64; 2]) -> impl Iterator<Item = usize> + use<> {
+        let along = |axis: usize, count: u32| {
             let [low, high] = [low[axis], high[axis]].map(|part| part * f64::from(count));
             let first = (low.floor() as u32).min(count - 1);
             first..(high.ceil() as u32).clamp(first + 1, count)
-        })
+        };
+        let (columns, of_row) = (self.columns, along(0, self.columns));
+        along(1, self.rows).flat_map(move |row| of_row.clone().map(move |column| (row * columns + column) as usize))
     }
 
-    /// The number of the grid that lies over this one at a point, if one does.
-    pub(super) fn inset_at(&self, point: DVec3) -> Option<u32> {
-        let inset = self.inset?;
-        inset.covers(self.place_of(point)).then_some(inset.number)
+    /// The area of a rectangle, given by parts of the sides of the grid, in m^2.
+    pub(super) fn area_between(&self, low: [f64; 2], high: [f64; 2]) -> f64 {
+        (high[0] - low[0]) * (high[1] - low[1]) * self.cell_area() * self.len() as f64
     }
 
-    /// Whether another grid lies over cell number `index`.
-    pub fn is_covered(&self, index: usize) -> bool {
-        self.inset.is_some_and(|inset| inset.covers([index as u32 % self.columns, index as u32 / self.columns]))
+    /// The number of the grid that lies over cell number `index`, if one does.
+    pub fn over(&self, index: usize) -> Option<u32> {
+        self.over.get(index).copied().filter(|&number| number != NO_GRID)
     }
 
     /// The point at some parts of the sides of the grid.
@@ -113,14 +112,12 @@ impl Grid {
         self.origin + x * self.across + y * self.along
     }
 
-    /// The cells whose middles lie in a rectangle, given by two corners; the one that its middle lies in, if there are none.
+    /// The cells whose middles lie in a rectangle, given by two corners.
     pub(super) fn cells_between(&self, low: DVec3, high: DVec3) -> impl Iterator<Item = usize> + use<> {
         let (columns, low_at, high_at) = (self.columns, self.in_squares(low, 1), self.in_squares(high, 1));
         let along = |axis: usize, count: u32| {
-            let first = ((low_at[axis] - 0.5).ceil().max(0.0) as u32).min(count);
-            let end = ((high_at[axis] - 0.5).ceil().max(0.0) as u32).min(count);
-            let middle = ((0.5 * (low_at[axis] + high_at[axis])) as u32).min(count - 1);
-            if first < end { first..end } else { middle..middle + 1 }
+            let first_beyond = |at: f64| ((at - 0.5).ceil().max(0.0) as u32).min(count);
+            first_beyond(low_at[axis])..first_beyond(high_at[axis])
         };
         let (of_row, rows) = (along(0, self.columns), along(1, self.rows));
         rows.flat_map(move |row| of_row.clone().map(move |column| (row * columns + column) as usize))
@@ -179,8 +176,13 @@ impl Grid {
 
     /// The cell that `point` of the surface lies in, counted over all grids.
     pub fn cell_at(&self, point: DVec3) -> u32 {
+        self.first + self.index_at(point) as u32
+    }
+
+    /// The same, counted over this grid.
+    pub fn index_at(&self, point: DVec3) -> usize {
         let [column, row] = self.place_of(point);
-        self.first + row * self.columns + column
+        (row * self.columns + column) as usize
     }
 
     /// The column and the row of the cell that `point` of the surface lies in.
@@ -193,15 +195,8 @@ impl Grid {
 
     /// The coordinates of a point within its cell, each in [0, 1].
     pub fn within_cell(&self, point: DVec3) -> [f64; 2] {
-        let from_corner = point - self.point_in((self.cell_at(point) - self.first) as usize, 0.0, 0.0);
+        let from_corner = point - self.point_in(self.index_at(point), 0.0, 0.0);
         let along = |axis: DVec3, size: f64| (from_corner.dot(axis) / size).clamp(0.0, 1.0);
         [along(self.across, self.cell[0]), along(self.along, self.cell[1])]
-    }
-}
-
-impl Inset {
-    /// Whether it covers the cell in a column and a row.
-    fn covers(&self, at: [u32; 2]) -> bool {
-        (0..2).all(|axis| (self.low[axis]..self.high[axis]).contains(&at[axis]))
     }
 }

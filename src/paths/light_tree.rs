@@ -8,22 +8,16 @@
 //! The bound of a near group says little: a source in it may be much nearer than the group's centre. So all descents start below
 //! the near groups, and near single sources count with their exact unoccluded irradiance.
 //!
-//! The bounds of four children are computed side by side in f32: rounding changes the probabilities, but they remain those that are
-//! divided by. Lengths are in radii of the tree and powers in parts of its power, so no scene is too large or too dim for f32.
+//! Lengths are in radii of the tree and powers in parts of its power, so no scene is too large or too dim for f32.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::light_node::{Below, Node, Receiver, WIDTH};
 use super::source_group::{Group, Source, halves};
 use crate::progress::Stop;
-
-/// Cosines are widened by this much against rounding: sines of small angles are known to the root of the rounding of f32.
-const SLACK: f32 = 1e-3;
-
-/// Children of a node.
-const WIDTH: usize = 4;
 
 /// A group or source is near if the square of its radius over its distance is above this.
 const NEAR_SQ: f32 = 0.25;
@@ -31,48 +25,14 @@ const NEAR_SQ: f32 = 0.25;
 /// Trees over fewer sources are made on one thread, and to their end: some milliseconds.
 const PARALLEL: usize = 4096;
 
-/// One number for each child, or child and axis.
-type Lanes = [f32; WIDTH];
-
-/// Up to four children; unused lanes have no power.
-struct Node {
-    /// The centre of each child's box, and half of its diagonal.
-    centre: [Lanes; 3],
-    radius: Lanes,
-    /// All normals are within the half-angle of a cone around `axis`, in [0, pi].
-    axis: [Lanes; 3],
-    cos_half_angle: Lanes,
-    sin_half_angle: Lanes,
-    /// Area times brightness.
-    power: Lanes,
-    below: [Below; WIDTH],
-}
-
 /// What a descent starts from: a bound of the light that it sends, up to a common factor, and the group or source.
 type Start = (f64, Below);
-
-/// What a child is.
-#[derive(Clone, Copy)]
-enum Below {
-    Source(u32),
-    Node(u32),
-}
-
-impl Node {
-    const EMPTY: Self = Self {
-        centre: [[0.0; WIDTH]; 3],
-        radius: [1.0; WIDTH],
-        axis: [[0.0; WIDTH]; 3],
-        cos_half_angle: [1.0; WIDTH],
-        sin_half_angle: [0.0; WIDTH],
-        power: [0.0; WIDTH],
-        below: [Below::Node(0); WIDTH],
-    };
-}
 
 /// A light tree.
 pub(super) struct LightTree {
     nodes: Vec<Node>,
+    /// By source, the node that it is a child of.
+    node_of: Vec<u32>,
     /// The units of the nodes: the origin, the length and the power.
     centre: DVec3,
     radius: f64,
@@ -95,13 +55,6 @@ pub(super) struct Drawn {
 pub(super) struct Draws {
     starts: Vec<Start>,
     pub drawn: Vec<Drawn>,
-}
-
-/// Points of one normal, in the units of a tree: all within `reach` of `point`.
-struct Receiver {
-    point: [f32; 3],
-    reach: f32,
-    normal: [f32; 3],
 }
 
 /// The units of the nodes of a tree: the origin, the length and the power.
@@ -180,24 +133,27 @@ impl Units {
     }
 }
 
-impl Below {
-    /// The same where so many nodes stand before those of its tree.
-    fn behind(self, before: u32) -> Self {
-        match self {
-            Self::Source(_) => self,
-            Self::Node(index) => Self::Node(before + index),
-        }
-    }
-}
-
 impl LightTree {
-    /// A tree over `sources`, at least one; `None` if stopped before it is whole.
+    /// A tree over `sources`, at least one, with numbers from 0 on; `None` if stopped before it is whole.
     pub fn new(mut sources: Vec<Source>, stop: Stop<'_>) -> Option<Self> {
         let Group { bounds, power, .. } = sources.iter().map(Group::of).reduce(Group::union).unwrap_or_default();
         let (centre, radius) = (bounds.centre(), 0.5 * bounds.diagonal());
         let (units, mut nodes) = (Units { centre, radius, power }, Vec::new());
         units.add(&mut nodes, &mut sources, stop)?;
-        Some(Self { nodes, centre, radius, power })
+
+        // Nodes stand before those below them.
+        let mut node_of = vec![0; sources.len()];
+        for index in (0..nodes.len()).rev() {
+            let mut end = index as u32 + 1;
+            for child in (0..WIDTH).filter(|&child| nodes[index].power[child] > 0.0) {
+                match nodes[index].below[child] {
+                    Below::Source(number) => node_of[number as usize] = index as u32,
+                    Below::Node(child) => end = end.max(nodes[child as usize].end),
+                }
+            }
+            nodes[index].end = end;
+        }
+        Some(Self { nodes, node_of, centre, radius, power })
     }
 
     /// Draws a source by each of `numbers`, rising in [0, 1), for points that share a normal, into `draws`. A number draws nothing
@@ -217,16 +173,11 @@ impl LightTree {
         let Draws { starts, drawn } = draws;
         let middle = points.clone().sum::<DVec3>() / points.len() as f64;
         let reach = points.map(|point| point.distance(middle)).fold(0.0, f64::max);
-        let receiver = Receiver {
-            point: ((middle - self.centre) / self.radius).as_vec3().to_array(),
-            reach: (reach / self.radius) as f32,
-            normal: normal.as_vec3().to_array(),
-        };
+        let receiver = self.receiver(middle, reach, normal);
 
         // What descents start from.
-        let in_units_of_bounds = PI * self.radius * self.radius / self.power;
         starts.clear();
-        self.collect_starts(0, &receiver, &|number| in_units_of_bounds * unoccluded(number), starts);
+        self.visit_starts(0, &receiver, &|number| self.in_units_of_bounds() * unoccluded(number), &mut |start| starts.push(start));
 
         // All descents together.
         drawn.clear();
@@ -235,15 +186,63 @@ impl LightTree {
         drawn.truncate(kept);
     }
 
-    /// Appends what descents start from: the children of a node, or those below where a child is a near group.
-    fn collect_starts(&self, index: u32, receiver: &Receiver, sent: &impl Fn(u32) -> f64, starts: &mut Vec<Start>) {
+    /// The probability with which [`Self::draw`] draws a source for a single point.
+    pub fn probability(&self, source: u32, point: DVec3, normal: DVec3, unoccluded: impl Fn(u32) -> f64) -> f64 {
+        let receiver = self.receiver(point, 0.0, normal);
+        let (mut sum, mut own) = (0.0, None);
+        let sent = |number| self.in_units_of_bounds() * unoccluded(number);
+        self.visit_starts(0, &receiver, &sent, &mut |(bound, below)| {
+            sum += bound;
+            if self.is_in(source, below) {
+                own = Some((bound, below));
+            }
+        });
+
+        // Down to the source.
+        let Some((bound, mut below)) = own.filter(|(bound, _)| *bound > 0.0) else { return 0.0 };
+        let mut probability = bound / sum;
+        while let Below::Node(index) = below {
+            let node = &self.nodes[index as usize];
+            let bounds = node.bound_sent(&receiver).0.map(f64::from);
+            let is_on_way = |&child: &usize| bounds[child] > 0.0 && self.is_in(source, node.below[child]);
+            let Some(child) = (0..WIDTH).find(is_on_way) else { return 0.0 };
+            probability *= bounds[child] / bounds.iter().sum::<f64>();
+            below = node.below[child];
+        }
+        probability
+    }
+
+    /// Whether a source is this one, or in this group.
+    fn is_in(&self, source: u32, below: Below) -> bool {
+        match below {
+            Below::Source(number) => number == source,
+            Below::Node(index) => (index..self.nodes[index as usize].end).contains(&self.node_of[source as usize]),
+        }
+    }
+
+    /// Points with a normal in the units of the tree.
+    fn receiver(&self, point: DVec3, reach: f64, normal: DVec3) -> Receiver {
+        Receiver {
+            point: ((point - self.centre) / self.radius).as_vec3().to_array(),
+            reach: (reach / self.radius) as f32,
+            normal: normal.as_vec3().to_array(),
+        }
+    }
+
+    /// So many times an irradiance is what bounds are compared with.
+    fn in_units_of_bounds(&self) -> f64 {
+        PI * self.radius * self.radius / self.power
+    }
+
+    /// Visits what descents start from: the children of a node, or those below where a child is a near group.
+    fn visit_starts(&self, index: u32, receiver: &Receiver, sent: &impl Fn(u32) -> f64, visit: &mut impl FnMut(Start)) {
         let node = &self.nodes[index as usize];
         let (bounds, nearness_sq) = node.bound_sent(receiver);
         for child in (0..WIDTH).filter(|&child| bounds[child] > 0.0) {
             match node.below[child] {
-                Below::Node(index) if nearness_sq[child] > NEAR_SQ => self.collect_starts(index, receiver, sent, starts),
-                Below::Source(number) if nearness_sq[child] > NEAR_SQ => starts.push((sent(number), node.below[child])),
-                below => starts.push((f64::from(bounds[child]), below)),
+                Below::Node(index) if nearness_sq[child] > NEAR_SQ => self.visit_starts(index, receiver, sent, visit),
+                Below::Source(number) if nearness_sq[child] > NEAR_SQ => visit((sent(number), node.below[child])),
+                below => visit((f64::from(bounds[child]), below)),
             }
         }
     }
@@ -293,59 +292,4 @@ impl LightTree {
         }
         kept
     }
-}
-
-impl Node {
-    /// By child: a bound of the light that it sends to the receiver, up to a common factor, and its nearness, the square of radius
-    /// over distance. The bound is power times the largest cosines over the square of the distance. The radius is that of the
-    /// child's box plus the reach of the receiver; the distance counts as no less than that.
-    fn bound_sent(&self, receiver: &Receiver) -> (Lanes, Lanes) {
-        // Distances and projections, in arrays and without branches, so that the compiler computes four children side by side.
-        let (mut distance_sq, mut to_receiver, mut to_axis) = ([0.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]);
-        for axis in 0..3 {
-            for k in 0..WIDTH {
-                let towards = self.centre[axis][k] - receiver.point[axis];
-                distance_sq[k] += towards * towards;
-                to_receiver[k] += towards * receiver.normal[axis];
-                to_axis[k] -= towards * self.axis[axis][k];
-            }
-        }
-
-        // The largest cosines at both ends: directions vary by the angle under which the radius is seen, at the sources by the cone
-        // of normals too.
-        let (mut sent, mut nearness_sq) = ([0.0; WIDTH], [0.0; WIDTH]);
-        for k in 0..WIDTH {
-            let radius = self.radius[k] + receiver.reach;
-            let radius_sq = radius * radius;
-            let far_sq = largest(distance_sq[k], radius_sq);
-            let sin_sq = radius_sq / far_sq;
-            let seen_angle = (sin_sq.sqrt(), (1.0 - sin_sq).sqrt());
-            let per_distance = 1.0 / far_sq.sqrt();
-            let at_receiver = less(angle(to_receiver[k] * per_distance), seen_angle);
-            let at_sources =
-                less(less(angle(to_axis[k] * per_distance), seen_angle), (self.sin_half_angle[k], self.cos_half_angle[k]));
-            let cosines = largest(at_receiver.1 + SLACK, 0.0) * largest(at_sources.1 + SLACK, 0.0);
-            let is_inside = distance_sq[k] <= radius_sq;
-            sent[k] = self.power[k] * if is_inside { 1.0 } else { cosines } / far_sq;
-            nearness_sq[k] = radius_sq / largest(distance_sq[k], f32::MIN_POSITIVE);
-        }
-        (sent, nearness_sq)
-    }
-}
-
-/// The larger of two numbers that are not NaN.
-fn largest(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// Sine and cosine of an angle in [0, pi] by its cosine, which rounding may have left a little outside [-1, 1].
-fn angle(cos: f32) -> (f32, f32) {
-    (largest(1.0 - cos * cos, 0.0).sqrt(), cos)
-}
-
-/// Sine and cosine of `a - b`, or of 0 if that is negative; angles in [0, pi], given by their sines and cosines.
-fn less(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
-    let is_less = a.1 >= b.1;
-    let (sin, cos) = (a.0 * b.1 - a.1 * b.0, a.1 * b.1 + a.0 * b.0);
-    (if is_less { 0.0 } else { sin }, if is_less { 1.0 } else { cos })
 }

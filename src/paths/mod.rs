@@ -14,6 +14,7 @@ mod first_rays;
 mod grid;
 mod grids;
 mod guide;
+mod light_node;
 mod light_tree;
 mod next_event;
 mod open_parts;

@@ -66,8 +66,8 @@ impl<'a> OpenParts<'a> {
     }
 
     /// Where cell number `index` of the grid has a value; `None` if nowhere.
-    pub fn part_of(&self, surface: SurfaceId, grid: &Grid, index: usize) -> Option<OpenPart<'_>> {
-        if grid.is_covered(index) {
+    pub fn part_of<'b>(&'b self, surface: SurfaceId, grid: &'b Grid, index: usize) -> Option<OpenPart<'b>> {
+        if grid.over(index).is_some() {
             return None;
         }
         let facet = self.scene.surface(surface).polygon.facet();
@@ -80,7 +80,7 @@ impl<'a> OpenParts<'a> {
                 if is_whole { Shape::Whole } else { Shape::Clipped(grid.part_of(&facet, index)?) }
             }
         };
-        Some(OpenPart { facet, grid: *grid, index, shape })
+        Some(OpenPart { facet, grid, index, shape })
     }
 
     /// The cells of a surface that are not open everywhere.
@@ -104,7 +104,7 @@ impl<'a> OpenParts<'a> {
 /// Where a cell has a value.
 pub(crate) struct OpenPart<'a> {
     facet: Facet<'a>,
-    grid: Grid,
+    grid: &'a Grid,
     index: usize,
     shape: Shape,
 }
@@ -152,7 +152,7 @@ fn marked_squares(scene: &Scene, boxes: &SurfaceBoxes, id: SurfaceId, grid: &Gri
     let surface = scene.surface(id);
     let facet = surface.polygon.facet();
     let (lowest, highest) = (IN_PLANE_WITHIN * facet.radius, COVERS_WITHIN * grid.size());
-    let above = facet.vertices.iter().flat_map(|&vertex| [vertex, vertex + highest * facet.normal]);
+    let above = grid.corners().into_iter().flat_map(|corner| [corner, corner + highest * facet.normal]);
 
     let mut marked = HashMap::new();
     let mut part = Vec::new();

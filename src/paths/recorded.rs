@@ -32,7 +32,7 @@ impl Ends {
         let Some(trail) = &self.trail else { return };
         for (path, &cell) in self.cell.iter().enumerate().filter(|(_, cell)| **cell != NO_CELL) {
             let product = trail.begin.get(path / count).copied().unwrap_or_default();
-            visit(PathTerm { path, is_of_value: true, product, what: Brought::End(cell), weight: 1.0 });
+            visit(PathTerm { path, is_of_value: true, product, what: Brought::End(cell), weight: self.first_weight[path] });
         }
         let mut of_continuation = |number: usize, is_of_value: bool, (product, weight): (u32, f64), what: Brought| {
             visit(PathTerm { path: self.continued[number].path, is_of_value, product, what, weight });

@@ -1,6 +1,8 @@
 //! Next-event estimation from bright reflectors and bright spots: rays to their cells.
 //!
-//! Cells are drawn from a light tree. Only cells that are small as seen from the place count; light from others is left to paths.
+//! Cells are drawn from a light tree. Only cells that are small as seen from the place count; light from others is left to paths. What both find, rays
+//! and paths, is weighted by the balance heuristic (Veach, Guibas 1995): from near by, or where most of the cells are hidden, paths find them better.
+//!
 //! While radiosities are solved for they are not known yet, so the result is a list of cells with weights.
 
 use std::f64::consts::PI;
@@ -21,6 +23,12 @@ use crate::progress::Stop;
 use crate::scene::{Scene, SurfaceId};
 use crate::transmittance::Rays;
 use crate::visibility::Segment;
+
+/// Rays for each path, as weights reckon. Any number above 0 leaves no bias.
+pub(super) const RAYS_OF_PATH: f64 = 0.5;
+
+/// The number of no target.
+const NO_TARGET: u32 = u32::MAX;
 
 /// Fewer targets are looked at on one thread.
 const PARALLEL: usize = 4096;
@@ -52,8 +60,8 @@ pub(super) struct Reflectors<'a> {
     scene: &'a Scene,
     rays: &'a Rays<'a>,
     targets: Vec<Target>,
-    /// By cell.
-    is_target: Vec<bool>,
+    /// By cell, its number among them, or [`NO_TARGET`].
+    number_of: Vec<u32>,
     /// A cell is small from so many times its size.
     small_from: f64,
     /// Over the targets; `None` if there are none.
@@ -78,13 +86,13 @@ impl<'a> Reflectors<'a> {
         small_from: f64,
         stop: Stop<'_>,
     ) -> Self {
-        let mut all = Self { scene, rays, targets: Vec::new(), is_target: vec![false; grids.cells()], small_from, tree: None };
+        let mut all = Self { scene, rays, targets: Vec::new(), number_of: vec![NO_TARGET; grids.cells()], small_from, tree: None };
         for &Reflector { surface, brightness } in brightness.reflectors.iter().take_while(|_| !stop()) {
             let grid = grids.of(surface).into_iter();
             grid.for_each(|grid| (0..grid.len()).for_each(|index| all.add(surface, grid, index, brightness)));
         }
         for spot in brightness.spots.iter().take_while(|_| !stop()) {
-            grids.cells_of(spot).for_each(|(grid, index)| all.add(spot.surface, grid, index, spot.brightness));
+            grids.cells_of(spot).into_iter().for_each(|(grid, index)| all.add(spot.surface, grid, index, spot.brightness));
         }
         let source = |(number, target): (usize, &Target)| {
             let normal = scene.surface(target.surface).polygon.facet().normal;
@@ -99,7 +107,7 @@ impl<'a> Reflectors<'a> {
         all.tree = if sources.is_empty() { None } else { LightTree::new(sources, stop) };
         if all.tree.is_none() {
             all.targets.clear();
-            all.is_target.fill(false);
+            all.number_of.fill(NO_TARGET);
         }
         all
     }
@@ -108,19 +116,31 @@ impl<'a> Reflectors<'a> {
     fn add(&mut self, surface: SurfaceId, grid: &Grid, index: usize, brightness: f64) {
         let (corner, edges) = (grid.point_in(index, 0.0, 0.0), grid.edges());
         let target = Target { cell: grid.first + index as u32, surface, corner, edges, brightness };
-        if target.area() * brightness > 0.0 && !self.is_target[target.cell as usize] {
-            self.is_target[target.cell as usize] = true;
+        if target.area() * brightness > 0.0 && !self.is_target(target.cell) {
+            self.number_of[target.cell as usize] = self.targets.len() as u32;
             self.targets.push(target);
         }
     }
 
     /// Whether next-event rays go to this cell.
     pub fn is_target(&self, cell: u32) -> bool {
-        self.is_target[cell as usize]
+        self.number_of[cell as usize] != NO_TARGET
+    }
+
+    /// The weight by the balance heuristic of what a path from a place brings that arrives at a point of such a cell, which is small from there.
+    pub fn weight_of_path(&self, receiver: &Receiver, cell: u32, point: DVec3) -> f64 {
+        let (number, Some(tree)) = (self.number_of[cell as usize], &self.tree) else { return 1.0 };
+        let target = &self.targets[number as usize];
+        let &Receiver { point: from, normal, .. } = receiver;
+        let kernel = kernel(from, normal, point, self.scene.surface(target.surface).polygon.facet().normal);
+        let unoccluded = |number: u32| self.bound_brought(&self.targets[number as usize], from, normal);
+        let by_rays = RAYS_OF_PATH * tree.probability(number, from, normal, unoccluded) / target.area();
+        if by_rays > 0.0 { kernel / (kernel + by_rays) } else { 1.0 }
     }
 
     /// Samples the reflectors by `count` rays from each place for which `is_on` does not say that it is on one. The sum of weight times radiosity over what a
-    /// place has seen estimates the irradiance from all cells that are small as seen from there, without bias.
+    /// place has seen estimates the irradiance from all cells that are small as seen from there without bias, with what paths bring
+    /// ([`Self::weight_of_path`]).
     pub fn see<P: Receives>(
         &self,
         places: &[P],
@@ -171,12 +191,13 @@ impl<'a> Reflectors<'a> {
             }
             let (from, to) = (from.to_array(), point.to_array());
             memory.segments.push(Segment { from, to, from_plane, to_plane: source.plane });
-            let weight = target.area() * kernel / (f64::from(count) * drawn.probability);
+            let by_rays = RAYS_OF_PATH * drawn.probability / target.area();
+            let weight = RAYS_OF_PATH * kernel / (f64::from(count) * (by_rays + kernel));
             seen.push(SeenCell { by, ray: drawn.ray, cell: target.cell, surface: target.surface, point, weight });
         }
     }
 
-    /// An upper bound of the unoccluded irradiance from the points of a cell from which it is small, in W/m^2.
+    /// An upper bound of the unoccluded irradiance from the points of a cell from which it is small; where means of radiosity are 1.
     fn bound_brought(&self, target: &Target, point: DVec3, normal: DVec3) -> f64 {
         let [across, along] = target.edges;
         let to_centre = target.corner + 0.5 * (across + along) - point;
@@ -215,9 +236,10 @@ mod tests {
     use super::*;
     use crate::form_factor::point_to_polygon;
     use crate::geometry::Polygon;
+    use crate::paths::place::cosine_rays;
     use crate::paths::{Brightness, CellSize, Place};
     use crate::scene::{Material, Sides};
-    use crate::visibility::{Backend, OccluderMesh, build};
+    use crate::visibility::{Backend, OccluderMesh, Ray, build};
 
     /// Sixteen tiles of a floor, a plate above it, and something in between that hides half of the plate from the middle.
     fn plate_above_tiles(occluded: bool) -> Scene {
@@ -237,9 +259,10 @@ mod tests {
         Scene::new(1, vec![material], faces, Sides::Front).unwrap()
     }
 
+    /// Next-event rays and paths together, from a place far from the plate and from one close below it, where paths find most.
     #[test]
-    fn what_is_seen_adds_up_to_the_form_factor() {
-        for (occluded, visible) in [(false, 1.0), (true, 0.5)] {
+    fn what_is_seen_and_what_paths_find_add_up_to_the_form_factor() {
+        for (occluded, visible, height) in [(false, 1.0, 0.0), (true, 0.5, 0.0), (false, 1.0, 1.97)] {
             let scene = plate_above_tiles(occluded);
             let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
             let rays = Rays::new(&*visibility, &scene);
@@ -248,15 +271,29 @@ mod tests {
             let size = CellSize { side: 0.1, past_unresolved: false, most_surfaces: usize::MAX };
             let grids = Grids::new(&scene, &brightness, size);
             let reflectors = Reflectors::new(&scene, &rays, &brightness, &grids, 1.5, &|| false);
-            let point = DVec3::new(2.0, 2.0, 0.0);
+            let point = DVec3::new(2.0, 2.0, height);
             let expected = visible * point_to_polygon(point, DVec3::Z, &scene.surface(SurfaceId(16)).polygon.facet());
             let (mut memory, mut seen) = (ReflectorRays::default(), Vec::new());
             let places: Vec<Place> =
                 (0..4000).map(|k| Place { point, surface: SurfaceId(0), seed: sampling::hash(9, k) }).collect();
+
+            let (mut by_paths, mut hits) = (0.0, Vec::new());
+            for place in &places {
+                let receiver = place.receiver(&scene);
+                let cast: Vec<Ray> = cosine_rays(&receiver, 0..64).collect();
+                rays.first_hits(&cast, &mut hits);
+                for (ray, hit) in cast.iter().zip(&hits).filter_map(|(ray, hit)| Some((ray, hit.as_ref()?))) {
+                    let at = point + hit.distance * DVec3::from(ray.direction);
+                    let cell = grids.at(SurfaceId(16), at).filter(|_| hit.surface == 16).map(|grid| grid.cell_at(at));
+                    by_paths += cell.map_or(0.0, |cell| reflectors.weight_of_path(&receiver, cell, at)) / 64.0;
+                }
+            }
             for count in [1, 16] {
                 reflectors.see(&places, |_| false, count, &mut memory, &mut seen);
-                let found = seen.iter().map(|seen| seen.weight).sum::<f64>() / places.len() as f64;
+                let by_rays = seen.iter().map(|seen| seen.weight).sum::<f64>();
+                let found = (by_rays + by_paths) / places.len() as f64;
                 assert!((found / expected - 1.0).abs() < 0.05, "{found} for {expected} by {count}, occluded: {occluded}");
+                assert_eq!(by_paths > by_rays, height > 0.0, "{by_paths} by paths, {by_rays} by rays");
             }
         }
     }

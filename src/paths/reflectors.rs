@@ -23,7 +23,7 @@ const MOST_SURFACES: f64 = 0.125;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reflector {
     pub surface: SurfaceId,
-    /// The reflected radiosity in its brightest channel, in W/m^2.
+    /// The reflected radiosity in its brightest channel, in means over all surfaces that reflect.
     pub brightness: f64,
 }
 
@@ -99,16 +99,16 @@ fn bright_reflectors(scene: &Scene, brightness: &impl Fn(SurfaceId) -> f64) -> V
         of.fold(Moments::default(), |moments, of| moments.add(area(of.surface), of.brightness))
     };
     let whole = moments(&mut all.iter());
-    let limit = BRIGHT * whole.sum / whole.area;
-    let is_bright = |of: &&Reflector| of.brightness > limit;
+    let mean = whole.sum / whole.area;
+    let is_bright = |of: &&Reflector| of.brightness > BRIGHT * mean;
     let left = moments(&mut all.iter().filter(|of| !is_bright(of)));
 
     // The variance of what a ray finds that ends anywhere on all surfaces, and if it finds nothing on the bright ones.
     let variance = |of: Moments| of.sum_sq / whole.area - (of.sum / whole.area).powi(2);
-    let mean_sq = (whole.sum / whole.area).powi(2);
-    let bright: Vec<Reflector> = all.iter().filter(is_bright).copied().collect();
+    let in_means = |of: &Reflector| Reflector { brightness: of.brightness / mean, ..*of };
+    let bright: Vec<Reflector> = all.iter().filter(is_bright).map(in_means).collect();
     let are_few = bright.len() as f64 <= MOST_SURFACES * all.len() as f64 && whole.area - left.area <= MOST_AREA * whole.area;
-    if are_few && variance(whole) - variance(left) > WORTH * mean_sq { bright } else { Vec::new() }
+    if are_few && variance(whole) - variance(left) > WORTH * mean * mean { bright } else { Vec::new() }
 }
 
 #[cfg(test)]

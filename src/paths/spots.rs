@@ -1,5 +1,5 @@
-//! Bright spots: parts of large surfaces that reflect so much light that they have smaller cells, and next-event estimation samples them as it does bright
-//! reflectors.
+//! Bright spots: parts of large surfaces that reflect so much light that next-event estimation samples them as it does bright reflectors. Where much of all
+//! light comes off them they have smaller cells.
 //!
 //! Such are the pool of light below a spotlight and the wall behind a lamp: paths seldom meet them, and bring much when they do. Where light
 //! lands, particles tell; they are few, so they are counted over blocks.
@@ -29,7 +29,7 @@ pub(crate) struct Spot {
     /// Where it begins and ends, as parts of the sides of the rectangle that grids of the surface fill.
     pub low: [f64; 2],
     pub high: [f64; 2],
-    /// The reflected radiosity, up to a factor that is common to all spots.
+    /// The reflected radiosity, in means over all that light meets.
     pub brightness: f64,
 }
 
@@ -81,8 +81,8 @@ pub(super) fn bright_spots(scene: &Scene, landings: &[Landing], is_reflector: im
     let (mut spots, mut spot_power, mut gained) = (Vec::new(), 0.0, 0.0);
     for (&surface, (grid, blocks)) in &blocks {
         for (&block, landed) in blocks {
-            let brightness = landed.power / grid.cell_area();
-            if brightness <= BRIGHT * mean || landed.count < LEAST_LANDINGS {
+            let brightness = landed.power / (grid.cell_area() * mean);
+            if brightness <= BRIGHT || landed.count < LEAST_LANDINGS {
                 continue;
             }
             gained += (landed.power * landed.power - landed.sum_sq) / grid.cell_area();
@@ -95,6 +95,11 @@ pub(super) fn bright_spots(scene: &Scene, landings: &[Landing], is_reflector: im
     let mean_sq = |power: f64| (power / area).powi(2);
     let falls_by = gained / area - (mean_sq(power) - mean_sq(power - spot_power));
     if falls_by > WORTH * mean_sq(power) { spots } else { Vec::new() }
+}
+
+/// The part of all light that spots of these areas send beyond what they would if they were just bright, in a scene in which so much area reflects.
+pub(super) fn part_of_light(spots: &[Spot], areas: &[f64], reflecting_area: f64) -> f64 {
+    spots.iter().zip(areas).map(|(spot, area)| area * (spot.brightness - BRIGHT)).sum::<f64>() / reflecting_area
 }
 
 /// The area of some surfaces, each counted once, in m^2.

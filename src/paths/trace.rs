@@ -7,8 +7,8 @@
 //!
 //! A path that leaves the scene brings the light of the sky there.
 //!
-//! Next-event rays bring the light of emitters and lights, and of bright reflectors by cells that are small; so a path that arrives in such a
-//! cell brings nothing.
+//! Next-event rays bring the light of emitters and lights, so a path that arrives at an emitter brings nothing of that. They bring a part of the light of
+//! bright reflectors, by cells that are small, and a path that arrives in such a cell the rest.
 
 use glam::DVec3;
 
@@ -22,7 +22,7 @@ use super::grids::{CellSize, Grids};
 use super::next_event::EmitterRays;
 use super::open_parts::{OpenPart, OpenParts};
 use super::place::{Directions, Place, Receives, cosine_rays};
-use super::reflector_rays::{ReflectorRays, Reflectors, SeenCell};
+use super::reflector_rays::{RAYS_OF_PATH, ReflectorRays, Reflectors, SeenCell};
 use super::reflectors::Brightness;
 use crate::direct::{Blockers, DirectLight, LightRays, Lights};
 use crate::geometry::{sampling, streams};
@@ -38,9 +38,6 @@ const SMALL_FROM: f64 = 2.0;
 /// After so many bounces a path ends and brings no more. Safety limit: at a reflectance of 0.99, Russian roulette leaves fewer than one
 /// path in a million so long.
 const MAX_BOUNCES: u32 = 2048;
-
-/// Next-event rays to reflectors for each one to emitters. Empirical.
-const REFLECTOR_RAYS: f64 = 0.5;
 
 /// Memory that is reused from batch to batch.
 #[derive(Default)]
@@ -103,7 +100,7 @@ impl<'a> LightPaths<'a> {
         let surfaces = scene.surfaces().len();
         let emitters = scene.surfaces().iter().filter(|surface| scene.materials()[surface.material as usize].emits()).count();
         let of_grid = Grids::BYTES_OF_GRID + OpenParts::BYTES_OF_GRID;
-        let of_cell = OpenParts::BYTES_OF_CELL + size_of::<bool>();
+        let of_cell = OpenParts::BYTES_OF_CELL + size_of::<u32>();
         let of_surface = Grids::BYTES_OF_SURFACE + size_of::<bool>();
         (surfaces * of_surface + surfaces.min(cells) * of_grid + cells * of_cell + emitters * OF_EMITTER) as u64
     }
@@ -155,7 +152,7 @@ impl<'a> LightPaths<'a> {
 
     /// Fills `scratch.seen` by the rays to reflectors that go with `count` rays to emitters.
     pub fn see_reflectors(&self, places: &[impl Receives], count: u32, scratch: &mut PathScratch) {
-        let to_reflectors = (f64::from(count) * REFLECTOR_RAYS).ceil() as u32;
+        let to_reflectors = (f64::from(count) * RAYS_OF_PATH).ceil() as u32;
         self.see(places, to_reflectors, &mut scratch.reflector_rays, &mut scratch.seen);
     }
 
@@ -179,7 +176,7 @@ impl<'a> LightPaths<'a> {
     }
 
     /// Where cell number `index` of a surface's grid has a value; `None` if nowhere.
-    pub fn open_part(&self, surface: SurfaceId, grid: &Grid, index: usize) -> Option<OpenPart<'_>> {
+    pub fn open_part<'b>(&'b self, surface: SurfaceId, grid: &'b Grid, index: usize) -> Option<OpenPart<'b>> {
         self.open_parts.part_of(surface, grid, index)
     }
 
@@ -309,7 +306,10 @@ impl<'a> LightPaths<'a> {
             let value_end = ends.continued[continuation].value_end;
             let (is_past, bounces_of_value) = (value_end.is_some(), value_end.map(|number| ends.value_ends[number].bounces));
             let past_unresolved = bounces_of_value.is_some_and(|of_value| of_value + 1 == bounces);
-            match self.arrival(&heads[index], ray, *hit, [beyond || (course.past_values && !is_past), past_unresolved]) {
+            let (arrival, weight) =
+                self.arrival(&heads[index], ray, *hit, [beyond || (course.past_values && !is_past), past_unresolved]);
+            ends.weigh(continuation, channels, weight);
+            match arrival {
                 Arrival::Nothing => {}
                 Arrival::Sky(direction) => {
                     brought.fill(0.0);
@@ -340,26 +340,27 @@ impl<'a> LightPaths<'a> {
         continuation_of.truncate(left);
     }
 
-    /// What a ray from a place finds. With `beyond` no path may end yet, with `past_unresolved` none on an unresolved surface.
+    /// What a ray from a place finds, and the weight of that, beside what next-event rays find. With `beyond` no path may end yet, with `past_unresolved`
+    /// none on an unresolved surface.
     pub(super) fn arrival(
         &self,
         from: &impl Receives,
         ray: &Ray,
         hit: Option<Hit>,
         [beyond, past_unresolved]: [bool; 2],
-    ) -> Arrival {
+    ) -> (Arrival, f64) {
         let direction = DVec3::from(ray.direction);
-        let Some(hit) = hit else { return if self.has_sky { Arrival::Sky(direction) } else { Arrival::Nothing } };
-        let Some(surface) = self.scene.side_towards(SurfaceId(hit.surface), -direction) else { return Arrival::Nothing };
-        if self.is_black[surface.index()] {
-            return Arrival::Nothing;
-        }
+        let Some(hit) = hit else { return (if self.has_sky { Arrival::Sky(direction) } else { Arrival::Nothing }, 1.0) };
+        let surface = self.scene.side_towards(SurfaceId(hit.surface), -direction);
+        let Some(surface) = surface.filter(|surface| !self.is_black[surface.index()]) else { return (Arrival::Nothing, 1.0) };
         let point = DVec3::from(ray.origin) + hit.distance * direction;
-        match self.small_cell(surface, point, hit.distance) {
-            Some(cell) if self.reflectors.is_target(cell) && !self.is_on_target(from) => Arrival::Nothing,
+        let small = self.small_cell(surface, point, hit.distance);
+        let arrival = match small {
             Some(_) if past_unresolved && self.grids.is_unresolved(surface) => Arrival::Onward(point, surface, None),
             Some(cell) if !beyond => Arrival::Cell(cell, point, surface),
             small => Arrival::Onward(point, surface, small),
-        }
+        };
+        let target = small.filter(|&cell| self.reflectors.is_target(cell) && !self.is_on_target(from));
+        (arrival, target.map_or(1.0, |cell| self.reflectors.weight_of_path(&from.receiver(self.scene), cell, point)))
     }
 }

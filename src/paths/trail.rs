@@ -71,9 +71,9 @@ impl Trail {
         self.seen.clear();
     }
 
-    /// A path of a place goes on.
-    pub(super) fn goes_on(&mut self, place: usize) {
-        self.at.push((self.begin.get(place).copied().unwrap_or(UNREFLECTED), 1.0));
+    /// A path of a place goes on with a weight.
+    pub(super) fn goes_on(&mut self, place: usize, weight: f64) {
+        self.at.push((self.begin.get(place).copied().unwrap_or(UNREFLECTED), weight));
         self.has_ended.push(false);
     }
 
@@ -113,7 +113,7 @@ impl Trail {
         self.has_ended[continuation] = true;
     }
 
-    /// A draw has let a continuation live, with so many times the weight.
+    /// A continuation goes on with so many times the weight.
     pub(super) fn weigh(&mut self, continuation: usize, factor: f64) {
         self.at[continuation].1 *= factor;
     }

@@ -101,7 +101,16 @@ fn an_emitter_beside_a_place_is_drawn_by_what_it_sends_however_large_its_group()
         };
         let mut draws = Draws::default();
         let numbers = (0..64).map(|k| (f64::from(k) + 0.5) / 64.0);
-        emitters.tree.as_ref().unwrap().draw(std::iter::once(point), normal, sends, numbers, &mut draws);
+        let tree = emitters.tree.as_ref().unwrap();
+        tree.draw(std::iter::once(point), normal, sends, numbers, &mut draws);
+
+        // Probabilities are those of draws, and those of all sources add up to less than 1 by as much as draws find nothing.
+        let probability = |number: u32| tree.probability(number, point, normal, sends);
+        for drawn in &draws.drawn {
+            assert!((probability(drawn.number) / drawn.probability - 1.0).abs() < 1e-12);
+        }
+        let of_all: f64 = (0..emitters.emitters.len() as u32).map(probability).sum();
+        assert!((of_all - draws.drawn.len() as f64 / 64.0).abs() < 0.05 && of_all < 1.0 + 1e-9, "{of_all}");
 
         // Every ray stands for at most a few times all that arrives.
         let all: f64 = (0..emitters.emitters.len() as u32).map(sends).sum();
