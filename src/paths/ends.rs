@@ -137,7 +137,11 @@ impl Ends {
     }
 
     /// Multiplies the weight of a continuation by that of its next ray, or of what this finds.
+    #[inline]
     pub(super) fn weigh(&mut self, continuation: usize, channels: usize, weight: f64) {
+        if weight == 1.0 {
+            return;
+        }
         self.guided[continuation] *= weight;
         self.weight[continuation * channels..][..channels].iter_mut().for_each(|left| *left *= weight);
         self.trail.iter_mut().for_each(|trail| trail.weigh(continuation, weight));

@@ -60,7 +60,7 @@ pub(super) struct Reflectors<'a> {
     scene: &'a Scene,
     rays: &'a Rays<'a>,
     targets: Vec<Target>,
-    /// By cell, its number among them, or [`NO_TARGET`].
+    /// By cell, its number among them, or [`NO_TARGET`]; those behind the last one are left out.
     number_of: Vec<u32>,
     /// A cell is small from so many times its size.
     small_from: f64,
@@ -86,7 +86,7 @@ impl<'a> Reflectors<'a> {
         small_from: f64,
         stop: Stop<'_>,
     ) -> Self {
-        let mut all = Self { scene, rays, targets: Vec::new(), number_of: vec![NO_TARGET; grids.cells()], small_from, tree: None };
+        let mut all = Self { scene, rays, targets: Vec::new(), number_of: Vec::new(), small_from, tree: None };
         for &Reflector { surface, brightness } in brightness.reflectors.iter().take_while(|_| !stop()) {
             let grid = grids.of(surface).into_iter();
             grid.for_each(|grid| (0..grid.len()).for_each(|index| all.add(surface, grid, index, brightness)));
@@ -107,7 +107,7 @@ impl<'a> Reflectors<'a> {
         all.tree = if sources.is_empty() { None } else { LightTree::new(sources, stop) };
         if all.tree.is_none() {
             all.targets.clear();
-            all.number_of.fill(NO_TARGET);
+            all.number_of.clear();
         }
         all
     }
@@ -117,6 +117,8 @@ impl<'a> Reflectors<'a> {
         let (corner, edges) = (grid.point_in(index, 0.0, 0.0), grid.edges());
         let target = Target { cell: grid.first + index as u32, surface, corner, edges, brightness };
         if target.area() * brightness > 0.0 && !self.is_target(target.cell) {
+            let beyond = target.cell as usize + 1;
+            self.number_of.resize(self.number_of.len().max(beyond), NO_TARGET);
             self.number_of[target.cell as usize] = self.targets.len() as u32;
             self.targets.push(target);
         }
@@ -124,7 +126,7 @@ impl<'a> Reflectors<'a> {
 
     /// Whether next-event rays go to this cell.
     pub fn is_target(&self, cell: u32) -> bool {
-        self.number_of[cell as usize] != NO_TARGET
+        self.number_of.get(cell as usize).is_some_and(|&number| number != NO_TARGET)
     }
 
     /// The weight by the balance heuristic of what a path from a place brings that arrives at a point of such a cell, which is small from there.
