@@ -1,7 +1,7 @@
 //! Light by rays: paths, and next-event estimation from emitters, bright reflectors and bright spots. No link is known here.
 //!
 //! Start with `trace`: how a path goes on, and where it ends; `first_rays` is how it begins, `guide` where rays go. Paths end in the cells of
-//! `grid`. `emitters`, `reflectors` and `spots` say what is sampled by next-event estimation; `next_event` and `reflector_rays` how, both by draws from a `light_tree`.
+//! `grid`. `emitters`, `reflectors` and `spots` say what is sampled by next-event estimation; `next_event` and `reflector_rays` how, both by draws from a `light_tree` of `light_node`s.
 
 mod around;
 mod batch_sums;
