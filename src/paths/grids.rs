@@ -123,10 +123,8 @@ impl Grids {
         for spot in spots {
             let grid = self.of(spot.surface);
             areas.push(grid.map_or(0.0, |grid| grid.area_between(spot.low, spot.high)));
-            bright.extend(
-                grid.into_iter()
-                    .flat_map(|grid| grid.cells_around(spot.low, spot.high).map(|index| (grid.number, index)).collect::<Vec<_>>()),
-            );
+            let Some(grid) = grid else { continue };
+            bright.extend(grid.cells_around(spot.low, spot.high).map(|index| (grid.number, index)));
         }
         if part_of_light(spots, &areas, reflecting_area) < FROM_SPOTS {
             return;
