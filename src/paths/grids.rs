@@ -1,7 +1,7 @@
 //! Grids of cells over the surfaces: the second solver knows one radiosity for each cell.
 //!
-//! All cells have about the same size; each surface has at least one. Those on bright reflectors and bright spots are smaller: light from there varies
-//! within centimetres where a lamp is near, and what is seen of a cell is then not what it sends in the mean.
+//! All cells have about the same size; each surface has at least one. Those on bright reflectors are smaller, and those on bright spots if much of all light
+//! comes off these: light from there varies within centimetres where a lamp is near, and what is seen of a cell is then not what it sends in the mean.
 
 use std::collections::BTreeSet;
 
