@@ -1,12 +1,14 @@
 //! Transmittance maps of clusters against rays, and the strategy that asks them (Soler, Sillion 1996, in three dimensions).
 #![allow(clippy::print_stdout, reason = "a test tells what it measured")]
 
+#[path = "support/clouds.rs"]
+mod clouds;
 #[path = "support/rooms.rs"]
 mod rooms;
 #[path = "support/triangles.rs"]
 mod triangles;
 
-use patchlight::hierarchy::{Hierarchy, NodeId};
+use patchlight::hierarchy::Hierarchy;
 use patchlight::pipeline;
 use patchlight::progress::Silent;
 use patchlight::scene::{Scene, SurfaceId};
@@ -14,85 +16,16 @@ use patchlight::solve::{RunOptions, SolveOptions, SolveReport, Solver, Strategy}
 use patchlight::transmittance::maps::{MapOptions, MapResolution, Maps};
 use patchlight::visibility::{Backend, OccluderMesh, Segment, Visibility, build};
 
+use clouds::{Cloud, ENDS, Ends, all_ends, floor_and_ceiling, passing};
 use rooms::{Room, straight};
-use triangles::{Random, add, times};
+use triangles::Random;
 
-/// Leaves of a cloud.
-const LEAVES: usize = 3000;
+/// Lines of a reference.
+const REFERENCE: usize = 1 << 14;
 
-/// Receivers on the floor in a row, sources below the ceiling in another; the cloud is between them.
-const ENDS: usize = 8;
-
-/// The squares, by turns one of the floor and one of the ceiling.
-fn floor_and_ceiling(room: &mut Room, ground: u32, lamp: u32) {
-    for k in 0..ENDS {
-        let x = -2.0 + 4.0 * k as f64 / ENDS as f64;
-        room.quad([x, -0.25, 0.0], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0], ground);
-        room.quad([x, -0.25, 3.0], [0.0, 0.5, 0.0], [0.5, 0.0, 0.0], lamp);
-    }
-}
-
-/// A floor and a ceiling of squares, and between them a cloud of leaves in a box 1.6 m wide: each a sheet `size` wide.
-fn cloud(size: f64, seed: u64) -> Scene {
-    cloud_of(LEAVES, size, seed)
-}
-
-/// The same of so many leaves.
-fn cloud_of(leaves: usize, size: f64, seed: u64) -> Scene {
-    let mut random = Random(seed);
-    let mut room = Room::default();
-    let (ground, lamp, leaf) = (room.material(&[0.5], &[0.0]), room.material(&[0.0], &[10.0]), room.material(&[0.3], &[0.0]));
-    floor_and_ceiling(&mut room, ground, lamp);
-    for _ in 0..leaves {
-        // Denser towards the middle, so that means over all of it are wrong for every part.
-        let [x, y, z] = std::array::from_fn(|_| random.between(-0.8, 0.8) * random.unit().sqrt());
-        let (along, other) = (random.direction(), random.direction());
-        let across = triangles::cross(along, other);
-        let side = |direction: [f64; 3]| times(direction, size / triangles::dot(direction, direction).sqrt());
-        let (foot, u, v) = ([x, y, 1.5 + z], side(along), side(across));
-        room.sheet(&[foot, add(foot, u), add(add(foot, u), v), add(foot, v)], leaf);
-    }
-    room.scene()
-}
-
-/// A pair of squares, and independent lines between them.
-struct Ends {
-    pair: [NodeId; 2],
-    surfaces: [SurfaceId; 2],
-}
-
-fn ends(scene: &Scene, hierarchy: &Hierarchy) -> Vec<Ends> {
-    let pairs = (0..ENDS).flat_map(|from| (0..ENDS).map(move |to| [2 * from, 2 * to + 1]));
-    let of = |pair: [usize; 2]| {
-        let surfaces = pair.map(|surface| SurfaceId(surface as u32));
-        assert!(scene.surface(surfaces[0]).polygon.area() == 0.25 && scene.surface(surfaces[1]).polygon.area() == 0.25);
-        Ends { pair: surfaces.map(|surface| hierarchy.node_of(surface)), surfaces }
-    };
-    pairs.map(of).collect()
-}
-
-impl Ends {
-    fn lines(&self, scene: &Scene, count: usize, random: &mut Random) -> Vec<Segment> {
-        let point = |surface: SurfaceId, random: &mut Random| {
-            let corners: Vec<[f64; 3]> = scene.surface(surface).polygon.vertices().collect();
-            let (u, v) = (random.unit(), random.unit());
-            std::array::from_fn(|k| corners[0][k] + u * (corners[1][k] - corners[0][k]) + v * (corners[3][k] - corners[0][k]))
-        };
-        let [from_plane, to_plane] = self.surfaces.map(|surface| scene.surface(surface).plane());
-        let mut line = || {
-            let [from, to] = self.surfaces.map(|surface| point(surface, random));
-            Segment { from, to, from_plane, to_plane }
-        };
-        (0..count).map(|_| line()).collect()
-    }
-
-    /// The part of many rays that pass.
-    fn passes(&self, scene: &Scene, visibility: &dyn Visibility, random: &mut Random) -> f64 {
-        let lines = self.lines(scene, 1 << 14, random);
-        let mut occluded = vec![false; lines.len()];
-        visibility.occluded(&lines, &mut occluded);
-        occluded.iter().filter(|occluded| !**occluded).count() as f64 / lines.len() as f64
-    }
+/// The part that passes between two ends, by many rays.
+fn passes(ends: &Ends, scene: &Scene, visibility: &dyn Visibility, random: &mut Random) -> f64 {
+    passing(&ends.lines(scene, REFERENCE, random), visibility)
 }
 
 fn seen_through(scene: &Scene) -> Box<dyn Visibility> {
@@ -105,47 +38,54 @@ fn mean(values: &[f64]) -> f64 {
 
 #[test]
 fn what_maps_say_is_off_by_no_more_than_they_say() {
-    let (mut answered, mut within, mut squares, mut asked) = (0, [0, 0], 0.0, 0);
-    for (size, seed) in [(0.06, 1), (0.09, 2), (0.04, 3), (0.06, 4), (0.02, 5)] {
-        let scene = cloud(size, seed);
-        let (hierarchy, visibility) = (Hierarchy::new(&scene), seen_through(&scene));
-        let maps = Maps::new(&scene, &hierarchy, &MapOptions { seed, ..MapOptions::default() });
-        let mut random = Random(100 + seed);
-        for ends in ends(&scene, &hierarchy) {
-            let truth = ends.passes(&scene, visibility.as_ref(), &mut random);
-            let lines = ends.lines(&scene, 64, &mut random);
-            asked += 1;
-            let Some((passes, error)) = maps.estimate(&hierarchy, ends.pair, &lines, 0.1) else { continue };
-            assert!(passes.iter().all(|part| (0.0..=1.0).contains(part)) && error >= 0.0);
-            let off = (mean(&passes) - truth).abs();
-            let of_reference = (truth * (1.0 - truth) / f64::from(1 << 14)).sqrt();
-            answered += 1;
-            squares += off * off;
-            within[0] += usize::from(off <= error + of_reference);
-            within[1] += usize::from(off <= 2.0 * (error + of_reference));
+    // As they are, with the lines of a coarse link; and coarse ones, with so many lines that these are off by little.
+    let as_they_are = MapResolution::default();
+    let coarse = MapResolution { directions: 4, offsets: 8 };
+    for (resolution, lines, tolerance) in [(as_they_are, 64, 0.1), (coarse, 200, 0.1)] {
+        let (mut offs, mut asked) = (Vec::new(), 0);
+        for (size, seed) in [(0.06, 1), (0.09, 2), (0.04, 3), (0.06, 4), (0.02, 5)] {
+            let scene = Cloud::of(size, seed).scene();
+            let (hierarchy, visibility) = (Hierarchy::new(&scene), seen_through(&scene));
+            let maps = Maps::new(&scene, &hierarchy, &MapOptions { resolution, seed, ..MapOptions::default() });
+            let mut random = Random(100 + seed);
+            for ends in all_ends(&hierarchy) {
+                let truth = passes(&ends, &scene, visibility.as_ref(), &mut random);
+                let lines = ends.lines(&scene, lines, &mut random);
+                asked += 1;
+                let Some((passes, error)) = maps.estimate(&hierarchy, ends.pair, &lines, tolerance) else { continue };
+                assert!(passes.iter().all(|part| (0.0..=1.0).contains(part)) && error >= 0.0);
+                let of_reference = (truth * (1.0 - truth) / REFERENCE as f64).sqrt();
+                offs.push(((mean(&passes) - truth).abs(), error, of_reference));
+            }
         }
-    }
-    println!(
-        "{answered} of {asked} answered, {within:?} within one and two standard errors, {:.4} rms",
-        (squares / f64::from(answered)).sqrt()
-    );
 
-    // As of a normal distribution, 68 and 95 in a hundred at least.
-    let share = within.map(|count| count as f64 / f64::from(answered));
-    assert!(share[0] >= 0.68 && share[1] >= 0.95, "{share:?}");
-    assert!(2 * answered > asked, "{answered} of {asked} answered");
+        // As of a normal distribution, 68 and 95 in a hundred at least.
+        let answered = offs.len();
+        let within = |times: f64| {
+            let held = offs.iter().filter(|(off, error, of_reference)| *off <= times * (error + of_reference)).count();
+            held as f64 / answered as f64
+        };
+        let rms = mean(&offs.iter().map(|(off, ..)| off * off).collect::<Vec<_>>()).sqrt();
+        println!(
+            "{answered} of {asked} answered, {:.2} and {:.2} within one and two standard errors, {rms:.4} rms",
+            within(1.0),
+            within(2.0)
+        );
+        assert!(within(1.0) >= 0.68 && within(2.0) >= 0.95, "{resolution:?}");
+        assert!(3 * answered > asked, "{answered} of {asked} answered");
+    }
 }
 
 #[test]
 fn no_ray_contradicts_a_bound_and_confidence_bounds_hold_as_often_as_they_say() {
     let (mut decided, mut asked, mut held, mut pairs) = ([0, 0], 0, 0, 0);
     for (size, seed) in [(0.06, 21), (0.12, 22), (0.03, 23)] {
-        let scene = cloud(size, seed);
+        let scene = Cloud::of(size, seed).scene();
         let (hierarchy, visibility) = (Hierarchy::new(&scene), seen_through(&scene));
         let maps = Maps::new(&scene, &hierarchy, &MapOptions { seed, ..MapOptions::default() });
         let mut random = Random(200 + seed);
-        for ends in ends(&scene, &hierarchy) {
-            let truth = ends.passes(&scene, visibility.as_ref(), &mut random);
+        for ends in all_ends(&hierarchy) {
+            let truth = passes(&ends, &scene, visibility.as_ref(), &mut random);
             let lines = ends.lines(&scene, 64, &mut random);
             let mut occluded = vec![false; lines.len()];
             visibility.occluded(&lines, &mut occluded);
@@ -171,11 +111,11 @@ fn no_ray_contradicts_a_bound_and_confidence_bounds_hold_as_often_as_they_say() 
 
 #[test]
 fn finer_maps_are_nearer_to_the_truth() {
-    let scene = cloud(0.03, 7);
+    let scene = Cloud::of(0.03, 7).scene();
     let (hierarchy, visibility) = (Hierarchy::new(&scene), seen_through(&scene));
-    let all = ends(&scene, &hierarchy);
+    let all = all_ends(&hierarchy);
     let mut random = Random(8);
-    let truths: Vec<f64> = all.iter().map(|ends| ends.passes(&scene, visibility.as_ref(), &mut random)).collect();
+    let truths: Vec<f64> = all.iter().map(|ends| passes(ends, &scene, visibility.as_ref(), &mut random)).collect();
     let lines: Vec<_> = all.iter().map(|ends| ends.lines(&scene, 512, &mut random)).collect();
     let estimates_at = |directions: usize| {
         let resolution = MapResolution { directions, offsets: 2 * directions };
@@ -203,7 +143,7 @@ fn finer_maps_are_nearer_to_the_truth() {
 fn where_nothing_is_between_all_passes_and_nothing_passes_a_wall() {
     let mut room = Room::default();
     let (ground, lamp) = (room.material(&[0.5], &[0.0]), room.material(&[0.0], &[10.0]));
-    floor_and_ceiling(&mut room, ground, lamp);
+    floor_and_ceiling(&mut room, 0.5, ground, lamp);
     // A wall of tiles over the right half.
     for tile in 0..800 {
         let [x, y] = [0.05 * f64::from(tile % 40), -0.5 + 0.05 * f64::from(tile / 40)];
@@ -213,7 +153,7 @@ fn where_nothing_is_between_all_passes_and_nothing_passes_a_wall() {
     let hierarchy = Hierarchy::new(&scene);
     let maps = Maps::new(&scene, &hierarchy, &MapOptions::default());
     let (mut answered, mut random) = ([0, 0], Random(3));
-    for (index, ends) in ends(&scene, &hierarchy).iter().enumerate() {
+    for (index, ends) in all_ends(&hierarchy).iter().enumerate() {
         let passes = match (index / ENDS, index % ENDS) {
             (0..=2, 0..=2) => 1.0,
             (5.., 5..) => 0.0,
@@ -229,12 +169,12 @@ fn where_nothing_is_between_all_passes_and_nothing_passes_a_wall() {
 
 #[test]
 fn maps_keep_to_their_memory_and_answer_nothing_without_any() {
-    let scene = cloud(0.05, 11);
+    let scene = Cloud::of(0.05, 11).scene();
     let hierarchy = Hierarchy::new(&scene);
     let ask_all = |memory_bytes: u64| {
         let maps = Maps::new(&scene, &hierarchy, &MapOptions { memory_bytes, ..MapOptions::default() });
         let mut random = Random(12);
-        for ends in ends(&scene, &hierarchy) {
+        for ends in all_ends(&hierarchy) {
             maps.estimate(&hierarchy, ends.pair, &ends.lines(&scene, 16, &mut random), 0.2);
         }
         maps
@@ -253,7 +193,7 @@ fn lit_cloud(strategy: Strategy, transmittance_tolerance: f64, threads: usize) -
     options.links.leaf_rays = Some(0);
     options.multiresolution96.transmittance_tolerance = transmittance_tolerance;
     let run = RunOptions { threads, ..RunOptions::default() };
-    pipeline::solve(cloud_of(600, 0.09, 31), &options, &run, &Silent).unwrap()
+    pipeline::solve(Cloud { leaves: 600, ..Cloud::of(0.09, 31) }.scene(), &options, &run, &Silent).unwrap()
 }
 
 /// How many segments maps have answered.

@@ -6,7 +6,7 @@ use patchlight::scene::{Scene, Sides, Surface, SurfaceId};
 use patchlight::solve::Solution;
 use patchlight::visibility::{Segment, Visibility};
 
-use crate::triangles::{Random, add, cross, dot, sub, times};
+use crate::triangles::{Random, add, cross, dot, spread, sub, times};
 
 /// As many links are looked at, spread evenly over all.
 pub const MOST_LINKS: usize = 3000;
@@ -61,10 +61,9 @@ pub fn tiled(scene: &Scene) -> Scene {
 }
 
 /// All pairs of a surface of the lawn and one of the sky.
-pub fn of_lawn_and_sky(scene: &Scene, hierarchy: &Hierarchy) -> Vec<[NodeId; 2]> {
-    let of_material = |material: &str| -> Vec<NodeId> {
-        let all = (0..scene.surfaces().len() as u32).map(SurfaceId);
-        all.filter(|&id| scene.material_of(id).name == material).map(|id| hierarchy.node_of(id)).collect()
+pub fn of_lawn_and_sky(scene: &Scene) -> Vec<[SurfaceId; 2]> {
+    let of_material = |material: &str| -> Vec<SurfaceId> {
+        (0..scene.surfaces().len() as u32).map(SurfaceId).filter(|&id| scene.material_of(id).name == material).collect()
     };
     let (lawn, sky) = (of_material("lawn"), of_material("sky"));
     lawn.iter().flat_map(|&receiver| sky.iter().map(move |&source| [receiver, source])).collect()
@@ -103,14 +102,12 @@ pub fn weighted(lines: &[(Segment, f64)], passes: impl Iterator<Item = f64>) -> 
     if total > 0.0 { sum / total } else { 1.0 }
 }
 
-/// Lines between two nodes that look at each other, up to so many: evenly spread, by additive recurrence with the generalised golden ratio of four
-/// dimensions (Roberts 2018), from a random start.
+/// Lines between two nodes that look at each other, up to so many: evenly spread, from a random start.
 fn drawn(scene: &Scene, hierarchy: &Hierarchy, pair: [NodeId; 2], count: usize, random: &mut Random) -> Vec<(Segment, f64)> {
-    const RATIO: f64 = 1.167_303_978_261_418_7;
-    let start: [f64; 4] = std::array::from_fn(|_| random.unit());
+    let start = std::array::from_fn(|_| random.unit());
     let mut lines = Vec::with_capacity(count);
     for index in 0..8 * count {
-        let [u, v, s, t] = std::array::from_fn(|axis| (start[axis] + index as f64 * RATIO.powi(-1 - axis as i32)).fract());
+        let [u, v, s, t] = spread(start, index);
         let [(x, receiver), (y, source)] = [point_of(hierarchy, pair[0], [u, v]), point_of(hierarchy, pair[1], [s, t])];
         let way = sub(y, x);
         let length_sq = dot(way, way);

@@ -1,14 +1,18 @@
 //! Transmittance maps beside rays: error against time and memory, over the links of solves in vegetation, and over pairs that look through it.
 //!
-//! `cargo bench --bench foliage` prints tables as Markdown, in some minutes; `-- tree_20000` prints those of one scene. In each scene the links are those of a
+//! `cargo bench --bench foliage` prints tables as Markdown, in some minutes; `-- tree_20000` prints those of one scene, `-- pairs` tells how true maps
+//! are of 10,000 pairs, `--plots docs` draws error against time and memory into docs/. In each scene the links are those of a
 //! solve, by the coarse tolerance of [`LINK_TOLERANCE`]; [`links::MOST_LINKS`] of them are looked at, as far as they are partly blocked.
 //! What is judged is a link's transmittance, against thousands of rays. All on one thread, CPU seconds.
 #![allow(missing_docs, reason = "a program")]
 #![allow(clippy::print_stdout, reason = "a program that prints tables")]
 #![allow(dead_code, reason = "a part of the generator is used")]
 
+#[path = "../../tests/support/clouds.rs"]
+mod clouds;
 #[path = "../support/cpu.rs"]
 mod cpu;
+mod figures;
 #[path = "../../examples/generate_scenes/foliage.rs"]
 mod foliage;
 #[path = "../../examples/generate_scenes/furniture.rs"]
@@ -17,10 +21,18 @@ mod links;
 mod measure;
 #[path = "../../examples/generate_scenes/model.rs"]
 mod model;
+mod pairs;
+#[path = "../support/plot.rs"]
+mod plot;
+#[path = "../../tests/support/rooms.rs"]
+mod rooms;
+mod tables;
 #[path = "../../tests/support/triangles.rs"]
 mod triangles;
 #[path = "../../examples/generate_scenes/vegetation.rs"]
 mod vegetation;
+
+use std::path::PathBuf;
 
 use patchlight::hierarchy::{Hierarchy, NodeId};
 use patchlight::pipeline;
@@ -28,11 +40,11 @@ use patchlight::progress::Silent;
 use patchlight::scene::Scene;
 use patchlight::scene::import::{ImportOptions, read_scene};
 use patchlight::solve::{RunOptions, SolveOptions, Solver, Strategy};
-use patchlight::transmittance::maps::MapResolution;
 use patchlight::visibility::{Backend, OccluderMesh, Visibility, build};
 
 use links::Crossing;
-use measure::{Ladder, Measured};
+use measure::Ladder;
+use tables::Table;
 
 /// Scenes by kind and how many leaves, of maize plants.
 const SCENES: [(&str, usize); 5] = [("tree", 20_000), ("tree", 200_000), ("hedge", 20_000), ("maize", 50), ("garden", 60_000)];
@@ -43,15 +55,25 @@ const LINK_TOLERANCE: f64 = 0.5;
 /// The solve makes no more.
 const MOST_LINKS_MADE: u64 = 400_000;
 
-/// How finely maps know lines: direction cells along a side of a face, offset cells along a side.
-const RESOLUTIONS: [MapResolution; 2] = [MapResolution { directions: 4, offsets: 8 }, MapResolution { directions: 8, offsets: 16 }];
-
 fn main() {
-    let wanted = std::env::args().skip(1).find(|argument| !argument.starts_with("--"));
+    let mut arguments = std::env::args().skip(1).filter(|argument| argument != "--bench");
+    let (mut wanted, mut plots) = (None, None);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--plots" => plots = arguments.next().map(PathBuf::from),
+            _ => wanted = Some(argument),
+        }
+    }
+    if wanted.as_deref() == Some("pairs") {
+        return pairs::print(&scene("tree", 20_000));
+    }
     for (kind, count) in SCENES {
         let name = format!("{kind}_{count}");
         if wanted.as_ref().is_none_or(|wanted| *wanted == name) {
-            print(&name, scene(kind, count));
+            let tables = print(&name, scene(kind, count));
+            if let Some(folder) = &plots {
+                figures::draw(&name, &tables, folder).expect("the folder can be written");
+            }
         }
     }
 }
@@ -65,12 +87,13 @@ fn scene(kind: &str, count: usize) -> Scene {
     read_scene(&file, &ImportOptions::default()).expect("a scene").scene
 }
 
-fn print(name: &str, scene: Scene) {
+fn print(name: &str, scene: Scene) -> [Table; 2] {
     let tiled = links::tiled(&scene);
     let hierarchy = Hierarchy::new(&tiled);
     let visibility = build(Backend::default(), &OccluderMesh::of_scene(&tiled)).expect("a backend");
-    let pairs = links::of_lawn_and_sky(&tiled, &hierarchy);
-    compare(&format!("{name}: tiles of lawn and sky"), &tiled, &hierarchy, &pairs, visibility.as_ref());
+    let pairs: Vec<_> =
+        links::of_lawn_and_sky(&tiled).into_iter().map(|pair| pair.map(|surface| hierarchy.node_of(surface))).collect();
+    let of_tiles = compare(&format!("{name}: tiles of lawn and sky"), &tiled, &hierarchy, &pairs, visibility.as_ref());
 
     let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).expect("a backend");
     let mut options = SolveOptions { strategy: Strategy::Hanrahan91, solver: Solver::Links, error: 0.9, ..SolveOptions::default() };
@@ -81,60 +104,17 @@ fn print(name: &str, scene: Scene) {
     let (lit, _) = pipeline::solve(scene, &options, &run, &Silent).expect("a solution");
     let solution = lit.solution();
     let links = links::of_solution(solution);
-    compare(&format!("{name}: links of a solve"), solution.scene(), solution.hierarchy(), &links, visibility.as_ref());
+    let of_links =
+        compare(&format!("{name}: links of a solve"), solution.scene(), solution.hierarchy(), &links, visibility.as_ref());
+    [of_tiles, of_links]
 }
 
-fn compare(what: &str, scene: &Scene, hierarchy: &Hierarchy, pairs: &[[NodeId; 2]], visibility: &dyn Visibility) {
+fn compare(what: &str, scene: &Scene, hierarchy: &Hierarchy, pairs: &[[NodeId; 2]], visibility: &dyn Visibility) -> Table {
     let crossings = Crossing::of(scene, hierarchy, pairs, visibility);
     println!("\n### {what}, {} pairs, {} partly blocked ones looked at\n", pairs.len(), crossings.len());
+    let mut found = Table { title: what.to_owned(), ..Table::default() };
     if !crossings.is_empty() {
-        table(&Ladder { scene, hierarchy, visibility, crossings: &crossings });
+        found.fill(&Ladder { scene, hierarchy, visibility, crossings: &crossings });
     }
-}
-
-fn table(ladder: &Ladder<'_>) {
-    println!(
-        "| method | error | of answered | claimed | answered | CPU-ms | rays' CPU-ms for that error | CPU-ms of making maps | MB |"
-    );
-    println!("|---|---|---|---|---|---|---|---|---|");
-    let mut by_rays = Vec::new();
-    for rays in [1, 4, 16, 64, 256] {
-        let measured = ladder.rays(rays);
-        println!("| rays, {rays} a link | {:.3} | | | | {:.1} | | | |", measured.error, 1e3 * measured.seconds);
-        by_rays.push((measured.error, measured.seconds));
-    }
-    for resolution in RESOLUTIONS {
-        for (tolerance, lines) in [(0.2, 4), (0.2, 16), (0.1, 16), (0.1, 64)] {
-            row(resolution, tolerance, lines, &ladder.maps(resolution, tolerance, lines), &by_rays);
-        }
-    }
-}
-
-fn row(resolution: MapResolution, tolerance: f64, lines: usize, measured: &Measured, by_rays: &[(f64, f64)]) {
-    let MapResolution { directions, offsets } = resolution;
-    let Measured { error, error_of_answered, seconds, making, answered, claimed, bytes } = measured;
-    println!(
-        "| maps {directions}/{offsets}, tolerance {tolerance}, {lines} lines | {error:.3} | {error_of_answered:.3} | {claimed:.3} | {:.0}% | {:.1} | {:.1} \
-         | {:.0} | {:.1} |",
-        100.0 * answered,
-        1e3 * (seconds - making),
-        1e3 * seconds_of_rays(*error, by_rays),
-        1e3 * making,
-        *bytes as f64 * 1e-6
-    );
-}
-
-/// What rays alone take for an error, between two that were measured; beyond, the square of the error falls as work grows.
-fn seconds_of_rays(error: f64, by_rays: &[(f64, f64)]) -> f64 {
-    let between = by_rays.windows(2).find(|pair| (pair[1].0..=pair[0].0).contains(&error));
-    match between {
-        Some(&[(more, less_work), (less, more_work)]) => {
-            let part = (more / error).ln() / (more / less).ln();
-            less_work * (more_work / less_work).powf(part)
-        }
-        _ => {
-            let (nearest, seconds) = if error > by_rays[0].0 { by_rays[0] } else { by_rays[by_rays.len() - 1] };
-            seconds * (nearest / error).powi(2)
-        }
-    }
+    found
 }

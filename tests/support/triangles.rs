@@ -44,6 +44,12 @@ impl Random {
     }
 }
 
+/// Evenly spread points of the unit cube of four dimensions, one for each index, by additive recurrence with the generalised golden ratio (Roberts 2018).
+pub fn spread(start: [f64; 4], index: usize) -> [f64; 4] {
+    const RATIO: f64 = 1.167_303_978_261_418_7;
+    std::array::from_fn(|axis| (start[axis] + index as f64 * RATIO.powi(-1 - axis as i32)).fract())
+}
+
 pub fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] + b[k])
 }

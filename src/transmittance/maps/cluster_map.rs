@@ -36,6 +36,8 @@ pub(super) struct ClusterMap {
     pub patch: f64,
     /// Lines through two points this far apart in the cluster, in metres, are told apart.
     pub grain: f64,
+    /// The width of an offset cell where the cluster is longest, in metres.
+    pub pitch: f64,
     beams: Box<[OnceLock<Beam>]>,
 }
 
@@ -43,8 +45,8 @@ impl ClusterMap {
     pub fn new(bounds: &Aabb, patch: f64, resolution: MapResolution) -> Self {
         let half_sides = 0.5 * bounds.extent();
         let beams = (0..3 * resolution.directions.pow(2)).map(|_| OnceLock::new()).collect();
-        let grain = grain_of(half_sides, resolution);
-        Self { centre: bounds.centre(), half_sides, resolution, patch, grain, beams }
+        let (grain, pitch) = (grain_of(half_sides, resolution), pitch_of(half_sides, resolution));
+        Self { centre: bounds.centre(), half_sides, resolution, patch, grain, pitch, beams }
     }
 
     /// What is blocked of the lines about a line.
@@ -93,8 +95,11 @@ pub(super) struct BeamPlace {
 /// How far apart lines in a box must be to fall into different cells, about: the diagonal of what offset cells and the turn of a direction cell
 /// blur, where the box is longest.
 pub(super) fn grain_of(half_sides: DVec3, resolution: MapResolution) -> f64 {
-    let half = half_sides.max_element();
-    let pitch = 2.0 * half / resolution.offsets as f64;
-    let turn = half / resolution.directions as f64;
-    pitch.hypot(turn)
+    let turn = half_sides.max_element() / resolution.directions as f64;
+    pitch_of(half_sides, resolution).hypot(turn)
+}
+
+/// The width of an offset cell where the box is longest, of lines along an axis.
+fn pitch_of(half_sides: DVec3, resolution: MapResolution) -> f64 {
+    2.0 * half_sides.max_element() / resolution.offsets as f64
 }

@@ -212,15 +212,19 @@ impl Packet<'_> {
         let width = (1.0 - middle) * self.widths[0] + middle * self.widths[1];
         let patches = (map.patch / (width * width)).min(1.0);
         let level = (width / (map.grain * all.sqrt())).log2().max(0.0) as u32;
+        // Cells blur the edges of a wide beam: grain / width of its section, where width / grain cells vary each on its own.
+        let edges = (map.grain / width).powi(3).min(1.0);
+        // Lines in one cell have its noise in common.
+        let told_apart = all.min((width / map.pitch).powi(2)).max(1.0);
         let mut whole = Whole::default();
         for meeting in met {
             let line = &self.lines[meeting.index];
             let part = self.maps.part(self.hierarchy, cluster, map, &line.line, level);
             let of_patches = part.mean * (1.0 - part.mean) * patches;
-            let within = if width < map.grain { (part.range[1] - part.range[0]).powi(2) / 12.0 } else { 0.0 };
+            let within = edges * (part.range[1] - part.range[0]).powi(2) / 12.0;
             let surely_some = (part.mean * part.samples + 1.0) / (part.samples + 2.0);
             let unproved = part.proved[1] - part.proved[0];
-            let noise = unproved * surely_some * (1.0 - surely_some) / (part.samples * all);
+            let noise = unproved * surely_some * (1.0 - surely_some) / (part.samples * told_apart);
             let weight = line.passed * line.passed / all;
             whole.variance += weight * (of_patches + within + noise);
             whole.variance_of_patches += weight * of_patches;

@@ -11,13 +11,13 @@
 //! **The error of a cluster** is an estimate, of three parts. With m the blocked part of its cell,
 //!
 //! ```text
-//! m (1 - m) patch / section                   a beam as thin as a leaf is blocked or is not; a wide one meets many (k of them: 1/k)
-//! (most - least)^2 / 12                       where the beam is thinner than a cell, what varies from cell to cell varies within them
-//! m' (1 - m') / samples                       noise of the map, where nothing is proved; m' = (1 + hits) / (2 + samples), as none is no proof
+//! m (1 - m) patch / section                       a beam as thin as a leaf is blocked or is not; a wide one meets many (k of them: 1/k)
+//! (most - least)^2 / 12 min(1, (cell / beam)^3)   what varies from cell to cell varies within them too, and they blur the edges of the beam
+//! m' (1 - m') / samples / cells                   noise of the map, where nothing is proved; m' = (1 + hits) / (2 + samples), as none is no proof
 //! ```
 //!
-//! as variances, with `patch` the mean area of a leaf and `section` that of the beam where it passes the cluster. Opening a cluster lessens the last two,
-//! not the first: where that alone is too large, rays answer the pair. So they do near the ends, where beams are thin.
+//! as variances, with `patch` the mean area of a leaf and `section` that of the beam where it passes the cluster, `cell` and `beam` how wide these are, and
+//! `cells` how many of them lines fall into. Opening a cluster lessens the last two, not the first: where that alone is too large, rays answer the pair. So they do near the ends, where beams are thin.
 //!
 //! **Bounds** rest on proofs alone ([`Maps::bound_passing`]): that no line of a cell is blocked, or that each is. In foliage cells without either are most,
 //! but for clusters that are small against their leaves; there surfaces are looked at one by one. Of clusters one behind another, with blocked
