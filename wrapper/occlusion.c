@@ -9,7 +9,7 @@
 
 /* Segments per call of Embree. Packets of 8 answered groups of segments 1.3 to 1.8 times as fast as single rays on 1.6k to 2M
  * triangles, and unrelated segments as fast: benches/visibility.rs. First hits of paths over a hemisphere were 5 to 20% slower in
- * packets, even with neighbours together, so they are asked one by one. */
+ * packets, even with neighbours together, so they are asked one by one; those of a camera are asked in packets. */
 #define PACKET 8
 
 struct occlusion_scene {
@@ -143,6 +143,23 @@ uint32_t occlusion_embree_version(const occlusion_scene *scene) {
     return (uint32_t)rtcGetDeviceProperty(scene->device, RTC_DEVICE_PROPERTY_VERSION);
 }
 
+/* Fills a packet with segments from `first` on; how many there are. */
+static size_t fill(const occlusion_segment *segments, size_t first, size_t count, struct RTCRay8 *rays, int valid[PACKET]) {
+    size_t filled = count - first < PACKET ? count - first : PACKET;
+    memset(rays, 0, sizeof *rays);
+    for (size_t k = 0; k < PACKET; k++) valid[k] = k < filled ? -1 : 0;
+    for (size_t k = 0; k < filled; k++) {
+        const occlusion_segment *s = &segments[first + k];
+        rays->org_x[k] = s->origin[0], rays->org_y[k] = s->origin[1], rays->org_z[k] = s->origin[2];
+        rays->dir_x[k] = s->direction[0], rays->dir_y[k] = s->direction[1], rays->dir_z[k] = s->direction[2];
+        rays->tnear[k] = s->near;
+        rays->tfar[k] = 1.0f;
+        rays->mask[k] = UINT32_MAX;
+        rays->id[k] = (unsigned int)(first + k);
+    }
+    return filled;
+}
+
 void occlusion_occluded(const occlusion_scene *scene, const occlusion_segment *segments, size_t count, uint8_t *occluded) {
     query q;
     query_init(&q, scene, segments);
@@ -153,20 +170,9 @@ void occlusion_occluded(const occlusion_scene *scene, const occlusion_segment *s
 #endif
 
     for (size_t first = 0; first < count; first += PACKET) {
-        size_t filled = count - first < PACKET ? count - first : PACKET;
-        RTC_ALIGN(32) int valid[PACKET] = {0};
+        RTC_ALIGN(32) int valid[PACKET];
         struct RTCRay8 rays;
-        memset(&rays, 0, sizeof rays);
-        for (size_t k = 0; k < filled; k++) {
-            const occlusion_segment *s = &segments[first + k];
-            valid[k] = -1;
-            rays.org_x[k] = s->origin[0], rays.org_y[k] = s->origin[1], rays.org_z[k] = s->origin[2];
-            rays.dir_x[k] = s->direction[0], rays.dir_y[k] = s->direction[1], rays.dir_z[k] = s->direction[2];
-            rays.tnear[k] = s->near;
-            rays.tfar[k] = 1.0f;
-            rays.mask[k] = UINT32_MAX;
-            rays.id[k] = (unsigned int)(first + k);
-        }
+        size_t filled = fill(segments, first, count, &rays, valid);
 #if RTC_VERSION_MAJOR >= 4
         rtcOccluded8(valid, scene->scene, &rays, &arguments);
 #else
@@ -203,15 +209,50 @@ static uint32_t nearest(query *q, unsigned int index, float near, RTCFilterFunct
     return hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? OCCLUSION_NOTHING : hit.hit.primID;
 }
 
+/* The blocking triangle next to a segment's origin, by what was met at some distance without the filter. Nearly always that
+ * blocks; where it does not, what lies nearer may, such as the wall beside a point in a corner. */
+static uint32_t first_blocking(query *q, unsigned int index, uint32_t met) {
+    if (met != OCCLUSION_NOTHING && blocks(q->scene, met, &q->segments[index])) return met;
+    return nearest(q, index, 0.0f, filter);
+}
+
 void occlusion_first(const occlusion_scene *scene, const occlusion_segment *segments, size_t count, uint32_t *triangles) {
     query q;
     query_init(&q, scene, segments);
     for (size_t i = 0; i < count; i++) {
-        /* Nearly always something is met at some distance and blocks, so this is asked for without the filter; where it is not so, what
-           lies nearer may block, such as the wall beside a point in a corner. */
-        triangles[i] = nearest(&q, (unsigned int)i, segments[i].near, NULL);
-        if (triangles[i] == OCCLUSION_NOTHING || !blocks(scene, triangles[i], &segments[i])) {
-            triangles[i] = nearest(&q, (unsigned int)i, 0.0f, filter);
+        triangles[i] = first_blocking(&q, (unsigned int)i, nearest(&q, (unsigned int)i, segments[i].near, NULL));
+    }
+}
+
+void occlusion_first_coherent(const occlusion_scene *scene, const occlusion_segment *segments, size_t count,
+                              uint32_t *triangles) {
+    query q, coherent;
+    query_init(&q, scene, segments);
+    query_init(&coherent, scene, segments);
+#if RTC_VERSION_MAJOR >= 4
+    struct RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = &coherent.context;
+    arguments.flags |= RTC_RAY_QUERY_FLAG_COHERENT;
+#else
+    coherent.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+#endif
+
+    for (size_t first = 0; first < count; first += PACKET) {
+        RTC_ALIGN(32) int valid[PACKET];
+        struct RTCRayHit8 hits;
+        memset(&hits, 0, sizeof hits);
+        size_t filled = fill(segments, first, count, &hits.ray, valid);
+        for (size_t k = 0; k < PACKET; k++) hits.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+        rtcIntersect8(valid, scene->scene, &hits, &arguments);
+#else
+        rtcIntersect8(valid, scene->scene, &coherent.context, &hits);
+#endif
+        for (size_t k = 0; k < filled; k++) {
+            int is_met = hits.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
+            uint32_t met = is_met ? hits.hit.primID[k] : OCCLUSION_NOTHING;
+            triangles[first + k] = first_blocking(&q, (unsigned int)(first + k), met);
         }
     }
 }

@@ -50,6 +50,10 @@ void occlusion_occluded(const occlusion_scene *scene, const occlusion_segment *s
 /* Sets triangles[i] to the blocking triangle of segments[i] next to its origin, or to OCCLUSION_NOTHING. Thread-safe too. */
 void occlusion_first(const occlusion_scene *scene, const occlusion_segment *segments, size_t count, uint32_t *triangles);
 
+/* The same, faster for segments from one point of which each goes almost the same way as the next. */
+void occlusion_first_coherent(const occlusion_scene *scene, const occlusion_segment *segments, size_t count,
+                              uint32_t *triangles);
+
 /* Frees the scene, then the device. NULL is allowed. */
 void occlusion_destroy(occlusion_scene *scene);
 

@@ -109,7 +109,7 @@ impl Antialiased<'_> {
 
     /// What some rays show.
     fn cast(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) -> Vec<Sight> {
-        self.visibility.first_hits(rays, hits);
+        self.visibility.coherent_first_hits(rays, hits);
         let sight = |(ray, hit): (&Ray, &Option<Hit>)| {
             let direction = DVec3::from(ray.direction);
             let Some(hit) = hit else { return Sight { surface: None, met: Some(Met::Sky(direction)) } };

@@ -157,6 +157,15 @@ impl<'a> Rays<'a> {
         self.first_hits.add(rays.len(), start);
     }
 
+    /// The same for rays from one point of which each goes almost the same way as the next.
+    pub fn coherent_first_hits(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        hits.resize(rays.len(), None);
+        let start = Instant::now();
+        self.backend.coherent_first_hits(rays, hits);
+        self.first_hits.add(rays.len(), start);
+    }
+
     /// The first surface that a ray meets.
     pub fn first_hit(&self, ray: Ray) -> Option<Hit> {
         let mut hit = [None];

@@ -35,10 +35,10 @@ pub(super) struct Embree {
 // both own the scene.
 unsafe impl Send for Embree {}
 
-// SAFETY: Through a shared reference only occlusion_occluded, occlusion_first and occlusion_embree_version can be called. The
-// first two call rtcOccluded8 and rtcIntersect1 ("performing ray queries in a scene is thread-safe", Embree manual, "Embree API")
+// SAFETY: Through a shared reference only occlusion_occluded, occlusion_first, occlusion_first_coherent and occlusion_embree_version
+// can be called. The first three call rtcOccluded8, rtcIntersect1 and rtcIntersect8 ("performing ray queries in a scene is thread-safe", Embree manual, "Embree API")
 // and keep all that they write on their own stack or in the caller's slices, and the filter callback reads the scene's constants
-// and `sides`; the third reads a constant of the device.
+// and `sides`; the last reads a constant of the device.
 unsafe impl Sync for Embree {}
 
 impl Embree {
@@ -97,6 +97,41 @@ impl Embree {
         // SAFETY: As in `trace_segments`; the manual of rtcIntersect1 demands the same.
         unsafe { native::occlusion_first(self.scene.as_ptr(), segments.as_ptr(), segments.len(), triangles.as_mut_ptr()) };
     }
+
+    fn trace_coherent_rays(&self, segments: &[native::occlusion_segment], triangles: &mut [u32]) {
+        assert_eq!(segments.len(), triangles.len());
+        // SAFETY: As in `trace_segments`; the manual of rtcIntersect8 demands the same.
+        unsafe {
+            native::occlusion_first_coherent(self.scene.as_ptr(), segments.as_ptr(), segments.len(), triangles.as_mut_ptr());
+        }
+    }
+
+    /// First hits by one of the above.
+    fn first_hits_by(&self, trace: impl Fn(&[native::occlusion_segment], &mut [u32]), rays: &[Ray], hits: &mut [Option<Hit>]) {
+        let mut batch = [EMPTY; BATCH];
+        let mut triangles = [0_u32; BATCH];
+        let mut open = Vec::with_capacity(BATCH.min(rays.len()));
+        for (rays, hits) in rays.chunks(BATCH).zip(hits.chunks_mut(BATCH)) {
+            // Collect the rays that can hit something.
+            open.clear();
+            for (place, (ray, hit)) in rays.iter().zip(hits.iter_mut()).enumerate() {
+                *hit = None;
+                if let Some((probe, length)) = self.frame.ray(ray) {
+                    batch[open.len()] = native_segment(&probe);
+                    open.push((place, probe, length));
+                }
+            }
+
+            // Embree says which triangle; its plane says where.
+            trace(&batch[..open.len()], &mut triangles[..open.len()]);
+            for (&(place, ref probe, length), &triangle) in open.iter().zip(&triangles) {
+                if triangle != u32::MAX {
+                    let triangle = triangle as usize;
+                    hits[place] = Some(self.sides.hit(triangle, self.surfaces[triangle], probe, length));
+                }
+            }
+        }
+    }
 }
 
 impl Drop for Embree {
@@ -139,29 +174,11 @@ impl Visibility for Embree {
     }
 
     fn first_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        let mut batch = [EMPTY; BATCH];
-        let mut triangles = [0_u32; BATCH];
-        let mut open = Vec::with_capacity(BATCH.min(rays.len()));
-        for (rays, hits) in rays.chunks(BATCH).zip(hits.chunks_mut(BATCH)) {
-            // Collect the rays that can hit something.
-            open.clear();
-            for (place, (ray, hit)) in rays.iter().zip(hits.iter_mut()).enumerate() {
-                *hit = None;
-                if let Some((probe, length)) = self.frame.ray(ray) {
-                    batch[open.len()] = native_segment(&probe);
-                    open.push((place, probe, length));
-                }
-            }
+        self.first_hits_by(|segments, triangles| self.trace_rays(segments, triangles), rays, hits);
+    }
 
-            // Embree says which triangle; its plane says where.
-            self.trace_rays(&batch[..open.len()], &mut triangles[..open.len()]);
-            for (&(place, ref probe, length), &triangle) in open.iter().zip(&triangles) {
-                if triangle != u32::MAX {
-                    let triangle = triangle as usize;
-                    hits[place] = Some(self.sides.hit(triangle, self.surfaces[triangle], probe, length));
-                }
-            }
-        }
+    fn coherent_first_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        self.first_hits_by(|segments, triangles| self.trace_coherent_rays(segments, triangles), rays, hits);
     }
 }
 

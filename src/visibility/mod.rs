@@ -92,6 +92,12 @@ pub trait Visibility: Send + Sync {
 
     /// Sets `hits[i]` to the first triangle that blocks `rays[i]`, a segment without a far end. Lengths as in [`Self::occluded`].
     fn first_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]);
+
+    /// The same for rays from one point of which each goes almost the same way as the next, as through the pixels of a camera. How rays are grouped in calls
+    /// may decide which of two triangles at one distance a ray meets.
+    fn coherent_first_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        self.first_hits(rays, hits);
+    }
 }
 
 /// Several solves of the same geometry ask one structure.
@@ -106,5 +112,9 @@ impl<V: Visibility + ?Sized> Visibility for Arc<V> {
 
     fn first_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         (**self).first_hits(rays, hits);
+    }
+
+    fn coherent_first_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        (**self).coherent_first_hits(rays, hits);
     }
 }

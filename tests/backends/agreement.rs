@@ -1,9 +1,9 @@
 //! Many segments and rays, most of them random: every backend answers as the reference does, or as is known.
 
-use patchlight::visibility::{Backend, NO_PLANE, OccluderMesh, Ray, Segment};
+use patchlight::visibility::{Backend, Hit, NO_PLANE, OccluderMesh, Ray, Segment};
 
 use super::Runner;
-use super::triangles::{Random, add, placed, point_on, push_box, push_sphere, push_triangle, segment, soup, sub, times};
+use super::triangles::{Random, add, dot, placed, point_on, push_box, push_sphere, push_triangle, segment, soup, sub, times};
 
 /// Half of the segments lie in the cube of half side 1, the rest reach out of it, some very far.
 fn random_segments(random: &mut Random, count: usize, planes: usize) -> Vec<Segment> {
@@ -192,21 +192,70 @@ fn first_hits_agree_with_the_reference() {
     };
     let reference = ask(0);
     for which in 1..runner.0.len() {
-        let (mut different, mut farthest) = (0, 0.0_f64);
-        for (hit, reference) in ask(which).iter().zip(&reference) {
-            match (hit, reference) {
-                (Some(hit), Some(reference)) if hit.surface == reference.surface => {
-                    farthest = farthest.max((hit.distance / reference.distance - 1.0).abs());
-                }
-                (None, None) => {}
-                _ => different += 1,
-            }
-        }
+        let (different, farthest) = compared(&ask(which), &reference);
         let name = runner.0[which].0.name();
         println!("{name}: {different} of {} first hits differ, distances by {farthest:.1e}", rays.len());
         // Near edges f32 decides, as in the soups; distances are those of planes in f64.
         assert!(different <= 6, "{name}: {different} first hits differ");
         assert!(farthest < 1e-9, "{name}: distances differ by {farthest}");
+    }
+}
+
+/// How many hits are not of the same surface as those of the reference, and by which part distances differ at most where they are.
+fn compared(hits: &[Option<Hit>], reference: &[Option<Hit>]) -> (usize, f64) {
+    let (mut different, mut farthest) = (0, 0.0_f64);
+    for (hit, reference) in hits.iter().zip(reference) {
+        match (hit, reference) {
+            (Some(hit), Some(reference)) if hit.surface == reference.surface => {
+                farthest = farthest.max((hit.distance / reference.distance - 1.0).abs());
+            }
+            (None, None) => {}
+            _ => different += 1,
+        }
+    }
+    (different, farthest)
+}
+
+#[test]
+fn coherent_first_hits_are_first_hits_for_rays_of_any_kind() {
+    let mut random = Random(29);
+    let mesh = soup(&mut random, 1000, 0.15);
+    let runner = Runner::over(&mesh);
+
+    // Cameras in the midst of triangles and far from them, on planes of surfaces as well, with rows that fill no packet; and rays that are not alike.
+    let mut groups: Vec<Vec<Ray>> = (0..40)
+        .map(|k| {
+            let origin = random.point([0.5, 1.0, 4.0, 50.0][k % 4]);
+            let origin_plane = if k % 3 == 0 { random.below(1000) as u32 } else { NO_PLANE };
+            let towards = sub(random.point(0.5), origin);
+            let (columns, rows) = (23, 21);
+            let through = |pixel: usize| {
+                let [x, y] = [pixel % columns, pixel / columns].map(|at| 0.02 * (at as f64 - 11.0));
+                let reach = dot(towards, towards).sqrt();
+                Ray { origin, direction: add(towards, [x * reach, y * reach, 0.3 * x * reach]), origin_plane }
+            };
+            (0..columns * rows).map(through).collect()
+        })
+        .collect();
+    groups.push(
+        (0..5003).map(|_| Ray { origin: random.point(1.0), direction: random.direction(), origin_plane: NO_PLANE }).collect(),
+    );
+
+    for (backend, visibility) in &runner.0 {
+        let (mut different, mut farthest, mut met, mut asked) = (0, 0.0_f64, 0, 0);
+        for rays in &groups {
+            let [mut one_by_one, mut together] = [vec![None; rays.len()], vec![None; rays.len()]];
+            visibility.first_hits(rays, &mut one_by_one);
+            visibility.coherent_first_hits(rays, &mut together);
+            let (of_group, far) = compared(&together, &one_by_one);
+            (different, farthest) = (different + of_group, farthest.max(far));
+            met += one_by_one.iter().flatten().count();
+            asked += rays.len();
+        }
+        let name = backend.name();
+        println!("{name}: {different} of {asked} coherent first hits differ, {met} of them something");
+        // Only the last bits of f32 may differ.
+        assert!(different <= 6 && farthest < 1e-9 && 3 * met > asked, "{name}: {different}, {farthest}, {met} of {asked}");
     }
 }
 
