@@ -3,7 +3,7 @@
 //! `cargo bench --bench visibility` measures scenes of 1.6k and 200k triangles; with `VISIBILITY_BENCH_LARGE=1` also one of 2M. A
 //! scene is a room with tessellated spheres. Segments run between triangles that face each other: `grouped`, 16 between two
 //! random triangles, as hierarchical radiosity asks them, or `random`, each between two triangles of its own. Throughput is in
-//! segments.
+//! segments. `camera` are first hits of the rays through pixels, asked as any rays are, and as coherent ones.
 //!
 //! Before anything is timed, all backends must agree on the segments, and on the small scene with the f64 reference.
 #![allow(missing_docs, reason = "criterion's macros make undocumented functions")]
@@ -17,7 +17,7 @@ use std::{env, hint::black_box, time::Duration};
 
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime};
 use facing::facing_segments;
-use patchlight::visibility::{Backend, OccluderMesh, Segment, Visibility, build};
+use patchlight::visibility::{Backend, NO_PLANE, OccluderMesh, Ray, Segment, Visibility, build};
 use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
 use triangles::{Random, push_box, push_sphere};
 
@@ -114,6 +114,7 @@ fn visibility(criterion: &mut Criterion) {
             }
         }
 
+        cameras(criterion, &format!("visibility/{size}/camera"), &backends, &built);
         drop(built);
         let mut group = short(criterion, format!("visibility/{size}/build"));
         group.throughput(Throughput::Elements(mesh.triangles.len() as u64));
@@ -122,6 +123,27 @@ fn visibility(criterion: &mut Criterion) {
         }
         group.finish();
     }
+}
+
+/// First hits of rays from the middle, through pixels as those of a picture 960 pixels wide, on one thread.
+fn cameras(criterion: &mut Criterion, name: &str, backends: &[Backend], built: &[Box<dyn Visibility>]) {
+    let through = |pixel: usize| {
+        let [x, y] = [pixel % 960, pixel / 960].map(|at| at as f64 / 480.0 - 1.0);
+        Ray { origin: [0.0; 3], direction: [1.0, x, y], origin_plane: NO_PLANE }
+    };
+    let rays: Vec<Ray> = (0..64 * 960).map(through).collect();
+    let mut hits = vec![None; rays.len()];
+    let mut group = short(criterion, name.to_owned());
+    group.throughput(Throughput::Elements(rays.len() as u64));
+    for (backend, visibility) in backends.iter().zip(built) {
+        group.bench_function(format!("{}/any", backend.name()), |bencher| {
+            bencher.iter(|| visibility.first_hits(black_box(&rays), &mut hits));
+        });
+        group.bench_function(format!("{}/coherent", backend.name()), |bencher| {
+            bencher.iter(|| visibility.coherent_first_hits(black_box(&rays), &mut hits));
+        });
+    }
+    group.finish();
 }
 
 criterion_group!(benches, visibility);
