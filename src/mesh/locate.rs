@@ -6,7 +6,7 @@ use super::element::barycentric;
 use super::surface_mesh::SurfaceMesh;
 
 /// Cells for each triangle.
-const CELLS: f64 = 1.0;
+const CELLS: f64 = 4.0;
 
 /// Triangles lie in so many cells each on average, at most; else there are fewer cells by this factor.
 const MOST_ENTRIES: usize = 32;

@@ -10,7 +10,8 @@
 //! Triangles without area block nothing, not even where they are.
 //!
 //! Every backend, asked through [`Visibility`],
-//! - may be asked from many threads at once, and gives the same answer to the same question, always and in any company;
+//! - may be asked from many threads at once, and gives the same answer to the same question, always and in any company, but for one kind of query
+//!   ([`Visibility::coherent_first_hits`]);
 //! - answers "occluded" to a segment that is not finite (its ends, or their difference) or has no length, and "nothing" to a ray
 //!   that is not finite or has no direction, before any native code sees it;
 //! - works on the thread that asks. Callers cut large batches into pieces of about a thousand and give these to their threads.
@@ -93,8 +94,8 @@ pub trait Visibility: Send + Sync {
     /// Sets `hits[i]` to the first triangle that blocks `rays[i]`, a segment without a far end. Lengths as in [`Self::occluded`].
     fn first_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]);
 
-    /// The same for rays from one point of which each goes almost the same way as the next, as through the pixels of a camera. How rays are grouped in calls
-    /// may decide which of two triangles at one distance a ray meets.
+    /// The same, as fast or faster, for rays from one point of which each goes almost the same way as the next, as through the pixels of a camera. A call gives
+    /// the same answers always, but its other rays may decide which of two triangles at one distance a ray meets.
     fn coherent_first_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         self.first_hits(rays, hits);
     }
