@@ -50,8 +50,11 @@ impl Brightness {
 
     /// By what each surface reflects, in W/m^2 in its brightest channel.
     pub fn of_surfaces(scene: &Scene, reflected: impl Fn(SurfaceId) -> f64) -> Self {
-        // The mean over the light, not over the area: dark things do not count.
         let ids = || (0..scene.surfaces().len() as u32).map(SurfaceId);
+        let reflected: Vec<f64> = ids().map(reflected).collect();
+        let reflected = |id: SurfaceId| reflected[id.index()];
+
+        // The mean over the light, not over the area: dark things do not count.
         let area = |id: SurfaceId| scene.surface(id).polygon.area();
         let power: f64 = ids().map(|id| area(id) * reflected(id)).sum();
         let mean = ids().map(|id| area(id) * reflected(id) * reflected(id)).sum::<f64>() / power.max(f64::MIN_POSITIVE);
