@@ -17,7 +17,8 @@
 //! ```
 //!
 //! as variances, with `patch` the mean area of a leaf and `section` that of the beam where it passes the cluster, `cell` and `beam` how wide these are, and
-//! `cells` how many of them lines fall into. Opening a cluster lessens the last two, not the first: where that alone is too large, rays answer the pair. So they do near the ends, where beams are thin.
+//! `cells` how many of them lines fall into. Opening a cluster lessens the last two, not the first: where that alone is too large,
+//! rays answer the pair. So they do near the ends, where beams are thin.
 //!
 //! **Bounds** rest on proofs alone ([`Maps::bound_passing`]): that no line of a cell is blocked, or that each is. In foliage cells without either are most,
 //! but for clusters that are small against their leaves; there surfaces are looked at one by one. Of clusters one behind another, with blocked
