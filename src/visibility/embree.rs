@@ -37,8 +37,8 @@ unsafe impl Send for Embree {}
 
 // SAFETY: Through a shared reference only occlusion_occluded, occlusion_first, occlusion_first_coherent and occlusion_embree_version
 // can be called. The first three call rtcOccluded8, rtcIntersect1 and rtcIntersect8 ("performing ray queries in a scene is
-// thread-safe", Embree manual, "Embree API") and keep all that they write on their own stack or in the caller's slices, and the filter callback reads the scene's constants
-// and `sides`; the last reads a constant of the device.
+// thread-safe", Embree manual, "Embree API") and keep all that they write on their own stack or in the caller's slices, and the
+// filter callback reads the scene's constants and `sides`; the last reads a constant of the device.
 unsafe impl Sync for Embree {}
 
 impl Embree {
