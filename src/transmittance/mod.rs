@@ -150,20 +150,21 @@ impl<'a> Rays<'a> {
 
     /// Sets `hits[i]` to the first surface that `rays[i]` meets.
     pub fn first_hits(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
-        hits.clear();
-        hits.resize(rays.len(), None);
-        let start = Instant::now();
-        self.backend.first_hits(rays, hits);
-        self.first_hits.add(rays.len(), start);
+        self.ask_first_hits(|hits| self.backend.first_hits(rays, hits), rays.len(), hits);
     }
 
     /// The same for rays from one point of which each goes almost the same way as the next.
     pub fn coherent_first_hits(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        self.ask_first_hits(|hits| self.backend.coherent_first_hits(rays, hits), rays.len(), hits);
+    }
+
+    /// Asks the backend for so many first hits, and counts.
+    fn ask_first_hits(&self, ask: impl FnOnce(&mut [Option<Hit>]), count: usize, hits: &mut Vec<Option<Hit>>) {
         hits.clear();
-        hits.resize(rays.len(), None);
+        hits.resize(count, None);
         let start = Instant::now();
-        self.backend.coherent_first_hits(rays, hits);
-        self.first_hits.add(rays.len(), start);
+        ask(hits);
+        self.first_hits.add(count, start);
     }
 
     /// The first surface that a ray meets.
