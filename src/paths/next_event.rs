@@ -42,9 +42,9 @@ struct EmitterPiece {
 }
 
 impl EmitterPiece {
-    /// A whole emitter to which a place sends its only ray: without control variate and other pieces nobody asks what it would bring.
-    fn of_one_ray(emitter: usize) -> Self {
-        Self { emitter, part: None, form_factor: 0.0, unoccluded: 1.0 }
+    /// What a place sends its only ray to: without control variate and other pieces nobody asks what it would bring.
+    fn of_one_ray(emitter: usize, part: Option<Part>) -> Self {
+        Self { emitter, part, form_factor: 0.0, unoccluded: 1.0 }
     }
 }
 
@@ -67,6 +67,8 @@ struct Drawn {
 pub(super) struct EmitterRays {
     draws: Draws,
     pieces: Vec<EmitterPiece>,
+    /// The parts of what was drawn last, with their form factors.
+    parts: Vec<(Part, f64)>,
     segments: Vec<Segment>,
     drawn: Vec<Drawn>,
     occluded: Vec<bool>,
@@ -95,7 +97,7 @@ impl Emitters<'_> {
             // the first place, in steps.
             let random = sampling::hash(places[0].receiver(self.scene).seed, streams::EMITTERS);
             let start = (sampling::hash(random, streams::SECOND) % places.len() as u64) as f64 + sampling::unit(random);
-            if count as usize >= self.emitters.len() {
+            if count > 1 && count as usize >= self.emitters.len() {
                 for (number, place) in places.iter().enumerate() {
                     let start = (number as f64 + start) / places.len() as f64 % 1.0;
                     let numbers = (0..count).map(|ray| (ray, (f64::from(ray) + start) / f64::from(count)));
@@ -163,21 +165,20 @@ impl Emitters<'_> {
 
         // Rays that drew the same emitter come one after the other; it is cut once for all such rays of a place.
         for same in draws.drawn.chunk_by(|a, b| a.number == b.number) {
-            let weight = 1.0 / (f64::from(count) * same[0].probability);
+            let (emitter, weight) = (same[0].number as usize, 1.0 / (f64::from(count) * same[0].probability));
             for (number, receiver) in receivers.clone().enumerate() {
                 let own = same.iter().filter(|drawn| drawn.ray as usize % places.len() == (number + start as usize) % places.len());
-                if own.clone().next().is_none() {
-                    continue;
-                }
+                let Some(first_drawn) = own.clone().next() else { continue };
                 memory.pieces.clear();
-                let emitter = same[0].number as usize;
-                if count == 1 && self.is_small_in_front(&receiver, emitter) {
-                    memory.pieces.push(EmitterPiece::of_one_ray(emitter));
-                } else {
+                let mut probability = 1.0;
+                if count > 1 {
                     self.cut(&receiver, emitter, None, &mut memory.pieces);
+                } else if let Some((part, of_part)) = self.drawn_part(&receiver, emitter, first_drawn.rest, &mut memory.parts) {
+                    memory.pieces.push(EmitterPiece::of_one_ray(emitter, part));
+                    probability = of_part;
                 }
                 let numbers = own.map(|drawn| (drawn.ray / places.len() as u32, drawn.rest));
-                self.cast_to_pieces(&receiver, first + number, weight, numbers, memory);
+                self.cast_to_pieces(&receiver, first + number, weight / probability, numbers, memory);
             }
         }
         memory.draws = draws;
@@ -241,12 +242,44 @@ impl Emitters<'_> {
         if is_coplanar { 0.0 } else { point_to_polygon(receiver.point, receiver.normal, facet) }
     }
 
-    /// Whether a receiver may see an emitter, and needs no cut of it.
-    fn is_small_in_front(&self, receiver: &Receiver, emitter: usize) -> bool {
-        let emitter = &self.emitters[emitter];
-        let facet = emitter.facet(self.scene);
-        let is_coplanar = self.scene.surface(emitter.surface).plane == receiver.plane;
-        is_small(&facet, receiver) && !is_coplanar && facet.height(receiver.point) > 0.0
+    /// A part of an emitter, or all of it, that is small as seen from a receiver, drawn by its form factor with a number in [0, 1), and the probability
+    /// of that. It is drawn as from all pieces that [`Self::cut`] makes, since form factors of parts add up to that of the whole; but of these only the
+    /// parts of what was drawn are cut. `None` if the receiver sees nothing of the emitter.
+    fn drawn_part(
+        &self,
+        receiver: &Receiver,
+        emitter: usize,
+        mut number: f64,
+        parts: &mut Vec<(Part, f64)>,
+    ) -> Option<(Option<Part>, f64)> {
+        let of = &self.emitters[emitter];
+        let whole = of.facet(self.scene);
+        if self.scene.surface(of.surface).plane == receiver.plane || whole.height(receiver.point) <= 0.0 {
+            return None;
+        }
+        let (mut drawn, mut probability): (Option<Part>, f64) = (None, 1.0);
+        loop {
+            let facet = drawn.as_ref().map_or(whole, |part| part.facet(whole.normal));
+            let splits = drawn.map_or(0, |part| part.splits);
+            if is_small(&facet, receiver) || splits == MAX_SPLITS {
+                return Some((drawn, probability));
+            }
+            parts.clear();
+            for_each_piece(&facet, |corners| {
+                let part = Part::new(corners, splits + 1);
+                parts.push((part, self.form_factor(receiver, of, &part.facet(whole.normal))));
+            });
+            let total: f64 = parts.iter().map(|(_, form_factor)| form_factor).sum();
+            let mut wanted = number * total;
+            let is_drawn = |(_, form_factor): &&(Part, f64)| {
+                wanted -= form_factor;
+                wanted < 0.0
+            };
+            let &(part, form_factor) =
+                parts.iter().find(is_drawn).or_else(|| parts.iter().rfind(|(_, form_factor)| *form_factor > 0.0))?;
+            number = ((wanted + form_factor) / form_factor).clamp(0.0, 1.0 - f64::EPSILON);
+            (drawn, probability) = (Some(part), probability * form_factor / total);
+        }
     }
 
     /// Cuts an emitter, or a part of one, into pieces that are small as seen from a receiver; appends those in front of it.

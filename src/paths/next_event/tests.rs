@@ -85,6 +85,38 @@ fn emitters_from_the_tree_bring_what_all_bring() {
     }
 }
 
+/// A place a hand's breadth, and a millimetre, below a ceiling that glows: parts of it are drawn as all pieces would be.
+#[test]
+fn single_rays_to_a_large_emitter_near_by_bring_its_form_factor() {
+    let square = |z: f64, half: f64, down: bool| {
+        let corners = [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]];
+        Polygon::new(&if down { [corners[0], corners[3], corners[2], corners[1]] } else { corners }).unwrap()
+    };
+    let material = |exitance: f64| Material { name: String::new(), reflectance: vec![0.5], exitance: vec![exitance] };
+    let faces = vec![(square(0.0, 1.0, false), 0, 0), (square(0.1, 2.0, true), 1, 1), (square(3.0, 1.0, true), 1, 2)];
+    for height in [0.0, 0.099] {
+        let scene = Scene::new(1, vec![material(0.0), material(1.0)], faces.clone(), Sides::Front).unwrap();
+        let visibility = build(Backend::default(), &OccluderMesh::of_scene(&scene)).unwrap();
+        let rays = Rays::new(&*visibility, &scene);
+        let emitters = Emitters::new(&scene, &rays);
+        let (point, normal) = (DVec3::new(0.3, 0.2, height), DVec3::Z);
+        let expected = point_to_polygon(point, normal, &scene.surface(SurfaceId(1)).polygon.facet());
+        let (mut sum, mut sum_sq, count) = (0.0, 0.0, 4000);
+        for seed in 0..count {
+            let (mut memory, mut found) = (EmitterRays::default(), vec![0.0]);
+            let place = Place { point, surface: SurfaceId(0), seed: sampling::hash(5, seed) };
+            emitters.add_sampled_irradiance(&[place], 1, 1, &mut memory, &mut BatchSums::whole(1, &mut found));
+            sum += found[0];
+            sum_sq += found[0] * found[0];
+        }
+        // The other emitter is hidden. A single ray to what is seen weighs no more than a few times all.
+        let mean = sum / count as f64;
+        let deviation = (sum_sq / count as f64 - mean * mean).sqrt();
+        assert!((mean - expected).abs() < 4.0 * deviation / (count as f64).sqrt(), "{mean} for {expected} at {height}");
+        assert!(deviation < 0.7 * mean, "{deviation} of {mean} at {height}");
+    }
+}
+
 #[test]
 fn an_emitter_beside_a_place_is_drawn_by_what_it_sends_however_large_its_group() {
     // Emitters far apart, and places a hand's breadth from each of them.
