@@ -1,11 +1,12 @@
-//! Triangles of quadratic elements, refined by bisection of longest edges.
+//! Triangles of quadratic elements, refined by bisection of the edges along which light bends most, or of the longest where that is not known.
 //!
-//! To bisect a triangle, the path of ever longer edges is followed to an edge that is the longest of both its triangles; these two are halved,
-//! until the triangle itself was (Rivara 1997). No node ever hangs on an edge, and no angle becomes smaller than half of the smallest at
-//! first. Six nodes belong to a triangle, its corners and the middles of its edges, so bisection makes corners of middles: what was found there
-//! stays.
+//! To bisect a triangle, the path of ever better edges is followed to an edge that is good for both its triangles; these two are halved, until the
+//! triangle itself was (Rivara 1997). No node ever hangs on an edge; by longest edges, no angle becomes smaller than half of the smallest at first. Six
+//! nodes belong to a triangle, its corners and the middles of its edges, so bisection makes corners of middles: what was found there stays.
 
 use glam::DVec2;
+
+use super::bends::Bends;
 
 /// No triangle is there.
 pub(super) const NONE: u32 = u32::MAX;
@@ -39,6 +40,9 @@ pub(super) struct Node {
 
 /// The square of an edge is at most so many times the largest area: along a narrow strip light changes as it does on what is wider.
 const MOST_STRETCHED: f64 = 4.0;
+
+/// Triangles that are halved first so that one may be, at most, where bends are known: by these a path may come back to where it was.
+const MOST_BEFORE: usize = 16;
 
 /// How far inside, as a part of the way to the centroid of the triangle: this, or more where that would be too near; never beyond half of it.
 const INSIDE: f64 = 1e-3;
@@ -168,46 +172,38 @@ impl Triangles {
     }
 
     /// Halves a triangle, and others first where that is needed. Halves take the place of a triangle, and the next number.
-    pub fn bisect(&mut self, triangle: u32) {
+    pub fn bisect(&mut self, triangle: u32, bends: &mut Bends) {
         let mut path = vec![triangle];
         while let Some(&last) = path.last() {
-            let edge = self.longest_edge(last);
             let Triangle { middles, neighbours, .. } = self.triangles[last as usize];
+            let edge = bends.edge_to_halve(self.corners(last), middles);
             let beyond = neighbours[edge];
-            if beyond != NONE && self.triangles[beyond as usize].middles[self.longest_edge(beyond)] != middles[edge] {
-                path.push(beyond);
-            } else {
-                self.split(last, edge);
+            let is_long = bends.are_known() && path.len() > MOST_BEFORE;
+            let may_halve =
+                |beyond: u32| bends.may_halve(self.corners(beyond), self.triangles[beyond as usize].middles, middles[edge]);
+            if beyond == NONE || is_long || may_halve(beyond) {
+                self.split(last, edge, bends);
                 path.pop();
+            } else {
+                path.push(beyond);
             }
         }
     }
 
-    /// The longest edge of a triangle; of two the one whose middle has the lower number, which is the same seen from both sides.
-    fn longest_edge(&self, triangle: u32) -> usize {
-        let (corners, middles) = (self.corners(triangle), self.triangles[triangle as usize].middles);
-        let length_sq = |edge: usize| corners[edge].distance_squared(corners[(edge + 1) % 3]);
-        let longer = |a: usize, b: usize| {
-            let order = length_sq(a).total_cmp(&length_sq(b)).then_with(|| middles[b].cmp(&middles[a]));
-            if order.is_ge() { a } else { b }
-        };
-        longer(longer(0, 1), 2)
-    }
-
     /// Halves the two triangles at an edge.
-    fn split(&mut self, triangle: u32, edge: usize) {
+    fn split(&mut self, triangle: u32, edge: usize, bends: &mut Bends) {
         let Triangle { corners, middles, neighbours } = self.triangles[triangle as usize];
         let beyond = neighbours[edge];
         let [a, b] = [corners[edge], corners[(edge + 1) % 3]].map(|node| self.nodes[node as usize].at);
         let middle = self.nodes[middles[edge] as usize].at;
         let inside = (beyond == NONE).then(|| Inside::of(self.corners(triangle)));
         let quarters = [a, b].map(|corner| self.add_node(0.5 * (corner + middle), inside));
-        let second = self.halve(triangle, edge, quarters);
+        let second = self.halve(triangle, edge, quarters, bends);
         if beyond == NONE {
             return;
         }
         let Some(back) = self.triangles[beyond as usize].middles.iter().position(|&other| other == middles[edge]) else { return };
-        let opposite = self.halve(beyond, back, [quarters[1], quarters[0]]);
+        let opposite = self.halve(beyond, back, [quarters[1], quarters[0]], bends);
         for (a, b) in [(triangle, opposite), (beyond, second)] {
             self.triangles[a as usize].neighbours[0] = b;
             self.triangles[b as usize].neighbours[0] = a;
@@ -215,12 +211,13 @@ impl Triangles {
     }
 
     /// Halves one triangle at an edge, given the middles of its halves; returns the second half.
-    fn halve(&mut self, triangle: u32, edge: usize, quarters: [u32; 2]) -> u32 {
+    fn halve(&mut self, triangle: u32, edge: usize, quarters: [u32; 2], bends: &mut Bends) -> u32 {
         let Triangle { corners, middles, neighbours } = self.triangles[triangle as usize];
         let turned = |of: [u32; 3]| [of[edge], of[(edge + 1) % 3], of[(edge + 2) % 3]];
         let ([a, b, c], [ab, bc, ca], [_, beyond_bc, beyond_ca]) = (turned(corners), turned(middles), turned(neighbours));
         let cut = [ab, c].map(|node| self.nodes[node as usize].at);
         let across = self.add_node(0.5 * (cut[0] + cut[1]), None);
+        bends.halve([ab, bc, ca], quarters, across);
         let second = self.triangles.len() as u32;
         self.halvings.push(Halving { halves: [triangle, second], cut });
         self.triangles[triangle as usize] =
@@ -244,6 +241,7 @@ impl Triangles {
 mod tests {
     use super::*;
     use crate::geometry::sampling;
+    use crate::mesh::bends::Bend;
 
     /// A square of two triangles.
     fn square() -> Triangles {
@@ -251,37 +249,54 @@ mod tests {
         Triangles::new(&[[0, 1, 3], [0, 3, 2]], &[[NONE, NONE, 1], [0, NONE, NONE]], at, 0.0)
     }
 
-    #[test]
-    fn bisection_leaves_no_hanging_node_no_gap_and_no_thin_triangle() {
+    /// Halves triangles two thousand times at random, by bends or by lengths.
+    fn bisected(mut bends: Bends) -> Triangles {
         let mut all = square();
         for step in 0..2000 {
             let draw = (sampling::unit(sampling::hash(step, 0)).powi(2) * all.triangles.len() as f64) as u32;
-            all.bisect(draw);
+            all.bisect(draw, &mut bends);
         }
-        let area: f64 = (0..all.triangles.len() as u32).map(|triangle| all.area(triangle)).sum();
-        assert!((area - 1.0).abs() < 1e-12, "{area}");
-        for (number, triangle) in all.triangles.iter().enumerate() {
-            let corners = all.corners(number as u32);
-            for edge in 0..3 {
-                let next = (edge + 1) % 3;
-                assert_eq!(all.nodes[triangle.middles[edge] as usize].at, 0.5 * (corners[edge] + corners[next]));
+        all
+    }
 
-                // Neighbours share the two corners and the middle.
-                if triangle.neighbours[edge] == NONE {
-                    let on_border = |at: DVec2| [at.x, at.y, 1.0 - at.x, 1.0 - at.y].contains(&0.0);
-                    assert!(on_border(corners[edge]) && on_border(corners[next]));
-                } else {
-                    let beyond = &all.triangles[triangle.neighbours[edge] as usize];
-                    let back = beyond.middles.iter().position(|&other| other == triangle.middles[edge]).unwrap();
-                    assert_eq!(beyond.neighbours[back], number as u32);
-                    assert_eq!(
-                        [beyond.corners[back], beyond.corners[(back + 1) % 3]],
-                        [triangle.corners[next], triangle.corners[edge]]
-                    );
+    #[test]
+    fn bisection_leaves_no_hanging_node_and_no_gap() {
+        let random = |number: u64| sampling::unit(sampling::hash(7, number)) - 0.5;
+        let bends = Bends::new((0..9).map(|node| Bend { surplus: random(node), variance: 1e-3 * random(node).powi(2) }).collect());
+        for all in [bisected(Bends::unknown()), bisected(bends)] {
+            let area: f64 = (0..all.triangles.len() as u32).map(|triangle| all.area(triangle)).sum();
+            assert!((area - 1.0).abs() < 1e-12, "{area}");
+            for (number, triangle) in all.triangles.iter().enumerate() {
+                let corners = all.corners(number as u32);
+                assert!(all.area(number as u32) > 0.0);
+                for edge in 0..3 {
+                    let next = (edge + 1) % 3;
+                    assert_eq!(all.nodes[triangle.middles[edge] as usize].at, 0.5 * (corners[edge] + corners[next]));
+
+                    // Neighbours share the two corners and the middle.
+                    if triangle.neighbours[edge] == NONE {
+                        let on_border = |at: DVec2| [at.x, at.y, 1.0 - at.x, 1.0 - at.y].contains(&0.0);
+                        assert!(on_border(corners[edge]) && on_border(corners[next]));
+                    } else {
+                        let beyond = &all.triangles[triangle.neighbours[edge] as usize];
+                        let back = beyond.middles.iter().position(|&other| other == triangle.middles[edge]).unwrap();
+                        assert_eq!(beyond.neighbours[back], number as u32);
+                        assert_eq!(
+                            [beyond.corners[back], beyond.corners[(back + 1) % 3]],
+                            [triangle.corners[next], triangle.corners[edge]]
+                        );
+                    }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn by_longest_edges_no_triangle_becomes_thin() {
+        let all = bisected(Bends::unknown());
+        for number in 0..all.triangles.len() as u32 {
             // Half of the smallest angle at first, which is 45 degrees.
-            let [a, b, c] = corners;
+            let [a, b, c] = all.corners(number);
             let angle = |a: DVec2, b: DVec2, c: DVec2| (b - a).angle_to(c - a).abs().to_degrees();
             assert!(angle(a, b, c).min(angle(b, c, a)).min(angle(c, a, b)) > 22.4);
         }
@@ -293,7 +308,7 @@ mod tests {
         for (height, least) in [(1.0, CLEARANCE), (0.02, CLEARANCE), (1e-3, 5e-5)] {
             let at = |vertex: u32| DVec2::new(f64::from(vertex % 2), height * f64::from(vertex / 2));
             let mut all = Triangles::new(&[[0, 1, 3], [0, 3, 2]], &[[NONE, NONE, 1], [0, NONE, NONE]], at, CLEARANCE);
-            (0..4).for_each(|number| all.bisect(number));
+            (0..4).for_each(|number| all.bisect(number, &mut Bends::unknown()));
             for node in &all.nodes {
                 let [x, y] = node.sampled_at.to_array();
                 let from_border = x.min(1.0 - x).min(y).min(height - y);
@@ -305,7 +320,7 @@ mod tests {
     #[test]
     fn nodes_at_a_border_are_sampled_inside() {
         let mut all = square();
-        (0..200).for_each(|step| all.bisect(step % all.triangles.len() as u32));
+        (0..200).for_each(|step| all.bisect(step % all.triangles.len() as u32, &mut Bends::unknown()));
         for node in &all.nodes {
             let is_inside = |at: DVec2| at.min_element() > 0.0 && at.max_element() < 1.0;
             assert!(is_inside(node.sampled_at));

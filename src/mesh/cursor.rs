@@ -68,6 +68,7 @@ impl<'a> MeshCursor<'a> {
 mod tests {
     use super::*;
     use crate::geometry::{Polygon, sampling};
+    use crate::mesh::bends::Bends;
     use crate::mesh::surface_mesh::SurfaceMesh;
     use crate::mesh::triangulation::triangulate;
     use crate::scene::{Material, Scene, Sides};
@@ -83,7 +84,7 @@ mod tests {
         let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| DVec2::new(x, y));
         let mesh_of = |seed: u64| {
             let mut triangles = triangulate(&corners, &[], 0.02, 0.0);
-            (0..100).for_each(|step| triangles.bisect(step * 7 % triangles.triangles.len() as u32));
+            (0..100).for_each(|step| triangles.bisect(step * 7 % triangles.triangles.len() as u32, &mut Bends::unknown()));
             let random = |number: u64| (sampling::unit(sampling::hash(seed, number)) - 0.1) as f32;
             let reflected = (0..2 * triangles.nodes.len() as u64).map(random).collect();
             let errors = (0..triangles.triangles.len() as u64).map(|number| random(number + 7).abs()).collect();

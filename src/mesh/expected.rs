@@ -5,11 +5,9 @@
 //! which the elements' own nodes tell how far light is from linear there: they get the mean of their like, which is found as the best function that does
 //! not fall with it (isotonic regression).
 
+use super::bends::SIGNIFICANT;
 use super::growing::{Growing, Test};
 use super::judged::Norm;
-
-/// A difference is one of the function if its square is so many times its variance.
-const SIGNIFICANT: f64 = 4.0;
 
 /// A test, and the squared error that is expected where it was taken.
 struct Expected<'a> {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::bends::{Bend, Bends};
 use super::bisection::Triangles;
 use super::element;
 use super::fit::fitted;
@@ -105,7 +106,7 @@ impl Growing {
         while number < self.triangles.triangles.len() as u32 {
             let weight = self.weight(number);
             if weight > 0.0 && self.triangles.is_large(number, self.triangles.area(number) * largest / weight) {
-                self.triangles.bisect(number);
+                self.triangles.bisect(number, &mut Bends::unknown());
                 self.follow_halvings();
             } else {
                 number += 1;
@@ -206,14 +207,30 @@ impl Growing {
     /// The hierarchical surplus of a triangle: what a linear function between its corners is off in the middles of its edges, squared, channels and
     /// edges added, in W^2/m^4.
     pub fn surplus_sq(&self, triangle: u32) -> f64 {
+        let surplus_sq = |edge: usize| (0..self.deciding).map(move |channel| self.bend(triangle, edge, channel).surplus.powi(2));
+        (0..3).flat_map(surplus_sq).sum()
+    }
+
+    /// How much light bends along all edges, by the nodes in their middles.
+    fn bends(&self) -> Bends {
+        let mut of_nodes = vec![Bend::default(); self.triangles.nodes.len()];
+        for (number, triangle) in self.triangles.triangles.iter().enumerate() {
+            for (edge, &middle) in triangle.middles.iter().enumerate() {
+                let by_channel = (0..self.deciding).map(|channel| self.bend(number as u32, edge, channel));
+                let add = |all: Bend, of: Bend| Bend { surplus: all.surplus + of.surplus, variance: all.variance + of.variance };
+                of_nodes[middle as usize] = by_channel.fold(Bend::default(), add);
+            }
+        }
+        Bends::new(of_nodes)
+    }
+
+    /// How much light bends along an edge of a triangle, in one channel.
+    fn bend(&self, triangle: u32, edge: usize, channel: usize) -> Bend {
         let (nodes, channels) =
             (self.triangles.triangles[triangle as usize].nodes(), self.found.len() / self.triangles.nodes.len());
-        let of_channel = |channel: usize| {
-            let values = nodes.map(|node| f64::from(self.values()[node as usize * channels + channel][0]));
-            let of_edge = |edge: usize| (values[3 + edge] - 0.5 * (values[edge] + values[(edge + 1) % 3])).powi(2);
-            (0..3).map(of_edge).sum::<f64>()
-        };
-        (0..self.deciding).map(of_channel).sum()
+        let of = |node: usize| self.values()[nodes[node] as usize * channels + channel].map(f64::from);
+        let [from, to, middle] = [edge, (edge + 1) % 3, 3 + edge].map(of);
+        Bend { surplus: middle[0] - 0.5 * (from[0] + to[0]), variance: middle[1] + 0.25 * (from[1] + to[1]) }
     }
 
     /// The function at a point of a triangle and its variance, in one of so many channels.
@@ -259,15 +276,16 @@ impl Growing {
         by_channel.chunks(self.deciding).map(|of_group| of_group.iter().sum()).collect()
     }
 
-    /// Bisects triangles twice, and forgets the tests of all that changed.
+    /// Bisects triangles twice, by how light bends along their edges, and forgets the tests of all that changed.
     pub fn refine(&mut self, worst: &[u32]) {
         let before: Vec<[u32; 3]> = self.triangles.triangles.iter().map(|triangle| triangle.middles).collect();
+        let mut bends = self.bends();
         for &triangle in worst {
             // Others may have bisected it.
             if self.triangles.triangles[triangle as usize].middles == before[triangle as usize] {
-                self.triangles.bisect(triangle);
+                self.triangles.bisect(triangle, &mut bends);
                 let second = self.triangles.triangles[triangle as usize].neighbours[1];
-                [triangle, second].into_iter().for_each(|half| self.triangles.bisect(half));
+                [triangle, second].into_iter().for_each(|half| self.triangles.bisect(half, &mut bends));
             }
         }
         self.follow_halvings();

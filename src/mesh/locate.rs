@@ -117,6 +117,7 @@ impl Locator {
 mod tests {
     use super::*;
     use crate::geometry::sampling;
+    use crate::mesh::bends::Bends;
     use crate::mesh::triangulation::triangulate;
 
     /// Strips across a square, from corner to corner: each meets all cells of a fine grid by its box.
@@ -139,7 +140,7 @@ mod tests {
             let corner = |x: f64, y: f64| DVec2::new(x, y) * size;
             let polygon = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
             let mut triangles = triangulate(&polygon, &[], 0.02 * size.x * size.y, 0.0);
-            (0..300).for_each(|step| triangles.bisect(step * 7 % triangles.triangles.len() as u32));
+            (0..300).for_each(|step| triangles.bisect(step * 7 % triangles.triangles.len() as u32, &mut Bends::unknown()));
             let linear: Vec<f32> = triangles.nodes.iter().map(|node| (1.0 + 0.3 * node.at.x) as f32).collect();
             let mesh = SurfaceMesh::new(&triangles, linear);
             let locator = Locator::new(&mesh);

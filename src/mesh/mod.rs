@@ -1,5 +1,6 @@
 //! The lit mesh: radiosity as a function on the surfaces, by quadratic elements.
 
+mod bends;
 mod bisection;
 mod build;
 mod crossings;

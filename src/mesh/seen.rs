@@ -166,6 +166,7 @@ fn weight_of(points: &[SeenPoint]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::bends::Bends;
     use crate::mesh::triangulation::triangulate;
 
     const SQUARE: [DVec2; 4] = [DVec2::new(-1.0, -1.0), DVec2::new(1.0, -1.0), DVec2::ONE, DVec2::new(-1.0, 1.0)];
@@ -183,7 +184,7 @@ mod tests {
         let mut triangles = triangulate(&SQUARE, &[], f64::INFINITY, 0.0);
         let mut seen = SeenTriangles::new(&points, &triangles);
         for step in 0..300 {
-            triangles.bisect((step * 7) % triangles.triangles.len() as u32);
+            triangles.bisect((step * 7) % triangles.triangles.len() as u32, &mut Bends::unknown());
             std::mem::take(&mut triangles.halvings).into_iter().for_each(|halving| seen.halve(halving));
         }
         let mut found = 0;

@@ -7,6 +7,7 @@ use glam::DVec2;
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 
+use super::bends::Bends;
 use super::bisection::{NONE, Triangles};
 use super::crossings::split;
 use super::line::Line;
@@ -41,7 +42,7 @@ pub(super) fn triangulate(polygon: &[DVec2], lines: &[Line], largest: f64, clear
     let mut number = 0;
     while number < triangles.triangles.len() as u32 {
         if triangles.is_large(number, largest) {
-            triangles.bisect(number);
+            triangles.bisect(number, &mut Bends::unknown());
         } else {
             number += 1;
         }
