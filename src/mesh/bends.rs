@@ -8,7 +8,8 @@ use glam::DVec2;
 /// A difference is one of the light if its square is so many times its variance.
 pub(super) const SIGNIFICANT: f64 = 4.0;
 
-/// An edge is halved only if the longest of its triangle is no more than so many times longer. Above 1; of 4, 8 and 16 none is best.
+/// Triangles that are this many times longer than high, or more, are halved at their longest edge, however light bends. Above 1; of 4, 8 and 16 none is
+/// best.
 const MOST_ELONGATED: f64 = 8.0;
 
 /// Edges of a triangle that bend by this part of what most does are as good to halve. Above 0, at most 1: with 1 the neighbours of a triangle would be
@@ -70,12 +71,15 @@ impl Bends {
             return lengths;
         }
         let longest = lengths.into_iter().fold(0.0, f64::max);
+        let height = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]).abs() / longest;
+        if MOST_ELONGATED * height <= longest {
+            return lengths.map(|length| if length == longest { 1.0 } else { 0.0 });
+        }
         let bends = middles.map(|middle| self.0[middle as usize]);
         let noise_sq = bends.iter().map(|bend| bend.variance).sum::<f64>() / 3.0 + f64::MIN_POSITIVE;
         [0, 1, 2].map(|edge| {
             let (length, Bend { surplus, variance }) = (lengths[edge] / longest, bends[edge]);
-            let bend_sq = (surplus * surplus - SIGNIFICANT * variance).max(0.0) + length.powi(4) * noise_sq;
-            if MOST_ELONGATED * length < 1.0 { 0.0 } else { length * bend_sq.sqrt() }
+            length * ((surplus * surplus - SIGNIFICANT * variance).max(0.0) + length.powi(4) * noise_sq).sqrt()
         })
     }
 
@@ -119,9 +123,9 @@ mod tests {
         assert_eq!(halved(bends([0.01, 0.02, 0.19], 0.01)), 1);
         assert_eq!(halved(bends([0.0; 3], 0.0)), 1);
 
-        // Much too short already.
-        let thin = [DVec2::ZERO, DVec2::new(0.1, 0.0), DVec2::new(0.0, 1.0)];
-        assert_ne!(bends([1.0, 0.1, 0.01], 0.0).edge_to_halve(thin, [0, 1, 2]), 0);
+        // Much longer than high already.
+        let thin = [DVec2::ZERO, DVec2::new(1.0, 0.0), DVec2::new(0.4, 0.1)];
+        assert_eq!(bends([0.0, 1.0, 1.0], 0.0).edge_to_halve(thin, [0, 1, 2]), 0);
     }
 
     #[test]
