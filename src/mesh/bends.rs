@@ -8,8 +8,8 @@ use glam::DVec2;
 /// A difference is one of the light if its square is so many times its variance.
 pub(super) const SIGNIFICANT: f64 = 4.0;
 
-/// Triangles that are this many times longer than high, or more, are halved at their longest edge, however light bends. Above 1; of 4, 8 and 16 none is
-/// best.
+/// Triangles that are this many times longer than high, or more, are halved at their longest edge, however light bends. Above 1; from 4 to 16
+/// about as many elements are needed.
 const MOST_ELONGATED: f64 = 8.0;
 
 /// Edges of a triangle that bend by this part of what most does are as good to halve. Above 0, at most 1: with 1 the neighbours of a triangle would be
@@ -63,8 +63,8 @@ impl Bends {
 
     /// How much halving each edge is worth.
     ///
-    /// Bends that are clearly more than noise count; else edges count as if light bent alike in all directions, with the square of their length. Across a jump both
-    /// halves of an edge bend as it does, so that of two which cross it the longer one counts more.
+    /// Bends that are clearly more than noise count; else edges count as if light bent alike in all directions, with the square of their length. Across a
+    /// jump both halves of an edge bend as it does, so that of two which cross it the longer one counts more.
     fn scores(&self, corners: [DVec2; 3], middles: [u32; 3]) -> [f64; 3] {
         let lengths = [0, 1, 2].map(|edge| corners[edge].distance(corners[(edge + 1) % 3]));
         if !self.are_known() {
