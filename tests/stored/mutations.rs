@@ -2,6 +2,7 @@
 
 use patchlight::scene::{LightGrouping, Sides};
 use patchlight::solve::{Bounds, Solution, SolveOptions, Solver};
+use rayon::prelude::*;
 use serde::Deserialize;
 use serde_json::{Number, Value};
 
@@ -248,30 +249,36 @@ fn transport_that_is_none_is_refused() {
     }
 }
 
-#[test]
-fn single_fields_do_no_harm() {
-    let (mut random, mut taken, mut refused) = (Random(6), 0, 0);
-    for solution in solutions() {
-        let mut value = serde_json::to_value(&solution).unwrap();
-        assert_eq!(Solution::deserialize(&value).unwrap(), solution);
-        let mut all = Vec::new();
-        places(&value, &mut String::new(), &mut all);
-        // A long list has many fields of one kind: each kind is chosen as often.
-        let kind = |path: &str| path.split('/').filter(|key| key.parse::<u32>().is_err()).collect::<Vec<_>>().join("/");
-        let mut by_kind = std::collections::BTreeMap::<String, Vec<String>>::new();
-        all.into_iter().for_each(|path| by_kind.entry(kind(&path)).or_default().push(path));
-        for paths in by_kind.values() {
-            for _ in 0..2 {
-                let path = &paths[random.below(paths.len())];
-                let place = value.pointer_mut(path).unwrap();
-                let other = changed(place, &mut random);
-                let before = std::mem::replace(place, other);
-                let was_taken = Solution::deserialize(&value)
-                    .is_ok_and(|mutated| harness::read_body(&stored(&mutated).split_off(harness::HEADER)));
-                *(if was_taken { &mut taken } else { &mut refused }) += 1;
-                *value.pointer_mut(path).unwrap() = before;
-            }
+/// Changes fields of a solution at random, one by one, some of each kind; returns how many are taken, and how many refused.
+fn change_fields(solution: &Solution, random: &mut Random) -> [u32; 2] {
+    let mut value = serde_json::to_value(solution).unwrap();
+    assert_eq!(Solution::deserialize(&value).unwrap(), *solution);
+    let mut all = Vec::new();
+    places(&value, &mut String::new(), &mut all);
+    // A long list has many fields of one kind: each kind is chosen as often.
+    let kind = |path: &str| path.split('/').filter(|key| key.parse::<u32>().is_err()).collect::<Vec<_>>().join("/");
+    let mut by_kind = std::collections::BTreeMap::<String, Vec<String>>::new();
+    all.into_iter().for_each(|path| by_kind.entry(kind(&path)).or_default().push(path));
+    let mut counts = [0; 2];
+    for paths in by_kind.values() {
+        for _ in 0..2 {
+            let path = &paths[random.below(paths.len())];
+            let place = value.pointer_mut(path).unwrap();
+            let other = changed(place, random);
+            let before = std::mem::replace(place, other);
+            let is_taken =
+                Solution::deserialize(&value).is_ok_and(|mutated| harness::read_body(&stored(&mutated).split_off(harness::HEADER)));
+            counts[usize::from(!is_taken)] += 1;
+            *value.pointer_mut(path).unwrap() = before;
         }
     }
+    counts
+}
+
+#[test]
+fn single_fields_do_no_harm() {
+    let changed = |(number, solution): (usize, Solution)| change_fields(&solution, &mut Random(6 + number as u64));
+    let counts = solutions().into_par_iter().enumerate().map(changed);
+    let [taken, refused] = counts.reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
     assert!(taken > 100 && refused > 200, "{taken} taken, {refused} refused");
 }
