@@ -362,8 +362,8 @@ mod memory {
         for name in ["cornell", "room", "full_office", "dining_room", "east_room", "west_room", "hevea", "living_room", "two_rooms"]
         {
             let file = scene_file(name);
-            check_memory(&file, &["--error", "0.01", "--time", "3"], &[0.03, 0.05, 0.2], 4.0);
-            check_memory(&file, &["--error", "0.01", "--time", "3", "--set", "solver=links"], &[0.06], 4.0);
+            check_memory(&file, &["--error", "0.01", "--time", "5"], &[0.03, 0.05, 0.2], 4.0);
+            check_memory(&file, &["--error", "0.01", "--time", "5", "--set", "solver=links"], &[0.06], 4.0);
         }
     }
 

@@ -269,8 +269,10 @@ fn an_error_of_next_to_nothing_takes_no_more_than_the_most() {
     room.quad([0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], grey);
     room.quad([-5.0, -5.0, 20.0], [0.0, 10.0, 0.0], [10.0, 0.0, 0.0], lamp);
     let (evaluator, _) = solved(room.scene(), 0.1, 0);
-    let mesh = evaluator.lit_mesh(1e-300, &Silent).unwrap();
-    assert!(mesh.claimed.is_finite() && mesh.elements() > 0);
+    for error in [1e-6, 1e-300] {
+        let mesh = evaluator.lit_mesh(error, &Silent).unwrap();
+        assert!(mesh.claimed.is_finite() && mesh.elements() > 0);
+    }
 }
 
 #[test]

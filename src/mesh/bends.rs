@@ -8,8 +8,8 @@ use glam::DVec2;
 /// A difference is one of the light if its square is so many times its variance.
 pub(super) const SIGNIFICANT: f64 = 4.0;
 
-/// Triangles that are this many times longer than high, or more, are halved at their longest edge, however light bends. Above 1; from 4 to 16
-/// about as many elements are needed.
+/// Triangles that are this many times longer than high, or more, are halved at their longest edge, however light bends: bends of flat ones would make
+/// them flatter. Above 1.
 const MOST_ELONGATED: f64 = 8.0;
 
 /// Edges of a triangle that bend by this part of what most does are as good to halve. Above 0, at most 1: with 1 the neighbours of a triangle would be

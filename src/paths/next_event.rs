@@ -3,7 +3,7 @@
 //! Each emitter is cut into pieces that are small as seen from the place. A piece would bring its exact form factor times its
 //! exitance if nothing were in between; rays go to pieces in proportion to that, so no single ray weighs much, even a millimetre
 //! from an emitter. Where there are fewer rays than emitters, each ray first draws an emitter from the light tree, so its cost
-//! hardly grows with their number.
+//! hardly grows with their number; where a place has a single ray, it is drawn on the way down through ever smaller parts of its emitter as well.
 //!
 //! # Control variate
 //! How much a piece would bring is known exactly, F; a ray samples it, s, and tells whether it is visible, v. The sample is
