@@ -1,18 +1,24 @@
 # The commands that people and CI run. `make` alone lists them.
-.PHONY: help setup demo library install uninstall wheel test test-python test-mpi lint bench bench-error counters test-debian13 test-wheel
+.PHONY: help setup demo library install uninstall wheel test test-python test-shared lint doc bench bench-error counters test-debian13 test-wheel
 
 # Rust's own installer puts cargo there; a fresh shell may not have it in PATH yet.
 export PATH := $(PATH):$(HOME)/.cargo/bin
+
+# What is left out by default and can be built here: one build for all tests.
+comma := ,
+has_mpi := $(shell command -v mpicc)
+features := parquet$(if $(has_mpi),$(comma)mpi)
 
 help:
 	@echo 'make demo           set up, build, light the furnished room, leave a picture, a page and a report in out/'
 	@echo 'make library        set up, build the C library, the program, its man pages and completions'
 	@echo 'make install        install all of these: PREFIX=/usr/local, DESTDIR for packages; make uninstall takes them away'
 	@echo 'make wheel          set up, build the Python package: a wheel in target/python/wheels'
-	@echo 'make test           set up, run all tests'
+	@echo 'make test           set up, run all tests; those of several processes where MPI is (scripts/setup.sh mpi installs it)'
 	@echo 'make test-python    set up, build the wheel, install it in an environment of its own, run its tests alone'
-	@echo 'make test-mpi       set up with Open MPI, run the tests of several processes'
+	@echo 'make test-shared    set up, run the long tests on scenes by others in ../shared'
 	@echo 'make lint           formatting and clippy, warnings are errors'
+	@echo 'make doc            the documentation of the library, warnings are errors'
 	@echo 'make bench          run the benchmarks (minutes)'
 	@echo 'make bench-error    error against time, whether claims are true, and scenes made to be hard (some hours)'
 	@echo 'make counters       write anew what solves cost in rays, links and elements, after a change that is meant to move it'
@@ -50,23 +56,25 @@ uninstall:
 wheel: setup
 	scripts/wheel.sh build
 
-# With what is left out by default and builds everywhere: one build for all tests.
 test: setup
-	cargo test --locked --features parquet
+	cargo test --locked --features $(features)
 	scripts/wheel.sh test
+	@$(if $(has_mpi),,echo 'SKIPPED: no tests of several processes: no MPI with headers is here; scripts/setup.sh mpi installs it')
+
+# Long ones on scenes by others, which lie beside the repository.
+test-shared: setup
+	cargo test --locked --features $(features) --test held_back --test peers --test shared_scenes -- --ignored
 
 test-python: setup
 	scripts/wheel.sh test
 
-test-mpi:
-	@scripts/setup.sh mpi
-	cargo clippy --locked --features parquet,mpi --bins --test cli -- -D warnings
-	cargo test --locked --features parquet,mpi --test cli mpi::
-
 lint: setup
 	cargo fmt --all --check
-	cargo clippy --locked --all-targets --features parquet -- -D warnings
+	cargo clippy --locked --all-targets --features $(features) -- -D warnings
 	PYO3_BUILD_EXTENSION_MODULE=1 PYO3_NO_PYTHON=1 cargo clippy --locked -p patchlight-python -- -D warnings
+
+doc: setup
+	RUSTDOCFLAGS='-D warnings' cargo doc --locked --no-deps --features $(features)
 
 bench: setup
 	cargo bench --locked

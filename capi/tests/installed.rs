@@ -67,6 +67,41 @@ fn everything_is_installed_and_taken_away_again() {
     assert_eq!(find(), "");
 }
 
+/// The program is installed as the defaults build it, without MPI, whatever the tests at the top are built with.
+#[test]
+fn started_several_times_without_mpi_it_does_not_do_all_several_times() {
+    let installed = Installed::get();
+    let folder = installed.scratch("processes");
+    let of_two = |more: &[(&str, &str)]| {
+        let mut program = installed.program();
+        program.arg("solve").arg(top().join("scenes/cornell.obj")).args([
+            "--error",
+            "0.3",
+            "--progress",
+            "none",
+            "-o",
+            "s.solution",
+        ]);
+        program
+            .envs([("OMPI_COMM_WORLD_RANK", "0"), ("OMPI_COMM_WORLD_SIZE", "2")])
+            .envs(more.iter().copied())
+            .current_dir(&folder);
+        program
+    };
+    let files = || Vec::from_iter(fs::read_dir(&folder).unwrap().map(|file| file.unwrap().file_name()));
+
+    let output = of_two(&[]).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    for words in ["2 processes", "built without MPI", "--features mpi", "PATCHLIGHT_ALONE"] {
+        assert!(said.contains(words), "{said}");
+    }
+    assert!(files().is_empty());
+
+    run(&mut of_two(&[("PATCHLIGHT_ALONE", "1")]));
+    assert_eq!(files(), ["s.solution"]);
+}
+
 #[test]
 fn man_pages_and_completions_tell_of_the_program() {
     let share = Installed::get().prefix().join("share");

@@ -4,8 +4,6 @@ use std::fs;
 use std::process::{Command, Stdio};
 
 use super::Place;
-#[cfg(not(feature = "mpi"))]
-use super::Ran;
 
 #[test]
 fn sample_writes_values_beside_the_points() {
@@ -120,20 +118,4 @@ fn info_draws_what_it_finds() {
     ] {
         place.run(arguments).failed(2, words);
     }
-}
-
-#[cfg(not(feature = "mpi"))]
-#[test]
-fn started_several_times_without_mpi_it_does_not_do_all_several_times() {
-    let place = Place::new();
-    let run = |more: &[(&str, &str)]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_patchlight"));
-        command.args(["solve", "room.obj", "--error", "0.3", "-o", "s.solution"]).current_dir(place.path(""));
-        command.envs([("OMPI_COMM_WORLD_RANK", "0"), ("OMPI_COMM_WORLD_SIZE", "2")]).envs(more.iter().copied());
-        Ran::new(command.output().unwrap())
-    };
-    run(&[]).failed(2, &["2 processes", "built without MPI", "--features mpi", "PATCHLIGHT_ALONE"]);
-    assert!(place.new_files().is_empty());
-    run(&[("PATCHLIGHT_ALONE", "1")]).succeeded();
-    assert_eq!(place.new_files(), ["s.solution"]);
 }

@@ -37,7 +37,7 @@ fn built() -> PathBuf {
 
 /// The program, the libraries and the manual in one folder, as `make library` leaves them.
 fn gathered(into: &Path) {
-    // The libraries were built along with this test, the program and the example along with the tests at the top.
+    // The libraries were built along with this test. The program is the one of the default features, whatever others the tests are built with.
     let profile = if built().ends_with("release") { "release" } else { "test" };
     let mut cargo = Command::new(env!("CARGO"));
     cargo.current_dir(top()).args(["build", "--locked", "--quiet", "--profile", profile]);
