@@ -2,7 +2,7 @@
 //!
 //! Each emitter is cut into pieces that are small as seen from the place. A piece would bring its exact form factor times its
 //! exitance if nothing were in between; rays go to pieces in proportion to that, so no single ray weighs much, even a millimetre
-//! from an emitter. Where there are fewer rays than emitters, each ray first draws an emitter from the light tree, so its cost
+//! from an emitter. Of a piece that reaches below the horizon of the place rays go to what is above alone. Where there are fewer rays than emitters, each ray first draws an emitter from the light tree, so its cost
 //! hardly grows with their number; where a place has a single ray, it is drawn on the way down through ever smaller parts of its emitter as well.
 //!
 //! # Control variate
@@ -12,8 +12,12 @@
 //! v s + beta (F - s)
 //! ```
 //!
-//! with beta the part of the place's other rays that see emitters, which does not depend on this ray, so that there is no bias. Where nothing
-//! is occluded it is F, without noise; where everything is, it is 0.
+//! with beta the part of the place's rays that see emitters. Where nothing is occluded it is F, without noise; where everything is, it is 0.
+//!
+//! There is no bias if beta does not depend on the point that this ray goes to. Few rays take turns with two sequences of points, and beta is that of the
+//! other sequence. Many share one, which spreads those to a piece so evenly that the part that sees emitters hardly depends on where one of them
+//! went. This part includes the ray: without it beta would be smaller for a ray that sees an emitter than for one that does not, and places that an emitter
+//! stands half hidden from would come out wrong by a part that falls as slowly as one over the number of rays. A ray that goes to its piece alone is left out.
 
 use super::batch_sums::BatchSums;
 use super::emitters::{Emitters, brightest};
@@ -21,7 +25,7 @@ use super::light_tree::Draws;
 use super::place::Receives;
 use crate::direct::Receiver;
 use crate::form_factor::{kernel, point_to_polygon};
-use crate::geometry::{Facet, Part, for_each_piece, sampling, streams};
+use crate::geometry::{Clip, Facet, Part, clip_to_front, for_each_piece, sampling, streams};
 use crate::scene::{Emitter, SurfaceId};
 use crate::visibility::Segment;
 
@@ -30,6 +34,9 @@ const SMALL: f64 = 0.5;
 
 /// An emitter is cut so many times at most: pieces around a point a hundred-thousandth of the emitter away are small then.
 const MAX_SPLITS: u8 = 17;
+
+/// So many rays of a place are few: one sequence of points does not spread them evenly.
+const FEW_RAYS: u32 = 7;
 
 /// A piece of an emitter as seen from a place.
 struct EmitterPiece {
@@ -60,6 +67,8 @@ struct Drawn {
     sampled: f64,
     /// One over the expected number of rays to the piece.
     share: f64,
+    /// Whether no other ray of the place goes to the piece.
+    is_alone: bool,
 }
 
 /// The rays from some places to emitters, and the pieces that the last place sees; memory that is reused.
@@ -72,8 +81,34 @@ pub(super) struct EmitterRays {
     segments: Vec<Segment>,
     drawn: Vec<Drawn>,
     occluded: Vec<bool>,
-    /// By place: its rays, and those that see an emitter.
+    /// Sequences of points that the rays of a place share.
+    sequences: u32,
+    /// By place and sequence: rays, and those of them that see an emitter.
     seeing: Vec<[u32; 2]>,
+}
+
+impl EmitterRays {
+    /// Counts which rays see an emitter.
+    fn count_seeing(&mut self, places: usize) {
+        self.seeing.clear();
+        self.seeing.resize(places * self.sequences as usize, [0, 0]);
+        for (drawn, occluded) in self.drawn.iter().zip(&self.occluded) {
+            let [rays, seeing] = &mut self.seeing[drawn.place * self.sequences as usize + (drawn.ray % self.sequences) as usize];
+            *rays += 1;
+            *seeing += u32::from(!occluded);
+        }
+    }
+
+    /// The part of the place's rays that see an emitter, as far as this hardly depends on the point that one of them goes to, which `sees` it or not.
+    fn part_seeing(&self, drawn: &Drawn, sees: u32) -> f64 {
+        let of_place = &self.seeing[drawn.place * self.sequences as usize..][..self.sequences as usize];
+        let [rays, seeing] = match *of_place {
+            [[rays, seeing]] if drawn.is_alone => [rays - 1, seeing - sees],
+            [all] => all,
+            _ => of_place[((drawn.ray + 1) % self.sequences) as usize],
+        };
+        if rays > 0 { f64::from(seeing) / f64::from(rays) } else { 0.0 }
+    }
 }
 
 impl Emitters<'_> {
@@ -92,6 +127,7 @@ impl Emitters<'_> {
         }
         memory.segments.clear();
         memory.drawn.clear();
+        memory.sequences = if (2..=FEW_RAYS).contains(&count) { 2 } else { 1 };
         for (first, places) in places.chunks(together).enumerate().map(|(group, places)| (group * together, places)) {
             // Systematic sampling: numbers at even steps from a random start, dealt to the places in turn. `start` is the offset of
             // the first place, in steps.
@@ -110,18 +146,10 @@ impl Emitters<'_> {
         self.rays.occluded(&memory.segments, &mut memory.occluded);
 
         // How much each place sees, and by that the samples.
-        memory.seeing.clear();
-        memory.seeing.resize(places.len(), [0, 0]);
-        for (drawn, occluded) in memory.drawn.iter().zip(&memory.occluded) {
-            let [rays, seeing] = &mut memory.seeing[drawn.place];
-            *rays += 1;
-            *seeing += u32::from(!occluded);
-        }
+        memory.count_seeing(places.len());
         for (drawn, occluded) in memory.drawn.iter().zip(&memory.occluded) {
             let sees = u32::from(!occluded);
-            let [rays, seeing] = memory.seeing[drawn.place];
-            let beta = if rays > 1 { f64::from(seeing - sees) / f64::from(rays - 1) } else { 0.0 };
-            let visible = f64::from(sees) * drawn.sampled + beta * (drawn.form_factor - drawn.sampled);
+            let visible = f64::from(sees) * drawn.sampled + memory.part_seeing(drawn, sees) * (drawn.form_factor - drawn.sampled);
             let exitance = &self.scene.material_of(drawn.surface).exitance;
             for (h, e) in irradiance.in_turn(drawn.place, drawn.ray as usize).iter_mut().zip(exitance) {
                 *h += visible * drawn.share * e;
@@ -194,7 +222,7 @@ impl Emitters<'_> {
         numbers: impl Iterator<Item = (u32, f64)>,
         memory: &mut EmitterRays,
     ) {
-        let EmitterRays { pieces, segments, drawn, .. } = memory;
+        let EmitterRays { pieces, segments, drawn, sequences, .. } = memory;
         let &Receiver { point, normal, plane: from_plane, seed } = receiver;
         let total: f64 = pieces.iter().map(|piece| piece.unoccluded).sum();
         if total <= 0.0 {
@@ -210,16 +238,21 @@ impl Emitters<'_> {
                 continue;
             }
 
-            // The rays to this piece.
+            // The rays to what is above the horizon of this piece.
             let emitter = &self.emitters[piece.emitter];
             let to_plane = self.scene.surface(emitter.surface).plane;
             let whole = emitter.facet(self.scene);
             let facet = piece.part.as_ref().map_or(whole, |part| part.facet(whole.normal));
+            let above_horizon = clip_to_front(&facet, point, normal);
+            let facet = if let Clip::Part(part) = &above_horizon { part.facet() } else { facet };
             let of_emitter = sampling::hash(seed, streams::EMITTER_PIECES + u64::from(emitter.surface.0));
-            let sobol = sampling::shifted_sobol_2d(sampling::hash(of_emitter, number as u64));
+            let of_piece = sampling::hash(of_emitter, number as u64);
+            let sequence = |number: u32| sampling::shifted_sobol_2d(sampling::hash(of_piece, u64::from(number)));
+            let only = sequence(0);
             let own = std::iter::from_fn(|| wanted.next_if(is_in_share));
+            let first = drawn.len();
             for (sample, (ray, _)) in (0..).zip(own) {
-                let [u, v] = sobol(sample);
+                let [u, v] = if *sequences == 1 { only(sample) } else { sequence(ray % *sequences)(ray / *sequences) };
                 let y = facet.point_at(u, v);
                 let (from, to) = (point.to_array(), y.to_array());
                 segments.push(Segment { from, to, from_plane, to_plane });
@@ -230,7 +263,11 @@ impl Emitters<'_> {
                     form_factor: piece.form_factor,
                     sampled: facet.area * kernel(point, normal, y, facet.normal),
                     share: weight * total / piece.unoccluded,
+                    is_alone: sample == 0,
                 });
+            }
+            if drawn.len() > first + 1 {
+                drawn[first].is_alone = false;
             }
         }
     }
