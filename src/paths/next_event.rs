@@ -2,8 +2,9 @@
 //!
 //! Each emitter is cut into pieces that are small as seen from the place. A piece would bring its exact form factor times its
 //! exitance if nothing were in between; rays go to pieces in proportion to that, so no single ray weighs much, even a millimetre
-//! from an emitter. Of a piece that reaches below the horizon of the place rays go to what is above alone. Where there are fewer rays than emitters, each ray first draws an emitter from the light tree, so its cost
-//! hardly grows with their number; where a place has a single ray, it is drawn on the way down through ever smaller parts of its emitter as well.
+//! from an emitter. Of a piece that reaches below the horizon of the place rays go to what is above alone. Where there are fewer rays
+//! than emitters, each ray first draws an emitter from the light tree, so its cost hardly grows with their number; where a place
+//! has a single ray, it is drawn on the way down through ever smaller parts of its emitter as well.
 //!
 //! # Control variate
 //! How much a piece would bring is known exactly, F; a ray samples it, s, and tells whether it is visible, v. The sample is
@@ -81,7 +82,7 @@ pub(super) struct EmitterRays {
     segments: Vec<Segment>,
     drawn: Vec<Drawn>,
     occluded: Vec<bool>,
-    /// Sequences of points that the rays of a place share.
+    /// How many sequences of points the rays of a place take turns with.
     sequences: u32,
     /// By place and sequence: rays, and those of them that see an emitter.
     seeing: Vec<[u32; 2]>,
@@ -112,7 +113,8 @@ impl EmitterRays {
 }
 
 impl Emitters<'_> {
-    /// Adds the irradiance from all emitters at each place, by `count` rays from each; without bias for any number of rays. Each
+    /// Adds the irradiance from all emitters at each place, by `count` rays from each; without bias by up to [`FEW_RAYS`],
+    /// and by more with far less than their noise. Each
     /// `together` places in a row draw emitters as one place with all of their rays would.
     pub fn add_sampled_irradiance(
         &self,
@@ -238,7 +240,7 @@ impl Emitters<'_> {
                 continue;
             }
 
-            // The rays to what is above the horizon of this piece.
+            // The rays to what of this piece is above the horizon.
             let emitter = &self.emitters[piece.emitter];
             let to_plane = self.scene.surface(emitter.surface).plane;
             let whole = emitter.facet(self.scene);
