@@ -133,14 +133,22 @@ fn jobs_are_dealt_out_and_leave_the_bytes_of_one_process() {
 
 #[test]
 fn a_process_that_dies_ends_all_and_resume_goes_on() {
-    let place = Place::with_jobs(JOBS);
+    let place = Place::with_jobs(&JOBS.replace("P.csv", "P{seed}.csv"));
+    let points = place.read("P.csv");
+    (1..=4).for_each(|seed| fs::write(place.path(&format!("P{seed}.csv")), &points).unwrap());
     let expected = expected(&place);
+
+    // Jobs that wait for points that nobody writes: so all is not over before a process is killed.
+    const WAITING: usize = 2;
+    fs::remove_file(place.path("P4.csv")).unwrap();
+    assert!(Command::new("mkfifo").arg(place.path("P4.csv")).status().unwrap().success());
     let noted = |place: &Place| (0..3).map(|rank| place.noted(&format!("killed/jobs.{rank}-of-3.journal"))).sum::<usize>();
     let mut before = 0;
     for how in ["--anew", "--resume"] {
         let mut all = by_processes(&place, 3, &format!("batch jobs.toml -o killed {how}"));
         let mut all: Child = all.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        while noted(&place) <= before && all.try_wait().unwrap().is_none() {
+        while noted(&place) <= before && noted(&place) < COUNT - WAITING {
+            assert!(all.try_wait().unwrap().is_none(), "ended by itself");
             std::thread::sleep(Duration::from_millis(1));
         }
         // One of the processes, not mpirun.
@@ -149,6 +157,9 @@ fn a_process_that_dies_ends_all_and_resume_goes_on() {
         assert!(!all.wait().unwrap().success());
         before = noted(&place);
     }
+
+    fs::remove_file(place.path("P4.csv")).unwrap();
+    fs::write(place.path("P4.csv"), &points).unwrap();
     run_by(&place, 2, "batch jobs.toml -o killed --resume").succeeded();
     assert!(place.results("killed") == expected);
 }
