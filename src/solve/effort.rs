@@ -31,7 +31,7 @@ const AT: f64 = 0.02;
 
 /// The tolerance of links: the power that a pair may get wrong for the receiver's part of the area that is lit, as a part of the reflected
 /// power. Above 0; the first refinement takes it, the next ones what the error found says.
-const TOLERANCE_AT_2_PERCENT: f64 = 0.43;
+const TOLERANCE_AT_2_PERCENT: f64 = 0.22;
 
 /// The area of receivers for which tolerances are told, as a part of the lit area: any; the tolerance is in proportion to it.
 pub(super) const REFERENCE_AREA: f64 = 1e-3;
@@ -67,6 +67,10 @@ const MOST_FOR_BOUNCES: f64 = 4.0;
 /// Each replicate takes this part of the paths of each position; more, up to an eighth, where light is reflected often.
 const REPLICATES_PART: f64 = 0.0625;
 const MOST_REPLICATES_PART: f64 = 0.125;
+
+/// Over links, where few positions serve replicates alone, so many times that part: by less noise of cells more is saved at points.
+/// From 1 to 4 about as well.
+const REPLICATES_PART_OVER_LINKS: f64 = 2.0;
 
 /// Rays of a replicate at a point.
 const REPLICATE_RAYS_AT_2_PERCENT: f64 = 33.0;
@@ -118,6 +122,11 @@ impl Law {
     /// So many times the tolerance leaves the error times `factor`.
     pub fn tolerance_factor(factor: f64) -> f64 {
         factor.powf(2.0 / TOLERANCE_POWER)
+    }
+
+    /// So many times the tolerance leaves so much of the square of what links leave wrong.
+    pub fn left_by_links(tolerance_factor: f64) -> f64 {
+        tolerance_factor.powf(TOLERANCE_POWER)
     }
 
     /// So many times the tolerance at which few links leave an error `left` leave `wanted`.
@@ -182,7 +191,10 @@ impl Law {
     /// more slowly than the square of what cells make wrong must fall.
     pub fn replicate_part(&self, over_cells: bool) -> f64 {
         let of_values = (REPLICATES_PART * self.for_bounces()).min(MOST_REPLICATES_PART);
-        if over_cells { of_values } else { of_values * (AT / self.error).powf(2.0 - POSITIONS_POWER).max(1.0) }
+        if over_cells {
+            return of_values;
+        }
+        REPLICATES_PART_OVER_LINKS * of_values * (AT / self.error).powf(2.0 - POSITIONS_POWER).max(1.0)
     }
 
     /// Rays of a replicate at a point.

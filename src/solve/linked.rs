@@ -54,6 +54,8 @@ pub(super) struct Linked<'a> {
     pub reserved_bytes: u64,
     /// Until then links are made and leaves gathered anew, where there is a time limit: what is left of the time is for the error.
     links_until: Option<Instant>,
+    /// Rays that leaves have cast when they were gathered anew last.
+    pub cast_by_leaves: u64,
     /// The error that was claimed last.
     pub claimed: Option<f64>,
     pub report: SolveReport,
@@ -89,6 +91,7 @@ impl<'a> Linked<'a> {
             cluster_reflectance,
             reserved_bytes: 0,
             links_until: job.half_time(),
+            cast_by_leaves: 0,
             claimed: None,
             report,
         }
@@ -284,7 +287,8 @@ impl<'a> Linked<'a> {
             return;
         }
         let start = Instant::now();
-        let Job { scene, options, .. } = self.job;
+        let Job { scene, options, rays: all_rays, .. } = self.job;
+        let cast_before: u64 = all_rays.cast_by_all().iter().sum();
         // What lights bring is known as a mean over the leaf, which tells more than one point does.
         let gather = self.gather_with(RayBudget { rays, least_chance: 1.0, seed: options.seed }, LinkGather::without_lights);
         let channels = scene.channels();
@@ -316,6 +320,7 @@ impl<'a> Linked<'a> {
             },
         );
         share.exchange_chunks(&mut values, channels);
+        self.cast_by_leaves = all_rays.cast_by_all().iter().sum::<u64>() - cast_before;
         let mut change = self.radiosity.clone();
         for (value, &leaf) in values.chunks(channels).zip(&leaves) {
             change.of_mut(leaf).iter_mut().zip(value).for_each(|(old, new)| *old = new - *old);

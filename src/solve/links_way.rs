@@ -47,11 +47,11 @@ impl<'a> LinksWay<'a> {
 
     /// What may be done beside finding and knowing values better over the same links.
     fn instead(&self, error: &ErrorEstimate) -> Instead {
-        let (links, leaves) = (self.linked.links.len(), self.linked.leaves().count());
-        let over_links = || self.plan.work_over_links(links, leaves, refinement(&self.plan, error));
+        let Self { linked, plan, over_cells, .. } = self;
+        let refined = || plan.work_of_refining(linked.links.len(), linked.cast_by_leaves, refinement(plan, error));
         Instead {
-            refine: if self.plan.may_refine() { over_links() } else { f64::INFINITY },
-            take_cells: self.over_cells.as_ref().map_or(f64::INFINITY, Plan::work),
+            refine: if plan.may_refine() { refined() } else { f64::INFINITY },
+            take_cells: over_cells.as_ref().map_or(f64::INFINITY, |cells| cells.work() - plan.work_of_values()),
         }
     }
 }

@@ -30,11 +30,11 @@ const CHANCE_OF_CELLS: f64 = 0.5;
 /// Points may be so many times as many, and replicates have so many times the rays.
 const REPLICATE_FACTORS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 
-/// What may be done instead of what is foreseen here, by its predicted work in rays; infinite where that is no way.
+/// What may be done beside what is told by factors, by its predicted work in rays; infinite where that is no way.
 pub(super) struct Instead {
-    /// Links refined by [`refinement`].
+    /// Links refined by [`refinement`], without what is judged then.
     pub refine: f64,
-    /// All that values over cells take.
+    /// All that values over cells take beyond what those over links would take.
     pub take_cells: f64,
 }
 
@@ -65,18 +65,18 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64, in
 
     // The least work for its chance.
     let noise = if plan.has_found_cells_in_vain() { value_noise.max(error.measured) } else { value_noise };
-    let doubtful = Doubtful::new(error, noise, plan.over_cells);
+    let doubtful =
+        Doubtful { left_by_links: plan.left_by_links(refinement(plan, error)), ..Doubtful::new(error, noise, plan.over_cells) };
     let chance = |choice: &Choice| doubtful.chance(choice, requested);
-    let index = |choice: &Choice| plan.work_of(choice) / chance(choice);
-    let likely = choices(plan).filter(|choice| *choice != Choice::NOTHING && chance(choice) >= LEAST_CHANCE);
+    let work = |choice: &Choice| plan.work_of(choice) + if choice.refines { instead.refine } else { 0.0 };
+    let index = |choice: &Choice| work(choice) / chance(choice);
+    let likely = choices(plan, instead).filter(|choice| *choice != Choice::NOTHING && chance(choice) >= LEAST_CHANCE);
     let likely = likely.min_by(|a, b| index(a).total_cmp(&index(b)));
 
     // Where one step will not be enough, begin with what is worst; where that is links, refine them.
-    let better_links = instead.refine / doubtful.chance_of_refining(requested);
-    let over_cells = instead.take_cells / CHANCE_OF_CELLS;
     let choice = match likely {
-        Some(choice) if index(&choice) <= better_links.min(over_cells) => choice,
-        Some(_) => return refine_or_take_cells(plan, error, better_links, over_cells),
+        Some(choice) if index(&choice) <= instead.take_cells / CHANCE_OF_CELLS => choice,
+        Some(_) => return NextStep::TakeCells,
         None => {
             let worst = doubtful.worst(requested);
             let otherwise = Choice { finds_cells: plan.over_cells, ..Choice::NOTHING };
@@ -84,20 +84,23 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64, in
             if worst.keeps_values() && (is_dear || !plan.may_know_closer(&worst)) { otherwise } else { worst }
         }
     };
-    if choice == Choice::NOTHING || plan.work_of(&choice) > instead.take_cells {
-        return refine_or_take_cells(plan, error, instead.refine, instead.take_cells);
+    if choice == Choice::NOTHING || (likely.is_none() && plan.work_of(&choice) > instead.take_cells) {
+        return refine_or_take_cells(plan, error, instead);
     }
 
-    // Where values and what is known of them must both become better, what the chance gains most by comes first.
-    let known_alone = Choice { rays: 1.0, ..choice };
-    let tells_more = !choice.finds_cells && chance(&known_alone) > chance(&choice.of_values());
-    step_towards(plan, if tells_more { known_alone } else { choice })
+    // Where values and what is known of them must both become better, what is known comes first only if that alone may well do, and sooner.
+    let known_alone = Choice { rays: 1.0, refines: false, ..choice };
+    let may_do = chance(&known_alone) >= chance(&choice.of_values()).max(LEAST_CHANCE);
+    step_towards(plan, error, if may_do && !choice.finds_cells { known_alone } else { choice })
 }
 
 /// The next step towards a choice: replicates are added little by little, because each time may tell that it is enough, or will not do.
-fn step_towards(plan: &Plan, choice: Choice) -> NextStep {
+fn step_towards(plan: &Plan, error: &ErrorEstimate, choice: Choice) -> NextStep {
     if choice.keeps_values() {
         return if choice.replicate_rays > 1.0 { NextStep::MoreReplicateRays } else { NextStep::MorePoints };
+    }
+    if choice.refines {
+        return NextStep::Refine(refinement(plan, error));
     }
     if choice.finds_cells {
         return if plan.may_find_cells() { NextStep::FindCells(choice.rays) } else { NextStep::Exhausted };
@@ -106,8 +109,8 @@ fn step_towards(plan: &Plan, choice: Choice) -> NextStep {
 }
 
 /// The step to better links, or over to cells where that takes less.
-fn refine_or_take_cells(plan: &Plan, error: &ErrorEstimate, refine: f64, take_cells: f64) -> NextStep {
-    if take_cells < refine {
+fn refine_or_take_cells(plan: &Plan, error: &ErrorEstimate, instead: &Instead) -> NextStep {
+    if instead.take_cells < instead.refine {
         NextStep::TakeCells
     } else if plan.may_refine() {
         NextStep::Refine(refinement(plan, error))
@@ -122,8 +125,8 @@ pub(super) fn refinement(plan: &Plan, error: &ErrorEstimate) -> f64 {
     plan.tolerance_factor(1.0 / exceeded).clamp(MOST_REFINED, LEAST_REFINED)
 }
 
-/// What may be done that is foreseen; better links are not among it.
-fn choices(plan: &Plan) -> impl Iterator<Item = Choice> {
+/// What may be done that is foreseen.
+fn choices(plan: &Plan, instead: &Instead) -> impl Iterator<Item = Choice> {
     let (may_take_more_rays, may_find_cells) = (plan.may_take_more_rays(), plan.may_find_cells());
     let rays = RAY_FACTORS.into_iter().filter(move |&rays| rays == 1.0 || may_take_more_rays);
     let of_values = rays.flat_map(|rays| [false, true].map(|finds_cells| (rays, finds_cells)));
@@ -134,8 +137,10 @@ fn choices(plan: &Plan) -> impl Iterator<Item = Choice> {
         let rays = move || REPLICATE_FACTORS.into_iter().filter(move |&rays| rays <= most_rays);
         points.flat_map(move |points| rays().map(move |replicate_rays| (points, replicate_rays)))
     };
-    of_values.flat_map(move |(rays, finds_cells)| {
-        of_replicates().map(move |(points, replicate_rays)| Choice { rays, finds_cells, points, replicate_rays })
+    let of_values = of_values.map(|(rays, finds_cells)| Choice { rays, finds_cells, ..Choice::NOTHING });
+    let refined = instead.refine.is_finite().then_some(Choice { refines: true, ..Choice::NOTHING });
+    of_values.chain(refined).flat_map(move |of_values| {
+        of_replicates().map(move |(points, replicate_rays)| Choice { points, replicate_rays, ..of_values })
     })
 }
 
@@ -147,13 +152,15 @@ struct Doubtful<'a> {
     other_sq: f64,
     /// Whether values end in cells, or replicates alone.
     has_cells: bool,
+    /// The part of what is off values beside their noise that refined links leave.
+    left_by_links: f64,
 }
 
 impl<'a> Doubtful<'a> {
     /// The error is not below the noise of values, which is known better.
     fn new(error: &'a ErrorEstimate, value_noise: f64, has_cells: bool) -> Self {
         let noise_sq = value_noise.powi(2);
-        Self { error, noise_sq, other_sq: (error.measured.powi(2) - noise_sq).max(0.0), has_cells }
+        Self { error, noise_sq, other_sq: (error.measured.powi(2) - noise_sq).max(0.0), has_cells, left_by_links: 1.0 }
     }
 
     /// Whether replicates have much in common, beyond what may be chance of their noise at points.
@@ -187,7 +194,11 @@ impl<'a> Doubtful<'a> {
 
     /// The part of what is off values beside their noise that a choice leaves.
     fn left(&self, choice: &Choice) -> f64 {
-        if self.has_cells && choice.finds_cells { left_by_finer_cells() } else { 1.0 }
+        match choice {
+            Choice { refines: true, .. } => self.left_by_links,
+            Choice { finds_cells: true, .. } if self.has_cells => left_by_finer_cells(),
+            _ => 1.0,
+        }
     }
 
     /// The variances of the measured square by noise of the replicates' rays, and by the scatter of points, after a choice.
@@ -238,13 +249,6 @@ impl<'a> Doubtful<'a> {
         let room = largest_sq_for_claim(requested, then.all()) - self.square_after(choice);
         chance_of_room(room, of_rays + of_common + of_points + of_noise)
     }
-
-    /// The same where links are refined as the error says.
-    fn chance_of_refining(&self, requested: f64) -> f64 {
-        let aimed = self.noise_sq + self.other_sq.min((AIM * requested).powi(2));
-        let doubts = self.error.doubts.all();
-        chance_of_room(largest_sq_for_claim(requested, doubts) - aimed, doubts.deviation.powi(2))
-    }
 }
 
 /// The chance that a normal number of this variance is no larger than so.
@@ -277,6 +281,13 @@ mod tests {
         let coarse = Doubtful::new(&error, 0.0, true);
         assert_eq!(coarse.square_after(&rays), coarse.square_after(&Choice::NOTHING));
         assert!((coarse.square_after(&cells) / (4e-4 * left_by_finer_cells()) - 1.0).abs() < 1e-12);
+
+        // Refined links leave no less noise, and cells of replicates change nothing of values over links.
+        let refined = Choice { refines: true, ..Choice::NOTHING };
+        let [noisy, coarse] = [0.02, 0.0].map(|noise| Doubtful { left_by_links: 0.3, ..Doubtful::new(&error, noise, false) });
+        assert_eq!(noisy.square_after(&refined), noisy.square_after(&Choice::NOTHING));
+        assert!((coarse.square_after(&refined) / (0.3 * 4e-4) - 1.0).abs() < 1e-12);
+        assert_eq!(coarse.square_after(&cells), coarse.square_after(&Choice::NOTHING));
     }
 
     #[test]

@@ -37,6 +37,8 @@ pub(super) struct Choice {
     pub rays: f64,
     /// Cells found anew, with more rays.
     pub finds_cells: bool,
+    /// Links refined.
+    pub refines: bool,
     /// So many times the points.
     pub points: f64,
     /// So many times the rays of each replicate.
@@ -44,7 +46,7 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    pub const NOTHING: Self = Self { rays: 1.0, finds_cells: false, points: 1.0, replicate_rays: 1.0 };
+    pub const NOTHING: Self = Self { rays: 1.0, finds_cells: false, refines: false, points: 1.0, replicate_rays: 1.0 };
 
     /// The part of it that makes values better.
     pub fn of_values(&self) -> Self {
@@ -53,6 +55,6 @@ impl Choice {
 
     /// Whether values stay as they are.
     pub fn keeps_values(&self) -> bool {
-        self.rays == 1.0 && !self.finds_cells
+        self.rays == 1.0 && !self.finds_cells && !self.refines
     }
 }

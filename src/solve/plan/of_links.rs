@@ -27,6 +27,14 @@ impl Plan {
         }
     }
 
+    /// So many times the tolerance leaves so much of the square of the error.
+    pub fn left_by_links(&self, tolerance_factor: f64) -> f64 {
+        match self.options.strategy {
+            Strategy::Default => Law::left_by_links(tolerance_factor),
+            _ => tolerance_factor.powf(2.0 / TOLERANCE_OF_PAPERS_POWER),
+        }
+    }
+
     /// The tolerance of links, in units of the scale.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
