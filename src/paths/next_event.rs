@@ -37,7 +37,7 @@ const SMALL: f64 = 0.5;
 const MAX_SPLITS: u8 = 17;
 
 /// So many rays of a place are few: one sequence of points does not spread them evenly.
-const FEW_RAYS: u32 = 7;
+const FEW_RAYS: u32 = 15;
 
 /// A piece of an emitter as seen from a place.
 struct EmitterPiece {
@@ -113,9 +113,8 @@ impl EmitterRays {
 }
 
 impl Emitters<'_> {
-    /// Adds the irradiance from all emitters at each place, by `count` rays from each; without bias by up to [`FEW_RAYS`],
-    /// and by more with far less than their noise. Each
-    /// `together` places in a row draw emitters as one place with all of their rays would.
+    /// Adds the irradiance from all emitters at each place, by `count` rays from each; without bias by up to [`FEW_RAYS`], and by more with far less
+    /// than their noise. Each `together` places in a row draw emitters as one place with all of their rays would.
     pub fn add_sampled_irradiance(
         &self,
         places: &[impl Receives],
