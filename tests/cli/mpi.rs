@@ -151,9 +151,11 @@ fn a_process_that_dies_ends_all_and_resume_goes_on() {
             assert!(all.try_wait().unwrap().is_none(), "ended by itself");
             std::thread::sleep(Duration::from_millis(1));
         }
-        // One of the processes, not mpirun.
-        let kill = format!("kill -KILL $(ps -o pid= --ppid {} | tail -n 1)", all.id());
-        assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+        // One of the processes, not mpirun, once there is one.
+        let kill = format!("pid=$(ps -o pid= --ppid {} | tail -n 1) && [ \"$pid\" ] && kill -KILL $pid", all.id());
+        while !Command::new("sh").args(["-c", &kill]).status().unwrap().success() {
+            assert!(all.try_wait().unwrap().is_none(), "ended by itself");
+        }
         assert!(!all.wait().unwrap().success());
         before = noted(&place);
     }
