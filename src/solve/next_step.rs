@@ -75,7 +75,7 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64, in
     let likely = likely.min_by(|a, b| index(a).total_cmp(&index(b)));
 
     // Where one step will not be enough, begin with what is worst; where that is links, refine them.
-    let choice = match likely {
+    let mut choice = match likely {
         Some(choice) if index(&choice) <= OVER_CELLS_IN_ALL * instead.take_cells => choice,
         Some(_) => return NextStep::TakeCells,
         None => {
@@ -87,6 +87,10 @@ pub(super) fn next_step(plan: &Plan, error: &ErrorEstimate, value_noise: f64, in
     };
     if choice == Choice::NOTHING || (likely.is_none() && plan.work_of(&choice) > instead.take_cells) {
         return refine_or_take_cells(plan, error, instead);
+    }
+
+    if plan.has_found_cells() {
+        choice = choice.once_judged();
     }
 
     // Where values and what is known of them must both become better, what is known comes first only if that alone may well do, and sooner.

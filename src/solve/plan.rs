@@ -30,6 +30,8 @@ pub(super) struct Plan {
     /// The square of the error that is left without that noise, and as it was before cells were found anew for as many rays.
     other_sq: f64,
     other_sq_before: Option<f64>,
+    /// Whether cells were found anew since values changed otherwise.
+    has_found_cells: bool,
     /// Whether rays were fitted to the scene.
     is_fitted: bool,
     /// Times that links were refined, or cells found anew.
@@ -129,6 +131,7 @@ impl Plan {
             value_noise: None,
             other_sq: 0.0,
             other_sq_before: None,
+            has_found_cells: false,
             is_fitted: false,
             refinements: 0,
             estimates: 0,
@@ -277,6 +280,11 @@ impl Plan {
         noise
     }
 
+    /// Whether cells were found anew, and values did not change otherwise since.
+    pub fn has_found_cells(&self) -> bool {
+        self.has_found_cells
+    }
+
     /// Whether finer cells took less than half of what the law says: then rays make the error that are so rare that values have hardly met them, and their
     /// noise does not show.
     pub fn has_found_cells_in_vain(&self) -> bool {
@@ -332,6 +340,7 @@ impl Plan {
     pub fn apply(&mut self, step: NextStep) {
         if step.changes_values() {
             self.value_noise = None;
+            self.has_found_cells = matches!(step, NextStep::FindCells(_));
             self.other_sq_before = (step == NextStep::FindCells(1.0)).then_some(self.other_sq);
         }
         match step {
