@@ -173,7 +173,7 @@ mod tests {
         assert!(coarser[2].is_infinite());
 
         // Hardly lit, all of that together has a quarter of the cells that the lit square has.
-        let reflected = [3.0, 3e-6, 3e-9];
+        let reflected = [3.0, 3e-12, 6e-12];
         let coarser = Brightness::of_surfaces(&scene, |surface| reflected[surface.index()]).coarser;
         let cells = (1.0 + 1e8) / coarser[2];
         assert!(coarser[1] == coarser[2] && (cells / 0.25 - 1.0).abs() < 0.01, "{coarser:?}");
