@@ -31,8 +31,8 @@ pub(crate) struct Reflector {
 const DIM: f64 = 16.0;
 
 /// All that is lit, if it were dim, would have at least this part of the cells that are where light is. The light that is known when cells are made may
-/// be much less than what comes to a room through a slit, and values are asked for there as well. From a 16th to a half of it takes about as long in rooms
-/// without, and much less than none where there are such.
+/// be much less than what comes to a room through a hole, and values are asked for there as well. From a 16th to a half of it takes about as long in rooms
+/// without, and much less than no limit behind a hole.
 const DIM_PART: f64 = 0.25;
 
 /// How bright surfaces are by what they reflect: where rays are aimed besides emitters, where cells may be coarse, and where they are fine.
